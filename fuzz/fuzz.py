@@ -209,7 +209,7 @@ def seeds() -> dict[str, dict[str, bytes]]:
 
     import weftex
     from weftex.io.pictures import write_image
-    from weftex.planes.writing import recipe_of
+    from weftex.planes.definition import define
 
     pixels = np.arange(8 * 9 * 3, dtype=np.uint8).reshape(8, 9, 3)
     found: dict[str, dict[str, bytes]] = {name: {} for name in TARGETS}
@@ -226,9 +226,7 @@ def seeds() -> dict[str, dict[str, bytes]]:
         hole = np.indices((8, 9)).sum(0) == 8
         weftex.fill(pixels, hole, method="wei-levoy", seed=1).save(file)
         found["saved"]["hole"] = unpacked(file)
-        recipe_of(
-            weftex.Exemplar(pixels), weftex.PatchSampling(patch_size=5), (64, 64), seed=1
-        ).save(str(file))
+        define(pixels, 64, weftex.PatchSampling(patch_size=5), {}, seed=1).save(str(file))
         found["plane"]["plane"] = unpacked(file)
     line = f"{'a' * 32} 0 0 1 123 456"
     found["journal"] = {

@@ -46,7 +46,7 @@ LEVELS = [
 ]
 LEVEL = {room: level for level, rooms in enumerate(reversed(LEVELS)) for room in rooms}
 #: Rooms that use the library by its public names.
-GUESTS = ("studio",)
+GUESTS = ("studio", "planes", "pages")
 MOST_METHOD_ROOMS = 14
 #: Strings that read like modules: the group of entry points by which packages add methods.
 NO_MODULES = {("registry", "weftex.methods")}

@@ -24,7 +24,7 @@ from pathlib import Path
 from PIL import Image
 
 import weftex
-from weftex.planes.opened import open_plane
+from weftex.planes import open_plane
 
 DOCS = Path(__file__).resolve().parents[2] / "docs"
 _ACROSS = 1100  # pixels of a row, in which the next picture finds no place
@@ -75,7 +75,7 @@ def pictures_of(file: str) -> Iterator[Image.Image]:
 def zooms(file: str) -> Iterator[Image.Image]:
     """The middle of a plane, from near, from further away and from far."""
     plane = open_plane(file)
-    (store,) = plane.job.stores.values()
+    (store,) = plane.stores.values()
     for level in (0, 2, 3):
         height, width = store.layout.shape(level)
         size = (min(height, _VIEW[0]), min(width, _VIEW[1]))

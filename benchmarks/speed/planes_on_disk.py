@@ -209,14 +209,16 @@ def null(args: argparse.Namespace, folder: Path) -> None:
 
     import weftex
     from weftex.planes import cluster as module
-    from weftex.planes.job import Job
+    from weftex.planes.definition import define
+    from weftex.planes.plane_file import PlaneFile
     from weftex.planes.record import Record
-    from weftex.planes.writing import recipe_of
     from weftex.progress import Progress
 
     module.make_block = planes.no_block
     method = weftex.BestTile(lattice=(20, 0, 0, 20))
-    recipe = recipe_of(weftex.load_exemplar("sample:bricks"), method, 64, seed=1, block=64)
+    plane = PlaneFile(
+        define("sample:bricks", 64, method, {}, seed=1, block=64), str(folder / "p.tif")
+    )
     steps = Progress(None, args.blocks, "blocks", lambda: None)
     with contextlib.ExitStack() as stack:
         dask, address = scheduler(stack)
@@ -224,8 +226,7 @@ def null(args: argparse.Namespace, folder: Path) -> None:
             dask("worker", address, "--nthreads", 1, "--no-nanny")
         client = stack.enter_context(module.connected(address))
         client.wait_for_workers(2)
-        job = Job(recipe, str(folder / "p.tif"))
-        run, record = module.Workers(client, job), Record(job.target)
+        run, record = module.in_cluster(client, plane), Record(plane.path)
         for count in (200, args.blocks):
             start = time.perf_counter()
             busy = time.process_time()
@@ -236,7 +237,7 @@ def null(args: argparse.Namespace, folder: Path) -> None:
         print(f"{args.blocks} blocks of no work: {took:.2f} ms each, {busy:.2f} ms of this process")
 
 
-def no_block(packed: bytes, run: str, place: tuple[int, int, int], wanted: dict[str, str]) -> None:
+def no_block(packed: bytes, run: str, place: tuple[int, int, int], version: str) -> None:
     """A task that does nothing."""
 
 

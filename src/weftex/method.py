@@ -185,15 +185,15 @@ class Model(ABC):
         >>> bool((model.window(2**39 + 9, 3, 40, 50, seed=7).image == far[9:49, 10:60]).all())
         True
         """
+        if "known" not in self.method.supports:
+            self.method.require_kind("random_access")
+        self.require(A_BLOCK)
         canvas = Canvas(height, width, origin=(top, left))
         asked = Asked(seed_number(seed), as_period(period), thread_count(threads))
         return self.make_window(box_of(*canvas.origin, *canvas.shape), asked, progress)
 
     def make_window(self, box: Box, asked: Asked, progress: Any = None) -> Synthesis:
         """Make what `window` asks for, in a way of the method's own or as here: by blocks."""
-        if "known" not in self.method.supports:
-            self.method.require_kind("random_access")
-        self.require(A_BLOCK)
         from weftex.endless.plane import make_window  # threads and futures: only when needed
 
         return make_window(self, box, asked, self.method.describe(), progress)

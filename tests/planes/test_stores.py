@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import sys
-from fractions import Fraction
 from pathlib import Path
 
 import numpy as np
@@ -12,15 +11,15 @@ import pytest
 import tifffile
 
 from families import noise
+from weftex.cli.planes import parse_part
 from weftex.errors import FileError, InvalidInputError
 from weftex.io.pictures import read_image
-from weftex.planes.archive import is_archive, read_archive
+from weftex.planes import packing
 from weftex.planes.files import open_stores
-from weftex.planes.layout import Layout, blocks_below, check_block, halved, part_of, places
+from weftex.planes.layout import Layout, check_block
 from weftex.planes.locks import locked
 from weftex.planes.owned import remove, sweep
-from weftex.planes.record import Record, Run, parse_part
-from weftex.planes.store import check_sum
+from weftex.planes.record import Record, Run
 from weftex.raster.mixing import Kind, Mixing
 
 KINDS = [("uint8", 3, False), ("uint16", 4, True), ("float32", 0, False), ("uint8", 0, False)]
@@ -28,21 +27,20 @@ KINDS = [("uint8", 3, False), ("uint16", 4, True), ("float32", 0, False), ("uint
 
 def written(path, shape, dtype, channels, alpha, block=64):
     """A store whose blocks were written from the last to the first, and the pixels of level 0."""
-    layout = Layout(*shape, block, dtype, channels, alpha, icc=b"profile" * 3)
-    (store,) = open_stores(str(path), {"color": layout}).values()
+    layout = Layout(*shape, block, dtype, channels, alpha, Mixing(Kind.MEAN), b"profile" * 3)
+    (store,) = open_stores(str(path), {"color": layout}, {}, {}).values()
     pixels = noise((*shape, *[channels] * (channels > 0)), dtype=np.dtype(dtype).type)
     store.create()
     assert not store.flaws()
     whole = {0: pixels}
     for level in range(1, store.levels):
-        whole[level] = halved(whole[level - 1], layout.mixing)
-    for place in reversed([*places(layout, 1)]):
+        whole[level] = layout.mixing.halved(whole[level - 1])
+    for place in reversed([*layout.places(0)]):
         top, left, height, width = layout.window(place)
         store.write(place, pixels[top : top + height, left : left + width])
-    for place in places(layout, store.levels):
-        if place[0]:
-            windows = {one: layout.window(one) for one in blocks_below(layout, place)}
-            sums = {one: check_sum(store.read(one[0], window)) for one, window in windows.items()}
+    for level in range(1, store.levels):
+        for place in layout.places(level):
+            sums = {one: store.sum_of(one) for one in layout.below(place)}
             store.write(place, store.reduced(place, sums))
     return store, whole
 
@@ -103,7 +101,7 @@ def test_other_readers_of_zarr(tmp_path, monkeypatch):
 
 def test_black_blocks_are_written_too(tmp_path):
     pytest.importorskip("zarr")
-    (store,) = open_stores(str(tmp_path / "a.zarr"), {"a": Layout(64, 64, 64, "uint8")}).values()
+    (store,) = open_stores(str(tmp_path / "a.zarr"), {"a": Layout(64, 64, 64)}, {}, {}).values()
     store.create()
     store.write((0, 0, 0), np.zeros((64, 64), np.uint8))
     assert (tmp_path / "a.zarr" / "0" / "c" / "0" / "0").exists()
@@ -120,30 +118,18 @@ def test_deep_zoom_is_what_viewers_expect(tmp_path):
 
 def test_halved():
     clear = np.array([[[9, 0], [90, 255]], [[9, 0], [9, 0]]], np.uint8)
-    assert halved(clear, Mixing(Kind.ALPHA)).tolist() == [[[90, 64]]]
+    assert Mixing(Kind.ALPHA).halved(clear).tolist() == [[[90, 64]]]
     up = np.array([[[255, 128, 128], [128, 128, 255]]], np.uint8)
-    x, y, z = halved(up, Mixing(Kind.VECTORS))[0, 0] / 127.5 - 1
+    x, y, z = Mixing(Kind.VECTORS).halved(up)[0, 0] / 127.5 - 1
     assert abs(np.linalg.norm([x, y, z]) - 1) < 0.01 and x == pytest.approx(z)
     labels = np.array([[1, 2], [3, 3]], np.uint8)
-    assert halved(labels, Mixing(Kind.LABELS)).tolist() == [[1]]
-
-
-def test_sizes_of_maps():
-    base = Layout(1000, 600, 64, "uint8")
-    about = {"dtype": "uint16", "channels": 3}
-    twice, half = (base.scaled(Fraction(k), about, "n") for k in (2, Fraction(1, 2)))
-    assert (twice.shape(0), twice.block) == ((2000, 1200), 128)
-    for level in range(4):
-        assert base.grid(level) == twice.grid(level) == half.grid(level)
-    for scale in (3, Fraction(1, 3), Fraction(1, 16)):
-        with pytest.raises(InvalidInputError, match="maps of a plane have 1, 2, 4 or 1/2"):
-            base.scaled(Fraction(scale), about, "n")
+    assert Mixing(Kind.LABELS).halved(labels).tolist() == [[1]]
 
 
 def test_parts_are_the_whole():
-    layout = Layout(1000, 600, 64, "uint8")
-    parts = [list(part_of(layout, k, 7)) for k in range(1, 8)]
-    assert [place for part in parts for place in part] == list(places(layout, 1))
+    layout = Layout(1000, 600, 64)
+    parts = [list(layout.places(0, (k, 7))) for k in range(1, 8)]
+    assert [place for part in parts for place in part] == list(layout.places(0))
     assert {len(part) for part in parts} <= {22, 23}
 
 
@@ -278,12 +264,12 @@ def test_locks_of_one_process(tmp_path):
 
 def test_archives_of_others(tmp_path):
     np.savez(tmp_path / "a.npz", about=np.array(json.dumps({"format": 1})))
-    assert not is_archive(str(tmp_path / "a.npz"))
+    assert not packing.is_saved(str(tmp_path / "a.npz"))
     with pytest.raises(FileError, match="does not exist"):
-        read_archive(str(tmp_path / "b.npz"))
+        packing.load(str(tmp_path / "b.npz"))
 
 
 def test_a_missing_library(tmp_path, monkeypatch):
     monkeypatch.setitem(sys.modules, "zarr", None)
     with pytest.raises(InvalidInputError, match=r"pip install 'weftex\[zarr\]'"):
-        open_stores(str(tmp_path / "a.zarr"), {"a": Layout(64, 64, 64, "uint8")})
+        open_stores(str(tmp_path / "a.zarr"), {"a": Layout(64, 64, 64)}, {}, {})

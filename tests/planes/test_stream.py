@@ -12,12 +12,12 @@ import weftex
 from commands import listing
 from families import noise
 from weftex.errors import CancelledError, FileError, InvalidInputError
-from weftex.planes.definition import Definition
-from weftex.planes.job import Job, in_words
-from weftex.planes.opened import open_plane
+from weftex.planes import check, open_plane
+from weftex.planes.definition import Definition, define
+from weftex.planes.plane_file import PlaneFile
 from weftex.planes.record import Record
 from weftex.planes.tiff import TiffStore
-from weftex.planes.writing import recipe_of, write_plane
+from weftex.planes.writing import in_words, write_plane
 
 SIZE = (300, 333)
 TILE = weftex.BestTile(lattice=(20, 0, 0, 20))
@@ -59,8 +59,7 @@ def test_threads_and_a_second_run(sample, whole, tmp_path):
     weftex.stream(sample, tmp_path / "p.tif", SIZE, threads=3, **HOW)
     again = weftex.stream(sample, tmp_path / "p.tif", SIZE, **HOW | {"seed": None})
     assert (again.blocks, again.made) == (39, 0) and plain(tmp_path) == whole
-    plane = open_plane(tmp_path / "p.tif")
-    assert not [*plane.job.damaged(plane.done)] and not [*plane.job.lost(plane.done)]
+    assert check(tmp_path / "p.tif", read=True).definition.seed == 4
 
 
 def test_a_run_that_was_cut_off_goes_on(sample, whole, tmp_path):
@@ -78,13 +77,15 @@ def test_a_run_that_was_cut_off_goes_on(sample, whole, tmp_path):
 
 def test_parts_are_the_whole(sample, whole, tmp_path):
     target = str(tmp_path / "p.tif")
-    recipe = recipe_of(sample, TILE, SIZE, seed=4, block=64)
-    made = [write_plane(Job(recipe, target, (k, 3))).made for k in (3, 1, 1)]
+    made_of = define(sample, SIZE, TILE, {}, seed=4, block=64)
+    made = [write_plane(PlaneFile(made_of, target, (k, 3))).made for k in (3, 1, 1)]
     assert made == [10, 10, 0]
-    assert open_plane(target).parts() == {"2/3": 10}
-    assert write_plane(Job(recipe, target, (2, 3))).made == 10
-    assert open_plane(target).parts() == {} and open_plane(target).missing() == 9
-    assert write_plane(Job(recipe, target)).made == 9
+    with pytest.raises(FileError, match=r"10 blocks are missing; parts .* 2/3 \(10 blocks\)"):
+        check(target)
+    assert write_plane(PlaneFile(made_of, target, (2, 3))).made == 10
+    with pytest.raises(FileError, match="only smaller versions are missing"):
+        check(target)
+    assert write_plane(PlaneFile(made_of, target)).made == 9
     assert plain(tmp_path) == whole
 
 
@@ -103,7 +104,7 @@ def test_other_runs_are_refused(sample, tmp_path):
         weftex.stream(noise((60, 64, 3)), target, 100, **HOW)
     assert listing(tmp_path) == before
     weftex.stream(sample, target, 100, restart=True, **HOW | {"seed": 5})
-    assert open_plane(target).recipe.seed == 5
+    assert open_plane(target).definition.seed == 5
 
 
 def test_other_files_are_kept(sample, tmp_path):
@@ -151,9 +152,8 @@ def test_recipes_on_disk(sample, tmp_path):
     copies = weftex.turned(plain, "4")
     patches = weftex.Quilting(patch_size=20)
     for weights, method in ((plain, TILE), (plain, patches), (copies, patches)):
-        recipe = recipe_of(
-            weights, method, SIZE, seed=4, tileable="x" if method is not TILE else False
-        )
+        axes = "x" if method is not TILE else False
+        recipe = define(weights, SIZE, method, {}, seed=4, tileable=axes)
         recipe.save(str(tmp_path / "r.npz"))
         found = Definition.load(str(tmp_path / "r.npz"))
         assert found.about == recipe.about and found.method == method
@@ -169,7 +169,7 @@ def test_auto_is_the_method_that_it_names(tmp_path):
     model = weftex.Auto().fit("sample:bricks")
     expected = model.window(0, 0, 70, 90, seed=1).image
     assert (weftex.read_image(tmp_path / "a.tif").pixels == expected).all()
-    recipe = open_plane(tmp_path / "a.tif").recipe
+    recipe = open_plane(tmp_path / "a.tif").definition
     assert recipe.method.slug == "near-regular" and "lattice" in recipe.reason
 
 
@@ -205,9 +205,9 @@ def test_sizes_in_words():
 
 
 def test_a_record_is_held_by_one(sample, tmp_path):
-    recipe = recipe_of(sample, TILE, SIZE, seed=4, block=64)
+    made_of = define(sample, SIZE, TILE, {}, seed=4, block=64)
     with (
         Record(str(tmp_path / "p.tif")).held(),
         pytest.raises(FileError, match="another process makes it"),
     ):
-        write_plane(Job(recipe, str(tmp_path / "p.tif")))
+        write_plane(PlaneFile(made_of, str(tmp_path / "p.tif")))

@@ -35,9 +35,9 @@ def read(path: str, args: argparse.Namespace, maps: dict[str, str] | None = None
 def refuse_plane(path: str) -> None:
     """Raise `InvalidInputError` where a picture is read whole, and a plane is given."""
     from weftex.planes.files import ALWAYS
-    from weftex.planes.record import is_plane
+    from weftex.planes.record import Record
 
-    if is_plane(path) or path.endswith(ALWAYS):
+    if Record(path).begun() or path.endswith(ALWAYS):
         raise InvalidInputError(
             f"{path} is written block by block, and may be larger than memory: only replay, report "
             "and check work on it. One that repeats is made so: weftex synth --tileable"

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from contextlib import ExitStack
+from functools import partial
 from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
@@ -11,8 +12,7 @@ from weftex.canvas import MAX_PIXELS
 from weftex.cli.files import axes_of
 from weftex.cli.terminal import say
 from weftex.errors import InvalidInputError
-from weftex.io.formats import suffix_of
-from weftex.planes.files import ALWAYS, SUFFIXES
+from weftex.planes.files import ALWAYS, SUFFIXES, check_target, suffix_of
 
 if TYPE_CHECKING:
     import argparse
@@ -60,13 +60,7 @@ def takes_any_size(output: str) -> bool:
 
 
 def wants_plane(args: argparse.Namespace, size: tuple[int, int] | None) -> bool:
-    """Whether a run writes block by block.
-
-    Raises
-    ------
-    InvalidInputError
-        If an option asks for that, and the output is of another kind.
-    """
+    """Whether a run writes block by block; raises if an option asks for that in vain."""
     suffix = suffix_of(args.output)
     if suffix in ALWAYS:
         return True
@@ -93,15 +87,8 @@ def _given(args: argparse.Namespace) -> list[str]:
 
 
 def check_options(args: argparse.Namespace) -> None:
-    """Refuse options that make no sense for a plane, before anything is read.
-
-    Raises
-    ------
-    InvalidInputError
-    """
-    from weftex.planes.files import check_target
+    """Refuse options that make no sense for a plane, before anything is read."""
     from weftex.planes.layout import check_block
-    from weftex.planes.record import parse_part
 
     for name, why in _WHOLE.items():
         if getattr(args, name, None):
@@ -127,6 +114,19 @@ def check_options(args: argparse.Namespace) -> None:
     check_target(args.output)
 
 
+def parse_part(text: str) -> tuple[int, int]:
+    """Return number and count of 'K/N'."""
+    from weftex.planes.record import MOST_PARTS
+
+    number, slash, count = text.partition("/")
+    if slash and number.isdecimal() and count.isdecimal():
+        if 1 <= int(number) <= int(count) <= MOST_PARTS:
+            return int(number), int(count)
+    raise InvalidInputError(
+        f"--part is '{text}'; it must be K/N with K from 1 to N, N up to {MOST_PARTS}"
+    )
+
+
 def stems_of(args: argparse.Namespace, material: Material) -> dict[str, str]:
     """What the files of a set's maps are called, where --names says so."""
     if args.names is None:
@@ -141,7 +141,7 @@ def stems_of(args: argparse.Namespace, material: Material) -> dict[str, str]:
     return {name: file_stem(args.names, own, role) for name, role in material.roles.items()}
 
 
-def recipe_for(
+def definition_for(
     args: argparse.Namespace,
     exemplar: Exemplar,
     stems: dict[str, str],
@@ -149,64 +149,68 @@ def recipe_for(
     size: tuple[int, int],
 ) -> Definition:
     """What `weftex synth` makes a plane of."""
-    from weftex.planes.definition import BLOCK
-    from weftex.planes.record import Record
-    from weftex.planes.writing import recipe_of
+    from weftex.planes.definition import BLOCK, define
+    from weftex.planes.writing import seed_of_run
 
     seed = args.seed
-    if seed is None and (args.restart or not Record(args.output).exists()):
+    if seed is None and not args.restart:
+        seed = seed_of_run(args.output)
+    if seed is None:
         seed = int.from_bytes(os.urandom(4), "little")  # short enough to be typed again
-    about: dict[str, Any] = {"seed": seed, "tileable": axes_of(args)}
-    about |= {"block": BLOCK if args.block is None else args.block, "stems": stems}
-    return recipe_of(exemplar, method, size, args.output, **about)
+    how: dict[str, Any] = {"seed": seed, "tileable": axes_of(args), "stems": stems}
+    return define(exemplar, size, method, {}, block=args.block or BLOCK, **how)
 
 
 def write(
-    args: argparse.Namespace, recipe: Definition, bar: Bar, outputs: Outputs, start: float
+    args: argparse.Namespace, definition: Definition, bar: Bar, outputs: Outputs, start: float
 ) -> str:
     """Write a plane, and return the line about it."""
-    from weftex.planes.job import Job, done_before, in_words, most_bytes
-    from weftex.planes.writing import write_plane
+    from weftex.planes.beginning import done_before
+    from weftex.planes.plane_file import PlaneFile
+    from weftex.planes.writing import in_words, most_bytes, write_plane
 
-    job = Job(recipe, args.output, args.part)
-    left = job.left(done_before(job, restart=args.restart))
+    plane = PlaneFile(definition, args.output, args.part)
+    left = plane.missing(done_before(plane, restart=args.restart))
+    part = "part {}/{} of ".format(*args.part) if args.part else ""
     if not args.quiet:
-        what = f"part {args.part[0]} of {args.part[1]}, " if args.part else ""
         say(
-            f"{args.output} is written block by block: {what}{left} of {job.count} blocks "
-            f"are left, up to {in_words(most_bytes(job, left))}"
+            f"{part}{args.output} is written block by block: {left} of {plane.count} blocks "
+            f"are left, up to {in_words(most_bytes(plane, left))}"
         )
     bar.left = "blocks that are done are kept; the same command continues"
     how: dict[str, Any] = {"restart": args.restart, "progress": bar}
     how |= {"threads": getattr(args, "threads", None), "check_disk": not args.allow_huge}
     with ExitStack() as stack:
         if args.workers is not None:
-            from weftex.planes.worker_processes import WorkerProcesses
+            from weftex.planes.runners import block_maker, in_processes
+            from weftex.processes import Workers
 
-            how["runner"] = workers = stack.enter_context(WorkerProcesses(job, args.workers))
+            workers = stack.enter_context(Workers(block_maker, plane))
+            how["runner"] = partial(in_processes, workers, args.workers)
             bar.at_stop(workers.end)
         elif args.cluster is not None:
-            from weftex.planes.cluster import Workers, connected
+            from weftex.planes.cluster import connected, in_cluster
 
-            how["runner"] = Workers(stack.enter_context(connected(args.cluster)), job)
-        written = write_plane(job, **how)
+            how["runner"] = in_cluster(stack.enter_context(connected(args.cluster)), plane)
+        written = write_plane(plane, **how)
     if getattr(args, "save_source", None) is not None:
-        recipe.save(outputs.add(args.save_source))
+        definition.save(outputs.add(args.save_source))
     took = perf_counter() - start
     speed = f" ({written.pixels / took / 1e6:.3g} megapixels/s)" if written.pixels else ""
-    size = f"{recipe.width}x{recipe.height}"
-    line = f"made {size} {args.output} with {recipe.method.slug}, seed {recipe.seed}, "
-    if args.part:
-        line = f"made part {args.part[0]}/{args.part[1]} of {line.removeprefix('made ')}"
-    line += f"{written.made} blocks in {took:.2f} s{speed}"
+    line = (
+        f"made {part}{definition.width}x{definition.height} {args.output} with "
+        f"{definition.method.slug}, seed {definition.seed}, {written.made} blocks in "
+        f"{took:.2f} s{speed}"
+    )
     if args.part:
         line += "\nwhen all parts are there, the same command without --part makes what is left"
-    return (f"auto: {recipe.reason}\n" if recipe.reason else "") + line
+    return (f"auto: {definition.reason}\n" if definition.reason else "") + line
 
 
-def recipe_of_replay(args: argparse.Namespace, materials: list[Material]) -> Definition:
+def definition_of_replay(args: argparse.Namespace, materials: list[Material]) -> Definition:
     """What `weftex replay` makes of a plane, or of what --save-source kept of one."""
     from weftex.planes.definition import Definition
+    from weftex.planes.plane_file import open_plane
     from weftex.planes.record import Record
 
     if len(materials) > 1:
@@ -218,15 +222,14 @@ def recipe_of_replay(args: argparse.Namespace, materials: list[Material]) -> Def
             f"{args.output}: a plane is replayed block by block, to {', '.join(SUFFIXES)}"
         )
     check_options(args)
-    record = Record(args.source)
-    run = record.current()
-    found = Definition.load(record.recipe, run.name) if run else Definition.load(args.source)
+    begun = Record(args.source).begun()
+    found = open_plane(args.source).definition if begun else Definition.load(args.source)
     return found.replayed(materials[0].maps, stems_of(args, materials[0]), args.block)
 
 
 def is_source(path: str) -> bool:
     """Whether a path is that of a plane, or of what --save-source kept of one."""
-    from weftex.planes.archive import is_archive
-    from weftex.planes.record import is_plane
+    from weftex.planes.packing import is_saved
+    from weftex.planes.record import Record
 
-    return is_plane(path) or is_archive(path)
+    return Record(path).begun() is not None or is_saved(path)

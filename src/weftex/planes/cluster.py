@@ -11,22 +11,24 @@ from __future__ import annotations
 import logging
 import os
 import pickle
-import sys
 import warnings
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
-from functools import cache, lru_cache
+from dataclasses import replace
+from functools import lru_cache
 from time import monotonic, sleep
 from typing import TYPE_CHECKING, Any
 
+import weftex
 from weftex.errors import FileError, InvalidInputError, WeftexError
-from weftex.planes.job import Job
-from weftex.planes.record import Record
-from weftex.planes.worker_processes import writer_name
+from weftex.planes.runners import block_maker
+from weftex.planes.store import KEPT
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator
-
     from weftex.planes.layout import Place
+    from weftex.planes.plane_file import PlaneFile
+    from weftex.planes.record import Record
+    from weftex.planes.runners import Runner
     from weftex.progress import Progress
 
 _AHEAD = 4  # tasks a thread of the workers that the scheduler knows
@@ -34,7 +36,7 @@ _LEAST_AHEAD = 16
 _TRIES = 10  # workers that may die while they make one block
 _PATIENCE = "10s"  # for the scheduler's answer
 _POLL, _LOOK = 0.02, 2.0  # seconds
-_GONE = "the scheduler is gone; blocks that are done are kept, and the same command continues"
+_GONE = f"the scheduler is gone; {KEPT}"
 
 
 @contextmanager
@@ -57,124 +59,76 @@ def connected(address: str) -> Iterator[Any]:
         yield client
 
 
-class Workers:
-    """Makes blocks on the workers of a scheduler; call it with the blocks of one level.
+def in_cluster(client: Any, plane: PlaneFile) -> Runner:
+    """Return what makes blocks on the workers of a scheduler."""
+    from distributed import as_completed
+    from distributed.scheduler import KilledWorker
 
-    Parameters
-    ----------
-    client : distributed.Client
-    job : Job
+    shared = pickle.dumps(replace(plane, path=os.path.abspath(plane.path)))
+    # Sent once; workers get it from each other. Scattered data would be lost with the workers that
+    # have it, the result of a task is made again.
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # that a sample is large
+        packed = client.submit(_held, shared, pure=False)
+    ahead = _tasks_ahead(client)
 
-    Raises
-    ------
-    InvalidInputError
-        If a worker has another version, or none, of weftex.
-    """
-
-    def __init__(self, client: Any, job: Job) -> None:
-        self._client = client
-        target = os.path.abspath(job.target)
-        job = Job(job.recipe, target, job.part)
-        self._versions, self._threads, self._look_again = versions(), 0, 0.0
-        self._check_workers()
-        # Sent once; workers get it from each other. Scattered data would be lost with the workers
-        # that have it, the result of a task is made again.
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")  # that a sample is large
-            self._job = client.submit(_held, pickle.dumps(job), pure=False)
-
-    def __call__(self, record: Record, level: Iterable[Place], steps: Progress) -> Iterator[Place]:
-        """Yield the blocks as they are done; `steps` is asked to go on while none is."""
-        from distributed import as_completed as futures_as_completed
-        from distributed.scheduler import KilledWorker
-
+    def run(record: Record, level: Iterable[Place], steps: Progress) -> Iterator[Place]:
         waiting = iter(level)
         tries: dict[Place, int] = {}
         running: dict[Any, Place] = {}
-        as_completed: Any = futures_as_completed
-        ended = as_completed(loop=self._client.loop)
+        done: Any = as_completed(loop=client.loop)  # type: ignore[no-untyped-call]
 
         def submit(place: Place) -> None:
             tries[place] = tries.get(place, 0) + 1
-            work = (self._job, record.run, place, self._versions)
-            future = self._client.submit(make_block, *work, pure=False)
+            work = (packed, record.run, place, weftex.__version__)
+            future = client.submit(make_block, *work, pure=False)
             running[future] = place
-            ended.add(future)
-
-        def refill() -> None:
-            while len(running) < self._ahead():
-                place = next(waiting, None)
-                if place is None:
-                    return
-                submit(place)
+            done.add(future)
 
         try:
-            refill()
-            while running:
-                future = self._next(ended, steps)
+            while True:
+                while len(running) < ahead() and (place := next(waiting, None)):
+                    submit(place)
+                if not running:
+                    return
+                while not done.has_ready():  # whoever waits may cancel meanwhile
+                    if client.status not in ("running", "connecting"):
+                        raise FileError(_GONE)
+                    steps.advance(0)
+                    sleep(_POLL)
+                future = next(done)
                 place = running.pop(future)
                 # Whether it ended is known to the scheduler, its result only to a worker.
                 error = None if future.status == "finished" else future.exception()
-                if isinstance(error, KilledWorker) and tries[place] < _TRIES:
+                if isinstance(error, KilledWorker):
+                    if tries[place] == _TRIES:
+                        raise FileError(
+                            f"the block {place} was given up: workers that make it die; do they "
+                            "have enough memory?"
+                        )
                     submit(place)
                     continue
-                if isinstance(error, KilledWorker):
-                    raise FileError(
-                        f"the block {place} was given up: workers that make it die; do they have "
-                        "enough memory?"
-                    )
                 if isinstance(error, WeftexError):
                     raise error
-                if error is not None or future.status != "finished":
+                if future.status != "finished":
                     raise FileError(f"the block {place} failed: {error or _GONE}")
-                tries.pop(place)
-                refill()
+                del tries[place]
                 yield place
         finally:
-            self._client.cancel(list(running))
+            client.cancel(list(running))
 
-    def _next(self, ended: Any, steps: Progress) -> Any:
-        """The next future that ends; whoever waits may cancel meanwhile."""
-        while not ended.has_ready():
-            if self._client.status not in ("running", "connecting"):
-                raise FileError(_GONE)
-            steps.advance(0)
-            sleep(_POLL)
-        return next(ended)
-
-    def _ahead(self) -> int:
-        """How many tasks the scheduler is to know, by the workers of a moment ago."""
-        if monotonic() > self._look_again:
-            info = self._client.scheduler_info(n_workers=-1)["workers"]
-            self._threads = sum(worker["nthreads"] for worker in info.values())
-            self._look_again = monotonic() + _LOOK
-        return max(_LEAST_AHEAD, _AHEAD * self._threads)
-
-    def _check_workers(self) -> None:
-        try:
-            found = self._client.run(versions, on_error="return")
-        except Exception as error:
-            raise FileError(f"the workers do not answer: {error}") from None
-        for worker, told in found.items():
-            if isinstance(told, BaseException):
-                raise InvalidInputError(f"worker {worker} cannot load weftex: {told}")
-            refuse_versions(worker, told, self._versions)
+    return run
 
 
-@cache
-def versions() -> dict[str, str]:
-    """Return the versions that bytes may depend on."""
-    return {"weftex": sys.modules["weftex"].__version__}
+def _tasks_ahead(client: Any) -> Callable[[], int]:
+    """How many tasks the scheduler is to know, by the workers of a moment ago."""
 
+    @lru_cache(maxsize=1)
+    def threads(_moment: int) -> int:
+        info = client.scheduler_info(n_workers=-1)["workers"]
+        return sum(worker["nthreads"] for worker in info.values())
 
-def refuse_versions(worker: str, found: dict[str, str], wanted: dict[str, str]) -> None:
-    """Raise `InvalidInputError` if a worker has other versions."""
-    for name, here in wanted.items():
-        if found.get(name) != here:
-            raise InvalidInputError(
-                f"worker {worker} has {name} {found.get(name)}, this process {here}; they must be "
-                "equal, or the bytes may not be"
-            )
+    return lambda: max(_LEAST_AHEAD, _AHEAD * threads(int(monotonic() / _LOOK)))
 
 
 def _held(packed: bytes) -> bytes:
@@ -183,36 +137,27 @@ def _held(packed: bytes) -> bytes:
 
 
 @lru_cache(maxsize=2)
-def _opened(packed: bytes) -> Job:
-    """The job, whose model is fitted once for all blocks of a worker."""
-    job: Job = pickle.loads(packed)
-    return job
+def _opened(packed: bytes) -> tuple[PlaneFile, Callable[[tuple[str, Place]], None]]:
+    """The plane, whose model is fitted once for all blocks of a worker, and what makes blocks."""
+    plane: PlaneFile = pickle.loads(packed)
+    return plane, block_maker(plane)
 
 
-def make_block(packed: bytes, run: str, place: Place, wanted: dict[str, str]) -> None:
-    """Make a block of a run on a worker.
-
-    Raises
-    ------
-    FileError
-        If the worker does not see the store.
-    InvalidInputError
-        If it has another version of weftex.
-    """
+def make_block(packed: bytes, run: str, place: Place, version: str) -> None:
+    """Make a block of a run on a worker; raises if that does not see the files, or is another."""
     from distributed import get_worker
 
-    refuse_versions(get_worker().address, versions(), wanted)
-    job = _opened(packed)
-    for store in job.stores.values():
+    worker = f"worker {get_worker().address}"
+    if version != weftex.__version__:
+        raise InvalidInputError(
+            f"{worker} has weftex {weftex.__version__}, this process {version}; they must be "
+            "equal, or the bytes may not be"
+        )
+    plane, make = _opened(packed)
+    for store in plane.stores.values():
         if not os.path.exists(store.path):
             raise FileError(
-                f"worker {get_worker().address} does not see {store.path}; all machines need the "
-                "same folder under the same path"
+                f"{worker} does not see {store.path}; all machines need the same folder under the "
+                "same path"
             )
-    job.make(_record(job.target, run), place, threads=1)
-
-
-@lru_cache(maxsize=2)
-def _record(target: str, run: str) -> Record:
-    """The record of a run, which reads the journals once a level."""
-    return Record(target, writer=writer_name(), run=run)
+    make((run, place))

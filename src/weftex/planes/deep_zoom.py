@@ -11,12 +11,11 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 
 from weftex.errors import InvalidInputError
-from weftex.io.formats import FORMATS, show
 from weftex.io.pictures import read_image, write_image
 from weftex.planes.store import Piece, Store, synced
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator
+    from collections.abc import Iterator
 
     from numpy.typing import NDArray
 
@@ -40,76 +39,63 @@ class DeepZoomStore(Store):
         """Refuse pixels that PNG does not hold."""
         layout = self.layout
         colors = max(layout.channels, 1) - layout.alpha
-        if not FORMATS[".png"].holds(layout.dtype, colors, layout.alpha):
+        if layout.dtype == "float32" or colors not in (1, 3):
             raise InvalidInputError(
-                f"{show(self.path)}: '.dzi' is of PNG tiles, which do not hold {layout.dtype} "
+                f"{self.path}: '.dzi' is of PNG tiles, which do not hold {layout.dtype} "
                 f"pixels of {colors} channels; use .zarr or .tif"
             )
 
     def frame(self) -> Iterator[Piece]:
         """Give the file about the tiles."""
         layout = self.layout
-        sizes = {"tile": layout.tile, "width": layout.width, "height": layout.height}
-        data = _TEXT.format(**sizes).encode()
+        data = _TEXT.format(tile=layout.tile, width=layout.width, height=layout.height).encode()
         yield Piece(self.path, 0, data, len(data))
 
-    def files(self, place: Place) -> Iterable[str]:
+    def files(self, place: Place) -> list[str]:
         """Give the tiles of a block."""
-        return (self._tile(place[0], *corner) for corner in self._corners(place))
+        return [path for path, *_ in self._tiles(place[0], self.layout.window(place))]
 
     def put(self, place: Place, pixels: NDArray[Any]) -> None:
         """Write the tiles of a block."""
-        layout, tile = self.layout, self.layout.tile
-        top, left, *_ = layout.window(place)
-        os.makedirs(self._folder(place[0]), exist_ok=True)
-        for row, column in self._corners(place):
-            y, x = row * tile - top, column * tile - left
-            part = pixels[y : y + tile, x : x + tile]
-            path = self._tile(place[0], row, column)
-            write_image(path, part, alpha=layout.alpha, icc=layout.icc)
+        window = self.layout.window(place)
+        for path, rows, columns, *_ in self._tiles(place[0], window):
+            os.makedirs(os.path.dirname(path), exist_ok=True)
+            part = pixels[rows, columns]
+            write_image(path, part, alpha=self.layout.alpha, icc=self.layout.icc)
             synced(path)
 
     def get(self, level: int, window: Window) -> NDArray[Any]:
         """Read the tiles that a window touches."""
-        top, left, height, width = window
-        bands, tile = self.layout.channels, self.layout.tile
-        out = np.empty((height, width, *[bands] * (bands > 0)), self.layout.dtype)
-        for y in range(top // tile * tile, top + height, tile):
-            for x in range(left // tile * tile, left + width, tile):
-                part = read_image(self._tile(level, y // tile, x // tile)).pixels
-                part = part[max(top - y, 0) :, max(left - x, 0) :]
-                part = part[: top + height - max(y, top), : left + width - max(x, left)]
-                at = max(y - top, 0), max(x - left, 0)
-                out[at[0] : at[0] + part.shape[0], at[1] : at[1] + part.shape[1]] = part.reshape(
-                    *part.shape[:2], *out.shape[2:]
-                )
+        out = np.empty((*window[2:], *self.layout.axes), self.layout.dtype)
+        for path, rows, columns, y, x in self._tiles(level, window):
+            part, place = read_image(path).pixels, out[rows, columns]
+            part = part[y : y + len(place), x : x + place.shape[1]]
+            place[:] = part.reshape(place.shape)
         return out
+
+    def _tiles(self, level: int, window: Window) -> Iterator[tuple[str, slice, slice, int, int]]:
+        """The tiles that a window touches: path, rows and columns in it, first ones in the tile."""
+        top, left, height, width = window
+        tile = self.layout.tile
+        folder = os.path.join(self._folder, str(self.levels - 1 - level))  # from the smallest one
+        for row in range(top // tile, -(-(top + height) // tile)):
+            for column in range(left // tile, -(-(left + width) // tile)):
+                y, x = row * tile - top, column * tile - left
+                rows = slice(max(y, 0), min(y + tile, height))
+                columns = slice(max(x, 0), min(x + tile, width))
+                path = os.path.join(folder, f"{column}_{row}.png")
+                yield path, rows, columns, max(-y, 0), max(-x, 0)
 
     @property
     def roots(self) -> tuple[str, ...]:
         """The file and the folder of tiles."""
-        return (self.path, self._tiles)
+        return (self.path, self._folder)
 
     @property
-    def grid(self) -> tuple[int, int, int, int]:
-        """A file holds a tile."""
-        return (*super().grid[:3], self.layout.tile)
-
-    def _corners(self, place: Place) -> Iterator[tuple[int, int]]:
-        """Row and column of each tile of a block."""
-        tile = self.layout.tile
-        top, left, height, width = self.layout.window(place)
-        for row in range(top // tile, -(-(top + height) // tile)):
-            for column in range(left // tile, -(-(left + width) // tile)):
-                yield row, column
+    def grid(self) -> list[int]:
+        """As of others, but that a file holds a tile."""
+        return [*super().grid[:3], self.layout.tile]
 
     @property
-    def _tiles(self) -> str:
+    def _folder(self) -> str:
         return os.path.splitext(self.path)[0] + "_files"
-
-    def _folder(self, level: int) -> str:
-        """Levels count from the smallest one."""
-        return os.path.join(self._tiles, str(self.levels - 1 - level))
-
-    def _tile(self, level: int, row: int, column: int) -> str:
-        return os.path.join(self._folder(level), f"{column}_{row}.png")

@@ -6,7 +6,6 @@ import os
 from typing import TYPE_CHECKING, Any
 
 from weftex.errors import FileError
-from weftex.io.formats import show, suffix_of
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -20,37 +19,37 @@ ALWAYS = (".zarr", ".dzi")
 SUFFIXES = (*ALWAYS, ".tif", ".tiff")
 
 
+def suffix_of(target: str) -> str:
+    """The suffix in lower case, with its dot."""
+    return os.path.splitext(target)[1].lower()
+
+
 def open_stores(
-    target: str,
-    layouts: Mapping[str, Layout],
-    stems: Mapping[str, str] | None = None,
-    about: Mapping[str, Any] | None = None,
+    target: str, layouts: Mapping[str, Layout], stems: Mapping[str, str], about: Mapping[str, Any]
 ) -> dict[str, Store]:
     """Return a store for each layout, by the names of maps.
 
     One picture goes to `target`; of several each has a group in a Zarr, or a file beside it, which
     `stems` may name. `about` says what made the pixels.
     """
-    stem, suffix = os.path.splitext(target)[0], suffix_of(target)
-    kind = _kind(suffix)
-    if len(layouts) == 1:
-        return {name: kind(target, layout, about) for name, layout in layouts.items()}
+    suffix, kind = suffix_of(target), _kind(target)
+    stem, given = os.path.splitext(target)
     found = {}
     for name, layout in layouts.items():
-        file = stems[name] if stems else f"{os.path.basename(stem)}_{name}"
-        path = os.path.join(os.path.dirname(target), file + os.path.splitext(target)[1])
+        file = stems.get(name) or f"{os.path.basename(stem)}_{name}"
+        path = os.path.join(os.path.dirname(target), file + given)
         path = os.path.join(target, name) if suffix == ".zarr" else path
-        found[name] = kind(path, layout, about)
+        found[name] = kind(target if len(layouts) == 1 else path, layout, about)
     return found
 
 
-def _kind(suffix: str) -> type[Store]:
+def _kind(target: str) -> type[Store]:
     """The format, of which no other is loaded."""
-    if suffix == ".zarr":
+    if suffix_of(target) == ".zarr":
         from weftex.planes.ome_zarr import ZarrStore
 
         return ZarrStore
-    if suffix == ".dzi":
+    if suffix_of(target) == ".dzi":
         from weftex.planes.deep_zoom import DeepZoomStore
 
         return DeepZoomStore
@@ -60,19 +59,13 @@ def _kind(suffix: str) -> type[Store]:
 
 
 def check_target(target: str) -> None:
-    """Refuse a path that cannot become a plane, before any work.
-
-    Raises
-    ------
-    FileError
-        If its suffix is another, or its folder is missing or read-only.
-    """
-    suffix, folder = suffix_of(target), os.path.dirname(os.path.abspath(target))
-    if suffix not in SUFFIXES:
+    """Raise `FileError` for a path that cannot become a plane, before any work."""
+    folder = os.path.dirname(os.path.abspath(target))
+    if suffix_of(target) not in SUFFIXES:
         raise FileError(
-            f"{show(target)}: planes are written to {', '.join(SUFFIXES)}, not '{suffix}'"
+            f"{target}: planes are written to {', '.join(SUFFIXES)}, not '{suffix_of(target)}'"
         )
     if not os.path.isdir(folder):
-        raise FileError(f"{show(target)}: the folder {show(folder)} does not exist")
+        raise FileError(f"{target}: the folder {folder} does not exist")
     if not os.access(folder, os.W_OK | os.X_OK):
-        raise FileError(f"{show(target)}: the folder {show(folder)} is read-only")
+        raise FileError(f"{target}: the folder {folder} is read-only")

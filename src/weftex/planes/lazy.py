@@ -2,20 +2,21 @@
 
 from __future__ import annotations
 
+import hashlib
+import json
 from typing import TYPE_CHECKING, Any
 
 from weftex.errors import InvalidInputError, did_you_mean, shown
-from weftex.loading import load_exemplar
-from weftex.planes.writing import recipe_of
-from weftex.tasks.method_names import AUTO, make_method
+from weftex.planes.definition import define
+from weftex.tasks.method_names import AUTO
 
 if TYPE_CHECKING:
+    import numpy as np
     from numpy.typing import NDArray
 
+    from weftex import Method
     from weftex.loading import Sample
-    from weftex.method import Method
     from weftex.planes.definition import Definition
-    from weftex.random import Seed
 
 _BLOCK = 1024
 _MOST_BLOCKS = 10**6  # along a side
@@ -26,7 +27,7 @@ def plane(
     size: int | tuple[int, int],
     *,
     method: str | Method = AUTO,
-    seed: Seed = None,
+    seed: int | np.random.Generator | None = None,
     tileable: bool | str = False,
     block: int = _BLOCK,
     show: str | None = None,
@@ -77,33 +78,33 @@ def plane(
         raise InvalidInputError(
             "a lazy plane needs the extra dask: pip install 'weftex[dask]'"
         ) from None
-    chosen, exemplar = make_method(method, parameters), load_exemplar(sample)
-    recipe = recipe_of(exemplar, chosen, size, seed=seed, tileable=tileable, block=block)
-    name = next(iter(recipe.pictures)) if show is None else show
-    if name not in recipe.pictures:
-        near = did_you_mean(name, recipe.pictures)
+    made = define(sample, size, method, parameters, seed=seed, tileable=tileable, block=block)
+    name = next(iter(made.pictures)) if show is None else show
+    if name not in made.pictures:
+        near = did_you_mean(name, made.pictures)
         raise InvalidInputError(f"show is '{name}'; the sample has no such map{near}")
-    layout = recipe.layouts[name]
+    layout = made.layouts[name]
     if max(layout.grid(0)) > _MOST_BLOCKS:
         raise InvalidInputError(
             f"size is {shown(size)}, more than {_MOST_BLOCKS} blocks along a side; Dask lists all "
             "of them, so make the block larger"
         )
-    whole = (layout.height, layout.width, *[layout.channels] * (layout.channels > 0))
-    sides = (layout.block, layout.block, *whole[2:])
     array: Any = dask.array
+    digest = hashlib.sha256(json.dumps(made.about, sort_keys=True).encode()).hexdigest()
     return array.map_blocks(
         _block,
-        chunks=array.core.normalize_chunks(sides, whole),
+        chunks=array.core.normalize_chunks(
+            (layout.block, layout.block, *layout.axes), (layout.height, layout.width, *layout.axes)
+        ),
         dtype=layout.dtype,
-        meta=recipe.pictures[name].pixels[:0].astype(layout.dtype),
-        name=f"weftex-{name}-{recipe.digest[:24]}",
-        recipe=delayed(recipe, pure=True, traverse=False),
+        meta=made.pictures[name].pixels[:0].astype(layout.dtype),
+        name=f"weftex-{name}-{digest[:24]}",
+        made=delayed(made, pure=True, traverse=False),
         show=name,
     )
 
 
-def _block(recipe: Definition, show: str, block_id: tuple[int, ...] = ()) -> NDArray[Any]:
+def _block(made: Definition, show: str, block_id: tuple[int, ...] = ()) -> NDArray[Any]:
     """Make a chunk."""
-    window = recipe.base.window((0, block_id[0], block_id[1]))
-    return recipe.render(window, threads=1, only=show)[show]
+    window = made.base.window((0, block_id[0], block_id[1]))
+    return made.render(window, threads=1, only=show)[show]

@@ -13,48 +13,38 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-_WHOLE = 2**20  # numbers of locks
+#: Numbers of locks that a file has.
+COUNT = 2**20
 _POLL = 0.02  # seconds
 
-#: Lock files of this process, which the system does not hold against itself.
-_held: set[str] = set()
+#: For each lock file: who of the threads has it. The system holds no lock against its own process,
+#: and closing a file ends all locks that the process has on it.
+_threads: dict[str, threading.Lock] = {}
 #: Lock files that threads of this process share: how many, and what to close at the end.
 _shared: dict[str, tuple[int, ExitStack]] = {}
-_guard, _share_guard = threading.Lock(), threading.Lock()
+_share_guard = threading.Lock()
 
 
 @contextmanager
-def locked(path: str, first: int = 0, count: int = _WHOLE, *, wait: bool = False) -> Iterator[bool]:
-    """Hold some numbers of a lock file while the block runs; False if somebody has one of them.
+def locked(path: str, first: int = 0, count: int = COUNT, *, wait: bool = False) -> Iterator[bool]:
+    """Hold some numbers of a lock file, all by default, while the block runs.
 
-    Parameters
-    ----------
-    path : str
-        The file, which is made if it is missing.
-    first, count : int
-        Bytes of the file, all by default: who holds some of them shuts out those that want any of
-        them.
-    wait : bool
-        Until they are free.
+    False if somebody has one of them, unless it is to `wait`.
     """
-    key = os.path.realpath(path)
-    while not _claimed(key):  # to close the file a second time would end the lock
-        if not wait:
-            yield False
-            return
-        time.sleep(_POLL)
+    thread = _threads.setdefault(os.path.realpath(path), threading.Lock())
+    if not thread.acquire(blocking=wait):
+        yield False
+        return
     try:
         number = _opened(path, first, count, wait)
-        if number is None:
-            yield False
-            return
         try:
-            yield True
+            yield number is not None
         finally:
-            _unlock(number, first, count)
-            os.close(number)
+            if number is not None:
+                _unlock(number, first, count)
+                os.close(number)
     finally:
-        _held.discard(key)
+        thread.release()
 
 
 @contextmanager
@@ -64,7 +54,7 @@ def shared(path: str) -> Iterator[None]:
     with _share_guard:
         users, stack = _shared.get(key) or (0, ExitStack())
         if not users:  # a number of its own, so that others share the file
-            stack.enter_context(locked(path, random.randrange(_WHOLE), 1, wait=True))
+            stack.enter_context(locked(path, random.randrange(COUNT), 1, wait=True))
         _shared[key] = users + 1, stack
     try:
         yield
@@ -75,14 +65,6 @@ def shared(path: str) -> Iterator[None]:
                 _shared[key] = users - 1, stack
             else:
                 stack.close()
-
-
-def _claimed(key: str) -> bool:
-    """Whether no other thread of this process holds the file; it is this one's then."""
-    with _guard:
-        free = key not in _held
-        _held.add(key)
-        return free
 
 
 def _opened(path: str, first: int, count: int, wait: bool) -> int | None:
@@ -107,11 +89,6 @@ def _is_there(path: str, number: int) -> bool:
         return os.path.samestat(os.stat(path), os.fstat(number))
     except FileNotFoundError:
         return False
-
-
-def all_from(first: int) -> int:
-    """Return the number of locks from one on."""
-    return _WHOLE - first
 
 
 if sys.platform == "win32":

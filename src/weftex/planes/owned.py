@@ -26,19 +26,16 @@ def remove(root: str, grid: Sequence[int] | None = None) -> None:
 
     Files of blocks are removed if they lie in the `grid` of `Store.grid`. Links are kept.
     """
-    if os.path.islink(root):
-        return
-    if not os.path.isdir(root):
+    if os.path.isdir(root) and not os.path.islink(root):
+        _walk(root, grid, of_store=True)
+    elif not os.path.islink(root):
         with suppress(FileNotFoundError):
             os.unlink(root)
-    else:
-        _walk(root, grid, of_store=True)
 
 
 def sweep(root: str) -> None:
-    """Remove temporary files that nobody writes any more."""
-    if os.path.isdir(root):
-        _walk(root, None, of_store=False)
+    """Remove temporary files that nobody writes any more; a file has none."""
+    _walk(root, None, of_store=False)
 
 
 def is_stale(name: str) -> bool:
@@ -55,7 +52,7 @@ def _is_of(grid: Sequence[int] | None, path: str, tiles: bool) -> bool:
     level, row, column = (int(one or 0) for one in file.groups())
     if tiles:
         level, row, column = levels - 1 - level, column, row
-    rows, columns = Layout(height, width, side, "uint8").grid(max(level, 0))
+    rows, columns = Layout(height, width, side).grid(max(level, 0))
     return 0 <= level < levels and row < rows and column < columns
 
 
@@ -63,12 +60,13 @@ def _walk(root: str, grid: Sequence[int] | None, *, of_store: bool) -> None:
     tiles = root.endswith("_files")  # as Deep Zoom calls the folder
     for folder, _, names in os.walk(root, topdown=False):
         where = os.path.relpath(folder, root).replace(os.sep, "/")
-        inside = _FOLDERS.fullmatch(where)
+        if not _FOLDERS.fullmatch(where):
+            continue
         for name in names:
             path = name if where == "." else f"{where}/{name}"
-            if inside and (is_stale(name) or (of_store and _is_of(grid, path, tiles))):
+            if is_stale(name) or (of_store and _is_of(grid, path, tiles)):
                 with suppress(FileNotFoundError):
                     os.unlink(os.path.join(folder, name))
-        if inside and of_store:
+        if of_store:
             with suppress(OSError):  # there is something else in it
                 os.rmdir(folder)

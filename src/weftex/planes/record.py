@@ -22,21 +22,21 @@ from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import asdict, dataclass, field
 from typing import TYPE_CHECKING, Any
 
-from weftex.errors import FileError, InvalidInputError
-from weftex.io.formats import show, suffix_of
+from weftex.errors import FileError
 from weftex.io.pictures import write_text
 from weftex.io.regular import open_regular
-from weftex.planes.locks import all_from, locked, shared
+from weftex.planes.files import suffix_of
+from weftex.planes.layout import named
+from weftex.planes.locks import COUNT, locked, shared
 from weftex.planes.owned import is_stale, sweep
 from weftex.planes.store import synced
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Mapping
+    from collections.abc import Iterator
 
     from weftex.planes.layout import Place
 
-SUFFIX = ".run"
-RECIPE, _RUN = "recipe.npz", "run.json"
+_DEFINITION, _RUN = "recipe.npz", "run.json"
 _LOCKS = ("lock", "begin", "writing")
 _JOURNAL = re.compile(r"(done|worker-.+|part-\d+-of-(\d{1,5}))\.txt")
 _MOST_OF_RUN, _MOST_OF_LINE = 2**24, 2**16  # bytes: far more than any
@@ -49,7 +49,7 @@ class Run:
     """Who a plane belongs to; the name of a run is new at every start that makes new files.
 
     `files` are the files and folders that weftex made, or is about to make, relative to the folder
-    of the plane. `about` is what the recipe says of itself. `grids` are those of `Store.grid`.
+    of the plane, and `grids` those of their stores. `about` is what the definition says of itself.
     """
 
     name: str
@@ -58,76 +58,51 @@ class Run:
     about: dict[str, Any] = field(default_factory=dict)
     grids: dict[str, list[int]] = field(default_factory=dict)
 
-    @classmethod
-    def of(cls, text: str) -> Run:
-        """Return what a file says; ValueError, LookupError or TypeError if that is no run."""
-        run = cls(**json.loads(text))
-        for path in run.files:
+    def __post_init__(self) -> None:
+        """Raise ValueError, LookupError or TypeError if this is no run."""
+        for path in self.files:
             names = path.split("/")
             plain = all(n not in ("", ".", "..") and "\\" not in n for n in names)
             if not plain or len(names) > 2:
                 raise ValueError("a file lies elsewhere")
-        if not isinstance(run.name, str) or run.begun not in (True, False):
-            raise ValueError("it names no run")
-        if not isinstance(run.about, dict) or not isinstance(run.files, list):
-            raise ValueError("it says nothing of its recipe")
-        for grid in run.grids.values():
+        types = [type(self.name), type(self.begun), type(self.files), type(self.about)]
+        if types != [str, bool, list, dict]:
+            raise TypeError("it is no run")
+        for grid in self.grids.values():
             if [*map(type, grid)] != [int] * 4 or min(grid) < 1:
                 raise ValueError("a grid is none")
-        return run
 
 
 class Record:
-    """The folder beside a plane.
+    """The folder beside a plane, for a process that writes a journal of its own for a run."""
 
-    Parameters
-    ----------
-    target : str
-        The plane's file.
-    part : (int, int), optional
-        Which part of how many this process makes; all of it otherwise.
-    writer : str
-        What its journal is called; as its part by default.
-    run : str
-        The run that this process writes for, see `begin`.
-    """
-
-    def __init__(
-        self, target: str, part: tuple[int, int] | None = None, writer: str = "", run: str = ""
-    ) -> None:
-        self.target, self.folder, self.part, self.run = target, target + SUFFIX, part, run
-        name = writer or ("done" if part is None else f"part-{part[0]}-of-{part[1]}")
-        self._journal = self._path(f"{name}.txt")
+    def __init__(self, target: str, journal: str = "done", run: str = "") -> None:
+        self.target, self.folder, self.run = target, f"{target}.run", run
+        self._journal = self._path(f"{journal}.txt")
         self._level: dict[Place, tuple[int, ...]] = {}  # the blocks of a level that are done
 
     @property
-    def recipe(self) -> str:
-        """The path of the recipe."""
-        return self._path(RECIPE)
+    def definition(self) -> str:
+        """The path of the file that says what the plane is made of."""
+        return self._path(_DEFINITION)
 
     def current(self) -> Run | None:
-        """Return the run that the plane belongs to.
-
-        Raises
-        ------
-        FileError
-            If that cannot be read.
-        """
+        """Return the run that the plane belongs to; `FileError` if that cannot be read."""
+        path = self._path(_RUN)
         try:
-            with open_regular(self._path(_RUN), _MOST_OF_RUN) as file:
-                run = Run.of(file.read().decode())
+            with open_regular(path, _MOST_OF_RUN) as file:
+                run = Run(**json.loads(file.read().decode()))
         except (FileNotFoundError, NotADirectoryError):
             return None
         except (OSError, ValueError, LookupError, TypeError, AttributeError, RecursionError):
             raise FileError(
-                f"{show(self._path(_RUN))} is damaged; remove {show(self.folder)} and the plane, "
-                "and make it again"
+                f"{path} is damaged; remove {self.folder} and the plane, and make it again"
             ) from None
         for name in run.files:
             if not self._can_have(name):
                 raise FileError(
-                    f"{show(self._path(_RUN))} lists {show(name)}, which no plane "
-                    f"{show(self.target)} has; remove the folder and the plane, and make it again"
+                    f"{path} lists {name}, which no plane {self.target} has; remove the folder and "
+                    "the plane, and make it again"
                 )
         return run
 
@@ -139,46 +114,33 @@ class Record:
             return suffix == ".zarr" and first == os.path.basename(self.target)
         return suffix_of(first) == suffix or (suffix == ".dzi" and first.endswith("_files"))
 
-    def of_target(self, names: Iterable[str]) -> list[str]:
-        """Return the names that are the target's own, or lie in its folder."""
-        own = os.path.basename(self.target)
-        return [name for name in names if name == own or name.startswith(f"{own}/")]
-
-    def exists(self) -> bool:
-        """Whether a run has begun."""
+    def begun(self) -> Run | None:
+        """Return the run if it has made its files."""
         run = self.current()
-        return run is not None and run.begun
+        return run if run is not None and run.begun else None
 
     def check_folder(self) -> None:
         """Raise `FileError` if the folder is not one of ours."""
         known = {*_LOCKS, _RUN}
-        names = os.listdir(self.folder) if os.path.isdir(self.folder) else []
-        foreign = [name for name in names if name not in known and not is_stale(name)]
+        foreign = [one for one in self._names() if one not in known and not is_stale(one)]
         if foreign and not os.path.exists(self._path(_RUN)):
             raise FileError(
-                f"{show(self.folder)} has files of others, such as {show(foreign[0])}; move them, "
-                "or name another file"
+                f"{self.folder} has files of others, such as {foreign[0]}; move them, or name "
+                "another file"
             )
 
     @contextmanager
-    def held(self) -> Iterator[None]:
-        """Hold the plane, or its part, while the block runs.
-
-        Raises
-        ------
-        FileError
-            If another process works on it, or the folder cannot be made.
-        """
-        first = self.part[0] if self.part else 1
-        count = 1 if self.part else all_from(1)
+    def held(self, part: tuple[int, int] | None = None) -> Iterator[None]:
+        """Hold the plane, or a part, while the block runs; `FileError` if another process does."""
+        first, count = (part[0], 1) if part else (1, COUNT - 1)
         with ExitStack() as stack:
             with self._our_errors():
                 os.makedirs(self.folder, exist_ok=True)
                 got = stack.enter_context(locked(self._path("lock"), first, count))
             if not got:
-                what = f"part {first} of it" if self.part else "it"
+                what = f"part {first} of it" if part else "it"
                 raise FileError(
-                    f"{show(self.target)}: another process makes {what}; wait until that ends"
+                    f"{self.target}: another process makes {what}; wait until that ends"
                 )
             yield
 
@@ -196,13 +158,7 @@ class Record:
 
     @contextmanager
     def writing(self) -> Iterator[None]:
-        """Let nobody begin anew while the block runs.
-
-        Raises
-        ------
-        FileError
-            If another run has begun.
-        """
+        """Let nobody begin anew while the block runs; `FileError` if another run has begun."""
         with self._our_errors(), shared(self._path("writing")):
             self._check_run()
             yield
@@ -224,11 +180,11 @@ class Record:
         if not run and (current := self.current()):
             run = current.name
         found: dict[Place, tuple[int, ...]] = {}
-        for name in self._journals():
-            with self._our_errors("read"), open_regular(self._path(name)) as file:
+        for path in map(self._path, self._journals()):
+            with self._our_errors("read"), open_regular(path) as file:
                 while line := file.readline(_MOST_OF_LINE):
                     if len(line) == _MOST_OF_LINE:
-                        raise FileError(f"{show(self._path(name))} is damaged: a line has no end")
+                        raise FileError(f"{path} is damaged: a line has no end")
                     text, _, check = line.strip().rpartition(b" ")
                     owner, *rest = text.split() or [b""]
                     if owner == run.encode() and check == _check(text):
@@ -238,19 +194,12 @@ class Record:
         return found
 
     def sums(self, place: Place) -> tuple[int, ...]:
-        """Return the check sums of a block; journals are read once for each level.
-
-        Raises
-        ------
-        FileError
-            If it is not done.
-        """
+        """Return the check sums of a block that is done; journals are read once for each level."""
         if place not in self._level:
             self._level = {one: sums for one, sums in self.done().items() if one[0] == place[0]}
         if place not in self._level:
-            what = f"level {place[0]}, row {place[1]}, column {place[2]}"
             raise FileError(
-                f"{show(self.target)}: the block {what} is not done; the same command continues"
+                f"{self.target}: {named(place)} is not done; the same command continues"
             )
         return self._level[place]
 
@@ -260,13 +209,7 @@ class Record:
         return sorted({int(m[2]) for m in matches if m and m[2] and 0 < int(m[2]) <= MOST_PARTS})
 
     def add(self, place: Place, sums: tuple[int, ...]) -> None:
-        """Write that a block is on the disk.
-
-        Raises
-        ------
-        FileError
-            If another run has begun, or the journal cannot be written.
-        """
+        """Write that a block is on the disk; `FileError` if another run has begun."""
         self._check_run()
         text = " ".join(map(str, (self.run, *place, *sums))).encode()
         with self._our_errors():
@@ -282,7 +225,7 @@ class Record:
     def clear(self) -> None:
         """Forget what was done; who owns which files stays, and so do the locks."""
         with self._our_errors():
-            for name in (RECIPE, *self._journals()):
+            for name in (_DEFINITION, *self._journals()):
                 with suppress(FileNotFoundError):
                     os.unlink(self._path(name))
             sweep(self.folder)
@@ -299,15 +242,18 @@ class Record:
     def _path(self, name: str) -> str:
         return os.path.join(self.folder, name)
 
+    def _names(self) -> list[str]:
+        return os.listdir(self.folder) if os.path.isdir(self.folder) else []
+
     def _journals(self) -> list[str]:
-        names = os.listdir(self.folder) if os.path.isdir(self.folder) else []
-        return sorted(filter(_JOURNAL.fullmatch, names), reverse=True)  # "done", of repairs, last
+        """Names of journals; "done", which repairs write, comes last."""
+        return sorted(filter(_JOURNAL.fullmatch, self._names()), reverse=True)
 
     def _check_run(self) -> None:
         current = self.current()
         if current is None or current.name != self.run:
             raise FileError(
-                f"{show(self.target)}: it was begun again, or removed; this run writes nothing more"
+                f"{self.target}: it was begun again, or removed; this run writes nothing more"
             )
 
     @contextmanager
@@ -317,65 +263,10 @@ class Record:
         except FileError:
             raise
         except OSError as error:
-            raise FileError(
-                f"{show(self.folder)}: cannot {doing}: {error.strerror or error}"
-            ) from None
+            why = error.strerror or error
+            raise FileError(f"{self.folder}: cannot {doing}: {why}") from None
 
 
 def _check(text: bytes) -> bytes:
     """What ends a line of a journal."""
     return b"%08x" % zlib.crc32(text)
-
-
-def is_plane(path: str) -> bool:
-    """Whether a path is that of a plane that was begun here."""
-    return Record(path).exists()
-
-
-def refuse_other(target: str, found: Mapping[str, Any], wanted: Mapping[str, Any]) -> None:
-    """Raise unless a recipe that lies there is the one that is wanted, saying where they differ.
-
-    Raises
-    ------
-    InvalidInputError
-    """
-    for name in wanted:
-        if found.get(name) != wanted[name]:
-            values = f"{_short(found.get(name))}, here {_short(wanted[name])}"
-            if name == "digest":
-                values = "another than this one"
-            raise InvalidInputError(
-                f"{show(target)} was begun by another run: its {_NAMES.get(name, name)} is "
-                f"{values}; --restart begins again, or name another file"
-            )
-
-
-_NAMES = {"digest": "sample", "wrap": "tiling (y, x)", "version": "version of weftex"}
-
-
-def _short(value: Any) -> str:
-    text = str(value)
-    return text if len(text) <= 60 else text[:57] + "..."
-
-
-def parse_part(text: str) -> tuple[int, int]:
-    """Return number and count of 'K/N'.
-
-    Raises
-    ------
-    InvalidInputError
-
-    Examples
-    --------
-    >>> parse_part("2/8")
-    (2, 8)
-    """
-    try:
-        number, count = map(int, text.split("/"))
-        if 1 <= number <= count <= MOST_PARTS:
-            return number, count
-    except ValueError:
-        pass
-    raise InvalidInputError(
-        f"--part is '{text}'; it must be K/N with K from 1 to N, N up to {MOST_PARTS}"
-    )

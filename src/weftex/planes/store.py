@@ -1,4 +1,4 @@
-"""What every store of a picture does."""
+"""A picture on disk, written block by block: what all formats have in common."""
 
 from __future__ import annotations
 
@@ -12,10 +12,8 @@ from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
 import numpy as np
 
 from weftex.errors import FileError
-from weftex.io.formats import show
 from weftex.io.regular import open_regular
-from weftex.io.temporary import write_through
-from weftex.planes.layout import blocks_below, children, halved
+from weftex.planes.layout import named
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping
@@ -25,6 +23,7 @@ if TYPE_CHECKING:
     from weftex.planes.layout import Layout, Place, Window
 
 _MARGIN = 2**16
+KEPT = "blocks that are done are kept, and the same command continues"
 REPAIR = "'weftex check --repair' makes it again"
 
 
@@ -50,29 +49,20 @@ class Piece(NamedTuple):
 class Store(ABC):
     """A picture on disk, of which blocks are written in any order, each by one writer.
 
-    Parameters
-    ----------
-    path : str
-    layout : Layout
-    about : mapping
-        What made the pixels, in plain values; a format may keep it.
-
-    Raises
-    ------
-    InvalidInputError
-        If the format cannot hold such pixels.
+    `about` says in plain values what made the pixels; a format may keep it.
     """
 
-    #: The last level is at most so many pixels high and wide.
+    #: The last level has at most so many pixels a side.
     smallest: ClassVar[int] = 512
 
-    def __init__(self, path: str, layout: Layout, about: Mapping[str, Any] | None = None) -> None:
-        self.path, self.layout, self.about = path, layout, dict(about or {})
+    def __init__(self, path: str, layout: Layout, about: Mapping[str, Any]) -> None:
+        self.path, self.layout, self.about = path, layout, about
         self.levels = layout.levels(self.smallest)
         self.check()
 
-    def check(self) -> None:  # noqa: B027
-        """Raise unless the format holds such pixels."""
+    @abstractmethod
+    def check(self) -> None:
+        """Raise `InvalidInputError` unless the format holds such pixels."""
 
     @abstractmethod
     def frame(self) -> Iterator[Piece]:
@@ -96,20 +86,20 @@ class Store(ABC):
         return (self.path,)
 
     @property
-    def grid(self) -> tuple[int, int, int, int]:
+    def grid(self) -> list[int]:
         """Number of levels, height and width of level 0, and side of what a file holds."""
-        return self.levels, self.layout.height, self.layout.width, self.layout.block
+        return [self.levels, self.layout.height, self.layout.width, self.layout.block]
 
     @property
     def most_bytes(self) -> int:
-        """That it may take on the disk."""
+        """Bytes that it may take on the disk."""
         sizes = [self.layout.shape(level) for level in range(self.levels)]
-        return sum(height * width for height, width in sizes) * self.layout.bytes
+        return sum(height * width for height, width in sizes) * self.layout.pixel_bytes
 
     @property
     def most_of_file(self) -> int:
-        """Number of bytes that a file of a block may have: all pixels as they are, and a margin."""
-        pixels = self.layout.block**2 * self.layout.bytes
+        """Bytes that the file of a block may have: all pixels as they are, and a margin."""
+        pixels = self.layout.block**2 * self.layout.pixel_bytes
         return pixels + pixels // 64 + len(self.layout.icc or b"") + _MARGIN
 
     def create(self) -> None:
@@ -137,60 +127,51 @@ class Store(ABC):
         return not all(stat.S_ISREG(one.st_mode) and 0 < one.st_size <= most for one in found)
 
     def write(self, place: Place, pixels: NDArray[Any]) -> None:
-        """`put`, with errors of ours."""
+        """`put`, with a `FileError` of one line."""
         try:
             self.put(place, pixels)
         except FileError:
             raise
         except OSError as error:
-            raise FileError(
-                f"{show(self.path)}: cannot write: {error.strerror or error}; blocks that are done "
-                "are kept, and the same command continues"
-            ) from None
+            why = error.strerror or error
+            raise FileError(f"{self.path}: cannot write: {why}; {KEPT}") from None
 
     def read(self, level: int, window: Window) -> NDArray[Any]:
-        """Return the pixels of a window.
-
-        Raises
-        ------
-        FileError
-            If some are missing or damaged.
-        """
+        """Return the pixels of a window, or raise `FileError` if some are missing or damaged."""
         top, left, height, width = window
         side = self.layout.block
         for row in range(top // side, -(-(top + height) // side)):
             for column in range(left // side, -(-(left + width) // side)):
                 if self.lacks((level, row, column)):
-                    what = f"level {level}, row {row}, column {column}"
+                    what = named((level, row, column))
                     why = "is missing, or its file is too long"
-                    raise FileError(f"{show(self.path)}: the block {what} {why}; {REPAIR}")
+                    raise FileError(f"{self.path}: {what} {why}; {REPAIR}")
         try:
             return self.get(level, window)
         except (FileError, MemoryError):
             raise
         except Exception as error:  # damaged files raise errors of many kinds
             why = " ".join(str(error).split()) or type(error).__name__
-            raise FileError(
-                f"{show(self.path)}: level {level} is damaged: {why}; {REPAIR}"
-            ) from None
+            raise FileError(f"{self.path}: level {level} is damaged: {why}; {REPAIR}") from None
 
     def reduced(self, place: Place, sums: Mapping[Place, int]) -> NDArray[Any]:
-        """Return a block of a level above 0, made from blocks that have these check sums.
-
-        Raises
-        ------
-        FileError
-            If a block of the level below is missing or damaged.
-        """
-        window = children(self.layout, place)
+        """Return a block of a level above 0, made of blocks that must have these check sums."""
+        window = self.layout.window_below(place)
         pixels = self.read(place[0] - 1, window)
-        for below in blocks_below(self.layout, place):
+        for below in self.layout.below(place):
             top, left, height, width = self.layout.window(below)
             y, x = top - window[0], left - window[1]
             if check_sum(pixels[y : y + height, x : x + width]) != sums[below]:
-                what = f"level {below[0]}, row {below[1]}, column {below[2]}"
-                raise FileError(f"{show(self.path)}: the block {what} is damaged; {REPAIR}")
-        return halved(pixels, self.layout.mixing)
+                raise FileError(f"{self.path}: {named(below)} is damaged; {REPAIR}")
+        halved: NDArray[Any] = self.layout.mixing.halved(pixels)
+        return halved
+
+    def sum_of(self, place: Place) -> int:
+        """Return the check sum of a block as it is on the disk; -1 if it cannot be read."""
+        try:
+            return check_sum(self.read(place[0], self.layout.window(place)))
+        except FileError:
+            return -1
 
 
 def check_sum(pixels: NDArray[Any]) -> int:
@@ -201,11 +182,15 @@ def check_sum(pixels: NDArray[Any]) -> int:
 def synced(path: str) -> None:
     """Wait until a file or folder, and its name, are on the disk."""
     if os.path.isfile(path):
-        write_through(path)
+        _sync(path, os.O_RDWR)
     for folder in filter(os.path.isdir, (path, os.path.dirname(os.path.abspath(path)))):
         with suppress(OSError):  # Windows opens no folders, and some file systems sync none
-            number = os.open(folder, os.O_RDONLY)
-            try:
-                os.fsync(number)
-            finally:
-                os.close(number)
+            _sync(folder, os.O_RDONLY)
+
+
+def _sync(path: str, flags: int) -> None:
+    number = os.open(path, flags)
+    try:
+        os.fsync(number)
+    finally:
+        os.close(number)

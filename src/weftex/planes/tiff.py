@@ -19,11 +19,11 @@ from weftex.errors import InvalidInputError
 from weftex.planes.store import Piece, Store
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator
+    from collections.abc import Iterator
 
     from numpy.typing import NDArray
 
-    from weftex.planes.layout import Layout, Place, Window
+    from weftex.planes.layout import Place, Window
 
 _MOST_SIDE = 2**20
 _MOST_TILES = 2**22  # tables of tiles, of 12 bytes each, are made in memory
@@ -59,9 +59,9 @@ class TiffStore(Store):
         for level in range(self.levels):
             yield Piece(self.path, self._heads[level], self._directory(level), self.most_bytes)
 
-    def files(self, place: Place) -> Iterable[str]:
+    def files(self, place: Place) -> list[str]:
         """Give the file."""
-        return (self.path,)
+        return [self.path]
 
     def put(self, place: Place, pixels: NDArray[Any]) -> None:
         """Write the tiles of a block, a row of them at a time."""
@@ -99,7 +99,7 @@ class TiffStore(Store):
     @property
     def most_bytes(self) -> int:
         """The size of the file."""
-        return self._ends[-1]
+        return self._starts[-1]
 
     @property
     def most_of_file(self) -> int:
@@ -112,7 +112,7 @@ class TiffStore(Store):
 
     @property
     def _tile_bytes(self) -> int:
-        return self.layout.tile**2 * self.layout.bytes
+        return self.layout.tile**2 * self.layout.pixel_bytes
 
     def _tiles(self, level: int) -> tuple[int, int]:
         """Rows and columns of tiles."""
@@ -134,23 +134,17 @@ class TiffStore(Store):
         return heads
 
     @cached_property
-    def _ends(self) -> list[int]:
-        """Where the tiles of levels end."""
-        ends = []
-        end = -(-self._heads[-1] // _PAGE) * _PAGE
+    def _starts(self) -> list[int]:
+        """Where the tiles of levels begin, and where the last ones end."""
+        starts = [-(-self._heads[-1] // _PAGE) * _PAGE]
         for level in range(self.levels):
             rows, columns = self._tiles(level)
-            end += rows * columns * self._tile_bytes
-            ends.append(end)
-        return ends
-
-    @cached_property
-    def _starts(self) -> list[int]:
-        return [-(-self._heads[-1] // _PAGE) * _PAGE, *self._ends[:-1]]
+            starts.append(starts[-1] + rows * columns * self._tile_bytes)
+        return starts
 
     def _tags(self, level: int, start: int) -> list[tuple[int, int, bytes]]:
         """Number, type and values of each tag, in the order of their numbers."""
-        layout: Layout = self.layout
+        layout = self.layout
         height, width = layout.shape(level)
         bands, kind = max(layout.channels, 1), np.dtype(layout.dtype)
         colors = _RGB if bands - layout.alpha >= _RGB else 1

@@ -2,39 +2,30 @@
 
 from __future__ import annotations
 
-import numbers
 import os
+import shutil
 from dataclasses import dataclass
 from functools import partial
-from threading import Lock
+from math import prod
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
-from weftex.errors import InvalidInputError, shown
-from weftex.loading import load_exemplar
-from weftex.planes.definition import BLOCK, Definition, period_of, settled
+from weftex.errors import FileError
+from weftex.planes.beginning import at_work, done_before
+from weftex.planes.definition import BLOCK, Definition, define
 from weftex.planes.files import check_target
-from weftex.planes.job import Job, at_work, check_room, done_before
+from weftex.planes.plane_file import PlaneFile
 from weftex.planes.record import Record
+from weftex.planes.runners import in_threads
 from weftex.progress import Progress
-from weftex.random import seed_number
-from weftex.tasks.method_names import AUTO, make_method
-from weftex.threads import in_turn, thread_count
+from weftex.tasks.method_names import AUTO
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Iterator, Mapping
+    import numpy as np
 
+    from weftex import Method
     from weftex.loading import Sample
-    from weftex.method import Method
-    from weftex.planes.layout import Place
+    from weftex.planes.runners import Runner
     from weftex.progress import ProgressCallback
-    from weftex.random import Seed
-
-    #: Makes blocks of one level for the run of a record, which are done when it gives them.
-    Runner = Callable[[Record, Iterable[Place], Progress], Iterator[Place]]
-
-_AT_ONCE = 4  # blocks, which bounds the memory
 
 
 @dataclass(frozen=True)
@@ -44,9 +35,9 @@ class Written:
     Attributes
     ----------
     blocks, made : int
-        How many there are to do in all, and how many this run did.
+        Number of blocks in all, and of those that this run made.
     pixels : int
-        Of level 0, that this run made.
+        Number of pixels of level 0 that this run made.
     """
 
     blocks: int
@@ -60,7 +51,7 @@ def stream(
     size: int | tuple[int, int],
     *,
     method: str | Method = AUTO,
-    seed: Seed = None,
+    seed: int | np.random.Generator | None = None,
     tileable: bool | str = False,
     block: int = BLOCK,
     restart: bool = False,
@@ -70,8 +61,8 @@ def stream(
 ) -> Written:
     """Write a picture of any size to a file, a block at a time.
 
-    What was stopped goes on when it is called again with the same arguments; the bytes are those
-    of one run.
+    A run that was interrupted continues when it is called again with the same arguments; the bytes
+    are those of one run.
 
     Parameters
     ----------
@@ -89,7 +80,7 @@ def stream(
     restart : bool
         Remove what is there and begin again.
     threads : int, optional
-        At most so many.
+        Maximum number of threads.
     progress : callable, optional
         See `weftex.progress.ProgressCallback`; steps are blocks.
     **parameters
@@ -114,52 +105,20 @@ def stream(
     """
     target = os.fspath(path)
     check_target(target)
-    chosen, exemplar = make_method(method, parameters), load_exemplar(sample)
-    recipe = recipe_of(exemplar, chosen, size, target, seed=seed, tileable=tileable, block=block)
-    return write_plane(Job(recipe, target), restart=restart, threads=threads, progress=progress)
+    seed = seed_of_run(target) if seed is None else seed
+    made = define(sample, size, method, parameters, seed=seed, tileable=tileable, block=block)
+    plane = PlaneFile(made, target)
+    return write_plane(plane, restart=restart, threads=threads, progress=progress)
 
 
-def recipe_of(
-    exemplar: Any,
-    method: Method,
-    size: int | tuple[int, int],
-    target: str = "",
-    *,
-    seed: Seed = None,
-    tileable: bool | str = False,
-    block: int = BLOCK,
-    stems: Mapping[str, str] | None = None,
-) -> Definition:
-    """Return what a plane is made of; a seed that is not given is that of a run that is there."""
-    axes = {False: (False, False), True: (True, True), "x": (False, True), "y": (True, False)}
-    if tileable not in axes:
-        raise InvalidInputError(f"tileable is {tileable!r}; it must be True, False, 'x' or 'y'")
-    height, width = _sides(size)
+def seed_of_run(target: str) -> int | None:
+    """Return the seed of the plane that is there, if there is one."""
     record = Record(target)
-    if seed is None and target and record.exists():
-        seed = Definition.load(record.recipe).seed
-    number = seed_number(seed)
-    period = period_of((height, width), axes[tileable])
-    model = method.fit(exemplar)
-    chosen = settled(model, number, period)
-    about: dict[str, Any] = {"height": height, "width": width, "wrap": axes[tileable]}
-    about |= {"seed": number, "block": block, "stems": dict(stems or {})}
-    recipe = Definition(exemplar, **chosen, **about)
-    if recipe.method is model.asked:
-        vars(recipe)["model"] = model  # not fitted again
-    return recipe
-
-
-def _sides(size: Any) -> tuple[int, int]:
-    """Height and width."""
-    pair = size if isinstance(size, (tuple, list)) and len(size) == 2 else (size, size)
-    if not all(isinstance(side, numbers.Integral) and int(side) >= 1 for side in pair):
-        raise InvalidInputError(f"size is {shown(size)}; it must be (height, width), 1 or more")
-    return int(pair[0]), int(pair[1])
+    return Definition.load(record.definition).seed if record.begun() else None
 
 
 def write_plane(
-    job: Job,
+    plane: PlaneFile,
     *,
     restart: bool = False,
     repair: bool = False,
@@ -168,52 +127,50 @@ def write_plane(
     runner: Runner | None = None,
     check_disk: bool = True,
 ) -> Written:
-    """Make all blocks that are not done.
+    """Make all blocks that are not done, by a runner: in threads by default.
 
-    Parameters
-    ----------
-    job : Job
-    restart, threads, progress
-        As for `stream`.
-    repair : bool
-        Continue a plane that is there, and make blocks and files that are damaged or missing, too.
-    runner : callable, optional
-        Makes the blocks of a level, here by default, in threads.
-    check_disk : bool
-        Refuse what may not fit on the disk.
+    With `repair` blocks and files that are damaged are made again, of a plane that is there.
+    `check_disk` refuses what may not fit on the disk.
     """
-    found = done_before(job, restart=restart, repair=repair)
+    found = done_before(plane, restart=restart, repair=repair)
     if check_disk:
-        check_room(job, job.left(found))
-    with at_work(job, restart=restart, repair=repair) as record:
-        done = job.sound(record.done()) if repair else record.done()
-        left = job.left(done)
+        _check_room(plane, plane.missing(found))
+    with at_work(plane, restart=restart, repair=repair) as record:
+        done = plane.sound(record.done()) if repair else record.done()
+        left = plane.missing(done)
         steps = Progress(progress, left, "blocks", lambda: None)
-        run = runner or partial(_here, job, threads)
-        pixels = 0
-        for level in range(job.levels):  # each is made of the one below
-            todo = (place for place in job.blocks(level) if place not in done)
-            for place in run(record, todo, steps):
-                if level == 0:
-                    pixels += int(np.prod(job.recipe.base.window(place)[2:]))
+        run = runner or partial(in_threads, plane, threads)
+        base, pixels = plane.definition.base, 0
+        for level in range(plane.levels):  # each is made of the one below
+            places = base.places(level, plane.part)
+            for place in run(record, (one for one in places if one not in done), steps):
+                pixels += prod(base.window(place)[2:]) if level == 0 else 0
                 steps.advance(1)
-        return Written(job.count, left, pixels)
+        return Written(plane.count, left, pixels)
 
 
-def _here(
-    job: Job, threads: int | None, record: Record, level: Iterable[Place], steps: Progress
-) -> Iterator[Place]:
-    """Make blocks in threads of this process."""
-    count = thread_count(threads)
-    at_once = min(count, _AT_ONCE)
-    how = {"threads": max(1, count // at_once), "progress": steps.within()}
-    fitting = Lock()
+def _check_room(plane: PlaneFile, left: int) -> None:
+    """Raise `FileError` unless the disk has room for a number of blocks."""
+    need = most_bytes(plane, left)
+    free = shutil.disk_usage(os.path.dirname(os.path.abspath(plane.path))).free
+    if need > free:
+        raise FileError(
+            f"{plane.path}: may take {in_words(need)} more, and {in_words(free)} are free on the "
+            "disk; make room, or --allow-huge tries anyway"
+        )
 
-    def make(place: Place) -> Place:
-        if place[0] == 0:
-            with fitting:
-                job.recipe.model  # noqa: B018  (fitted once, not in every thread)
-        job.make(record, place, **how)
-        return place
 
-    yield from in_turn(make, level, at_once)
+def most_bytes(plane: PlaneFile, left: int) -> int:
+    """Return what a number of blocks may take on the disk."""
+    stores = plane.stores.values()
+    blocks = plane.definition.base.count(max(store.levels for store in stores))
+    return min(left, blocks) * sum(store.most_bytes for store in stores) // blocks
+
+
+def in_words(count: float) -> str:
+    """Return bytes with a unit, such as 40 GB."""
+    for unit in ("bytes", "kB", "MB", "GB"):
+        if count < 1000:
+            return f"{count:.3g} {unit}"
+        count /= 1000
+    return f"{count:.3g} TB"

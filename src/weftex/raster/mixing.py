@@ -12,6 +12,7 @@ from weftex.raster.vectors import middle_of, vectors_of
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+_STRIP = 256  # rows that are halved at once
 _SEEN = 4096  # pixels that say whether a picture stores vectors
 _OFF = 0.25  # that the lengths of a normal map's are off 1
 _MOST = 0.8  # of its pixels, at least
@@ -36,6 +37,48 @@ class Mixing(NamedTuple):
     kind: Kind
     middle: float = 0.0
     """What stands for 0 in vectors that are stored in floats."""
+
+    def halved(self, pixels: NDArray[Any]) -> NDArray[Any]:
+        """Return pixels (H, W[, C]) at half their size, rounded up; an odd border is repeated.
+
+        Examples
+        --------
+        >>> Mixing(Kind.MEAN).halved(np.array([[1, 2, 9], [4, 5, 9]], np.uint8)).tolist()
+        [[3, 9]]
+        """
+        height, width = pixels.shape[:2]
+        out = np.empty((-(-height // 2), -(-width // 2), *pixels.shape[2:]), pixels.dtype)
+        for top in range(0, len(out), _STRIP):
+            strip = pixels[2 * top : 2 * (top + _STRIP)]
+            odd = [(0, side % 2) for side in strip.shape[:2]] + [(0, 0)] * (pixels.ndim - 2)
+            strip = np.pad(strip, odd, "edge") if np.any(odd) else strip
+            parts = [strip[y::2, x::2] for y in (0, 1) for x in (0, 1)]
+            out[top : top + _STRIP] = self._means(parts)
+        return out
+
+    def _means(self, parts: list[NDArray[Any]]) -> NDArray[Any]:
+        """Mix four pictures of the same size in equal shares."""
+        dtype = parts[0].dtype
+        if self.kind is Kind.LABELS:
+            return parts[0]
+        if self.kind is Kind.MEAN and dtype.kind == "u":
+            total = sum((part.astype(np.uint32) for part in parts), np.uint32(2))
+            return np.asarray(total >> 2, dtype)
+        four = np.stack(parts).astype(np.float64)
+        mean = four.mean(axis=0)
+        if self.kind is Kind.ALPHA:
+            cover = four[..., -1:]
+            total = cover.sum(axis=0)
+            weights = np.where(total > 0, cover, 1) / np.where(total > 0, total, 4)
+            mean[..., :-1] = (four[..., :-1] * weights).sum(axis=0)
+        if self.kind is Kind.VECTORS:
+            middle = np.iinfo(dtype).max / 2 if dtype.kind == "u" else self.middle
+            vectors = mean[..., :3] - middle
+            length = np.linalg.norm(vectors, axis=-1, keepdims=True)
+            mean[..., :3] = middle + vectors * np.where(length > 0, (middle or 1) / length, 1)
+        if dtype.kind == "f":
+            return np.asarray(mean, dtype)
+        return np.asarray(np.clip(np.rint(mean), 0, np.iinfo(dtype).max), dtype)
 
 
 def mixing_of(pixels: NDArray[Any], shows: str, alpha: bool) -> Mixing:

@@ -2,17 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 from weftex.cli.parser import Parser
-from weftex.errors import FileError
-from weftex.io.formats import show
-
-if TYPE_CHECKING:
-    from weftex.planes.opened import PlaneFile
-
-_MEND = "--repair makes it again"
-_SHOWN = 8  # parts
 
 _ABOUT = """\
 Check that an image written block by block is complete, and list the parts that are missing. The
@@ -38,44 +28,14 @@ def run(argv: list[str]) -> None:
     text = "read all pixels, and make damaged or missing blocks and files again"
     parser.add_argument("--repair", action="store_true", help=text)
     args = parser.parse(argv)
-    from weftex.planes.opened import open_plane
+    from weftex import planes
 
-    plane = open_plane(args.plane)
-    made = 0
-    if args.repair:
-        from weftex.planes.writing import write_plane
-
-        made = write_plane(plane.job, repair=True).made
-        plane = open_plane(args.plane)
-    _refuse(plane, read=args.read or args.repair)
-    size, used = f"{plane.recipe.width}x{plane.recipe.height}", plane.recipe
+    made = planes.repair(args.plane).made if args.repair else 0
+    plane = planes.check(args.plane, read=args.read or args.repair)
+    used = plane.definition
     read = ", as it was written" if args.read or args.repair else ""
     again = f"; {made} blocks were made again" if args.repair else ""
-    print(f"{plane.path} is whole{read}: {size} with {used.method.slug}, seed {used.seed}{again}")
-
-
-def _refuse(plane: PlaneFile, *, read: bool) -> None:
-    """Raise `FileError` if anything is missing or damaged."""
-    path, job = show(plane.path), plane.job
-    if flaws := job.flaws():
-        more = f", and {len(flaws) - 1} more files" if flaws[1:] else ""
-        raise FileError(f"{path} is not whole: {show(flaws[0])}{more}: missing or damaged; {_MEND}")
-    if plane.missing():
-        below = job.left_below(plane.done)
-        parts = [f"{part} ({count} blocks)" for part, count in plane.parts().items()]
-        what = f"{below} blocks are missing"
-        if parts:
-            more = f" and {len(parts) - _SHOWN} more" if len(parts) > _SHOWN else ""
-            what += f"; parts that are not done: {', '.join(parts[:_SHOWN])}{more}"
-        if not below:
-            what = "only smaller versions are missing; the same command without --part makes them"
-        raise FileError(f"{path} is not whole: {what}")
-    for places, what in (
-        (job.lost(plane.done), "have no file, or one that is too long"),
-        (job.damaged(plane.done) if read else (), "are not what was written"),
-    ):
-        if wrong := [*places]:
-            raise FileError(
-                f"{path}: {len(wrong)} blocks {what}, the first at level, row, column "
-                f"{min(wrong)}; {_MEND}"
-            )
+    print(
+        f"{plane.path} is whole{read}: {used.width}x{used.height} with {used.method.slug}, "
+        f"seed {used.seed}{again}"
+    )

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 from weftex.cli.files import open_samples, read
 from weftex.cli.options import add_limits, add_names, add_output
 from weftex.cli.parser import Parser
-from weftex.cli.planes import add_plane, is_source, recipe_of_replay, refuse_options
+from weftex.cli.planes import add_plane, definition_of_replay, is_source, refuse_options
 from weftex.cli.planes import write as write_plane
 from weftex.cli.sets import plan, plan_of_several
 from weftex.cli.terminal import finish
@@ -56,8 +56,8 @@ def run(argv: list[str]) -> None:
     if is_source(args.source):
 
         def stream(bar: Bar, outputs: Outputs) -> str:
-            recipe = recipe_of_replay(args, [_as_map(read(one, args)) for one in args.maps])
-            return write_plane(args, recipe, bar, outputs, start)
+            maps = [_as_map(read(one, args)) for one in args.maps]
+            return write_plane(args, definition_of_replay(args, maps), bar, outputs, start)
 
         finish(stream, args.quiet)
         return

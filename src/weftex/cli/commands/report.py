@@ -46,11 +46,11 @@ def run(argv: list[str]) -> None:
         raise InvalidInputError("nothing to do; give -o report.html, --json, or both")
     from weftex.io.pictures import check_output
     from weftex.pages.reports import report as measure
-    from weftex.planes.record import is_plane
+    from weftex.planes.record import Record
 
     if args.output is not None:
         check_output(args.output, suffixes=(".html",))
-    if is_plane(args.result):
+    if Record(args.result).begun():
         _report_plane(args)
         return
     sample, result = load(args.sample, args, args.maps), load(args.result, args)
@@ -69,14 +69,14 @@ def run(argv: list[str]) -> None:
 def _report_plane(args: argparse.Namespace) -> None:
     """Windows here and there, and the page of the worst of them."""
     from weftex.pages.reports import report as measure
-    from weftex.planes.opened import open_plane
+    from weftex.planes import open_plane
 
     for name in ("source", "tileable"):
         if getattr(args, name) is not None:
             raise InvalidInputError(f"--{name} has no effect: of a plane some windows are measured")
     plane = open_plane(args.result)
     sample = load(args.sample, args, args.maps)
-    found = {window: measure(sample, plane.read(window)) for window in plane.some()}
+    found = {window: measure(sample, plane.read(window)) for window in plane.windows()}
     scores = {window: one.assessment.score or 0.0 for window, one in found.items()}
     worst = max(scores, key=lambda window: scores[window])
     if args.output is not None:

@@ -32,7 +32,7 @@ from weftex.cli.parser import Parser
 from weftex.cli.planes import (
     add_plane,
     check_options,
-    recipe_for,
+    definition_for,
     refuse_options,
     stems_of,
     takes_any_size,
@@ -107,8 +107,8 @@ def run(argv: list[str]) -> None:
             exemplar, material = read_samples(args)
             made = size or (2 * exemplar.shape[0], 2 * exemplar.shape[1])
             stems, exemplar = stems_of(args, material), with_turns(exemplar, args)
-            recipe = recipe_for(args, exemplar, stems, chosen, made)
-            return write_plane(args, recipe, bar, outputs, start)
+            definition = definition_for(args, exemplar, stems, chosen, made)
+            return write_plane(args, definition, bar, outputs, start)
 
         finish(stream, args.quiet)
         return

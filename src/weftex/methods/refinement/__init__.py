@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, ClassVar, Self
 
-from weftex.endless.boxes import A_BLOCK, canvas_of
+from weftex.endless.boxes import canvas_of
 from weftex.endless.grid import Sizes
 from weftex.errors import InvalidInputError
 from weftex.method import Method
@@ -240,7 +240,6 @@ class RefinementModel(PixelModel):
         coherent = prepared.method.search == "coherent" and not prepared.belt and prepared.starts
         if not coherent or not goes_around(prepared.levels, asked.period):
             return super().make_window(box, asked, progress)
-        self.require(A_BLOCK)
         index = refined_window(prepared, self.exemplar, box, asked, progress)
         return PixelSynthesis(
             canvas_of(box),

@@ -1,0 +1,167 @@
+"""The start of a run: it continues the plane that is there, or makes new files, and owns them."""
+
+from __future__ import annotations
+
+import os
+import secrets
+from contextlib import contextmanager, suppress
+from typing import TYPE_CHECKING
+
+from weftex.errors import FileError, InvalidInputError, shown
+from weftex.planes.files import suffix_of
+from weftex.planes.owned import remove, sweep
+from weftex.planes.record import Record, Run
+from weftex.planes.store import REPAIR, synced
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator
+
+    from weftex.planes.plane_file import PlaneFile, Sums
+
+_NAMES = {"digest": "sample", "wrap": "tiling (y, x)", "version": "version of weftex"}
+
+
+def done_before(plane: PlaneFile, *, restart: bool = False, repair: bool = False) -> Sums:
+    """Return the blocks that a run finds done, with their check sums.
+
+    `FileError` if another file is in the way, `InvalidInputError` if another run began the plane.
+    """
+    record = Record(plane.path)
+    return record.done() if _continued(plane, record, restart, repair) else {}
+
+
+@contextmanager
+def at_work(plane: PlaneFile, *, restart: bool = False, repair: bool = False) -> Iterator[Record]:
+    """Hold the plane, which `done_before` has looked at, while the block runs; its files are there.
+
+    Raises as `done_before`, and `FileError` if another process works on the plane.
+    """
+    part = plane.part
+    record = Record(plane.path, f"part-{part[0]}-of-{part[1]}" if part else "done")
+    with record.held(part):
+        with record.beginning():
+            _begin(plane, record, restart, repair)
+        try:
+            yield record
+        except Exception:
+            if part is None and not record.done():  # nothing that a run could continue
+                with suppress(FileError):
+                    _forget(plane, record)
+            raise
+
+
+def _continued(plane: PlaneFile, record: Record, restart: bool, repair: bool) -> Run | None:
+    """The run that is continued; None if one begins."""
+    # Looked for before the run is read: a file that a run has made since is known to be its own.
+    there = [path for path in dict.fromkeys((plane.path, *_roots(plane))) if os.path.lexists(path)]
+    for path in filter(os.path.islink, there):
+        raise FileError(f"{path} is a link; remove it, or name another file")
+    record.check_folder()
+    run = record.current()
+    if run is not None and run.begun and not restart:
+        _refuse_other(plane, run)
+        if repair or there:
+            if not repair and (flaws := plane.flaws()):
+                raise FileError(f"{flaws[0]} is missing or damaged; {REPAIR}")
+            return run
+    if repair:
+        raise FileError(f"{plane.path} was not begun")
+    own = [os.path.abspath(_path(plane, name)) for name in run.files] if run else []
+    for path in there:
+        if os.path.abspath(path) not in own:
+            raise FileError(
+                f"{path} is there already, and {record.folder} does not say that it is of this "
+                "plane; remove it, or name another file"
+            )
+    return None
+
+
+def _refuse_other(plane: PlaneFile, run: Run) -> None:
+    """Raise `InvalidInputError` unless a run makes the same plane, saying where they differ."""
+    for name, wanted in plane.definition.about.items():
+        found = run.about.get(name)
+        if found != wanted:
+            values = f"{shown(found)}, here {shown(wanted)}"
+            raise InvalidInputError(
+                f"{plane.path} was begun by another run: its {_NAMES.get(name, name)} is "
+                f"{'another than this one' if name == 'digest' else values}; --restart begins "
+                "again, or name another file"
+            )
+
+
+def _begin(plane: PlaneFile, record: Record, restart: bool, repair: bool) -> None:
+    """Make the files, unless a run is continued. Whoever is killed in between begins anew."""
+    if run := _continued(plane, record, restart, repair):
+        record.run = run.name
+        if plane.part is None:
+            with record.alone():
+                for path in (record.folder, *(_path(plane, name) for name in run.files)):
+                    sweep(path)
+                if repair and plane.flaws():
+                    _create(plane)
+        return
+    old = record.current()
+    roots, grids = [_name(plane, path) for path in _roots(plane)], _grids(plane)
+    # The list of files may be a stranger's: only what this run writes, or its folder, is removed.
+    own = os.path.basename(plane.path)
+    past = [name for name in (old.files if old else ()) if name.partition("/")[0] == own]
+    with _taken(plane, record, {*roots, *past}, old.grids if old else {}) as name:
+        record.clear()
+        record.begin(Run(name, False, roots, grids=grids))  # what was there before is gone
+        _create(plane)
+        plane.definition.save(record.definition, name)
+        synced(record.definition)
+        record.begin(Run(name, True, roots, plane.definition.about, grids))
+
+
+@contextmanager
+def _taken(
+    plane: PlaneFile, record: Record, owned: Iterable[str], grids: dict[str, list[int]]
+) -> Iterator[str]:
+    """Give the name of a new run, which owns these files and has removed them; nobody writes."""
+    run = Run(secrets.token_hex(16), False, sorted(owned, reverse=True), grids=grids)
+    record.begin(run)
+    with record.alone():
+        for name in run.files:  # groups, then their Zarr
+            remove(_path(plane, name), grids.get(name))
+        yield run.name
+
+
+def _create(plane: PlaneFile) -> None:
+    for store in plane.stores.values():
+        store.create()
+    for root in filter(os.path.exists, _roots(plane)):
+        synced(root)
+
+
+def _forget(plane: PlaneFile, record: Record) -> None:
+    """Remove what a run made that has not finished a block."""
+    with record.beginning():
+        if (run := record.current()) is None or run.name != record.run:
+            return  # somebody removed the plane, and another run may have begun it since
+        roots = [_name(plane, path) for path in _roots(plane)]
+        with _taken(plane, record, roots, _grids(plane)):
+            pass
+        record.remove()
+
+
+def _roots(plane: PlaneFile) -> list[str]:
+    """Files and folders of a plane; maps of a Zarr are groups in one."""
+    roots = [root for store in plane.stores.values() for root in store.roots]
+    groups = suffix_of(plane.path) == ".zarr" and len(roots) > 1
+    return [*roots, plane.path] if groups else roots
+
+
+def _grids(plane: PlaneFile) -> dict[str, list[int]]:
+    """Return the grid of each store's files, by the names of its roots."""
+    stores = plane.stores.values()
+    return {_name(plane, root): store.grid for store in stores for root in store.roots}
+
+
+def _name(plane: PlaneFile, path: str) -> str:
+    folder = os.path.dirname(plane.path) or "."
+    return os.path.relpath(path, folder).replace(os.sep, "/")
+
+
+def _path(plane: PlaneFile, name: str) -> str:
+    return os.path.join(os.path.dirname(plane.path), *name.split("/"))

@@ -1,0 +1,192 @@
+"""A plane and the file, or files, that it goes to."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from weftex.errors import FileError
+from weftex.planes.definition import Definition
+from weftex.planes.record import Record
+from weftex.planes.store import check_sum
+from weftex.random import draw
+
+if TYPE_CHECKING:
+    from collections.abc import Collection, Iterator, Mapping
+
+    from weftex import Exemplar
+    from weftex.planes.layout import Place, Window
+    from weftex.planes.store import Store
+
+    Sums = Mapping[Place, tuple[int, ...]]
+
+_SEEN, _SIDE = 5, 512  # windows of a plane that are looked at, and their sides
+
+
+@dataclass(frozen=True)
+class PlaneFile:
+    """A plane on disk; `open_plane` returns it.
+
+    Attributes
+    ----------
+    definition : Definition
+        What it is made of.
+    path : str
+        The file, or folder.
+    part : (int, int), optional
+        Number and count, where a process makes a part of level 0 only.
+    """
+
+    definition: Definition
+    path: str
+    part: tuple[int, int] | None = None
+
+    def __getstate__(self) -> dict[str, Any]:
+        """Without its stores, which each process opens."""
+        return {name: getattr(self, name) for name in ("definition", "path", "part")}
+
+    @cached_property
+    def stores(self) -> dict[str, Store]:
+        """Where each picture goes."""
+        return self.definition.stores(self.path)
+
+    @property
+    def levels(self) -> int:
+        """Number of levels that are made."""
+        return 1 if self.part else max(store.levels for store in self.stores.values())
+
+    @property
+    def count(self) -> int:
+        """Number of blocks."""
+        base = self.definition.base
+        return len(base.part(*self.part)) if self.part else base.count(self.levels)
+
+    def done(self) -> Sums:
+        """Return the blocks that were written, with the check sums of their pixels."""
+        return Record(self.path).done()
+
+    def missing(self, done: Collection[Place] | None = None) -> int:
+        """Return the number of blocks that are not done, smaller versions included."""
+        return self.count - sum(map(self.has, self.done() if done is None else done))
+
+    def has(self, place: Place) -> bool:
+        """Whether a block is one of those that are to be made."""
+        level, row, column = place
+        if not 0 <= level < self.levels:
+            return False
+        rows, columns = self.definition.base.grid(level)
+        inside = 0 <= row < rows and 0 <= column < columns
+        numbers = self.definition.base.part(*self.part) if self.part else None
+        return inside and (numbers is None or row * columns + column in numbers)
+
+    def make(self, record: Record, place: Place, **how: Any) -> None:
+        """Make a block of every picture, write it, and then that it is done."""
+        level, base = place[0], self.definition.base
+        stores = self._stores(level)
+        if level == 0:
+            pixels = self.definition.render(base.window(place), **how)
+        else:
+            below = {one: record.sums(one) for one in base.below(place)}
+            pixels = {}
+            for k, name in enumerate(self._stores(level - 1)):
+                sums = {one: dict(enumerate(found)).get(k, -1) for one, found in below.items()}
+                if name in stores:
+                    pixels[name] = stores[name].reduced(place, sums)
+        sums = tuple(check_sum(pixels[name]) for name in stores)
+        with record.writing():
+            for name, store in stores.items():
+                store.write(place, pixels[name])
+            record.add(place, sums)
+
+    def damaged(self, done: Sums) -> Iterator[Place]:
+        """Give the blocks whose pixels are not those that were written; reads all of them."""
+        for place in filter(self.has, done):
+            stores = self._stores(place[0]).values()
+            if done[place] != tuple(store.sum_of(place) for store in stores):
+                yield place
+
+    def sound(self, done: Sums) -> Sums:
+        """Return the blocks that are as they were written, and made of such; reads all of them."""
+        damaged = {*self.damaged(done)}
+        found: dict[Place, tuple[int, ...]] = {}
+        for place in sorted(filter(self.has, done)):  # level by level
+            below = self.definition.base.below(place) if place[0] else ()
+            if place not in damaged and all(one in found for one in below):
+                found[place] = done[place]
+        return found
+
+    def lost(self, done: Collection[Place]) -> Iterator[Place]:
+        """Give the blocks that were written, and of which a file is missing."""
+        for place in filter(self.has, done):
+            if any(store.lacks(place) for store in self._stores(place[0]).values()):
+                yield place
+
+    def flaws(self) -> list[str]:
+        """Return the files that are missing, or damaged beside their pixels."""
+        return [path for store in self.stores.values() for path in store.flaws()]
+
+    def _stores(self, level: int) -> dict[str, Store]:
+        """The stores that have a level."""
+        return {name: store for name, store in self.stores.items() if level < store.levels}
+
+    def read(self, window: Window) -> Exemplar:
+        """Return a window of level 0 with its maps, in pixels of the sample's size.
+
+        Parameters
+        ----------
+        window : (int, int, int, int)
+            Top, left, height and width.
+
+        Raises
+        ------
+        FileError
+            If the plane is not whole.
+        """
+        if left := self.missing():
+            raise FileError(
+                f"{self.path} is not whole: {left} blocks are missing; the command that made it "
+                "continues"
+            )
+        found = {}
+        for name, picture in self.definition.pictures.items():
+            store = self.stores[name]
+            ratio = store.layout.block / self.definition.block
+            top, left, height, width = (int(side * ratio) for side in window)
+            pixels = store.read(0, (top, left, height, width))
+            found[name] = picture.changed(pixels=pixels, maps={}, mask=None, guide=None)
+        main, *others = found
+        return found[main].changed(maps={name: found[name] for name in others}, name=self.path)
+
+    def windows(self) -> list[Window]:
+        """Return windows here and there, the same ones every time."""
+        sides = (self.definition.height, self.definition.width)
+        height, width = (min(side, _SIDE) for side in sides)
+        places = np.arange(_SEEN)[:, None], np.arange(2)
+        where = draw(self.definition.seed, "windows of a report", *places)
+        room = np.array([sides[0] - height, sides[1] - width], np.uint64) + np.uint64(1)
+        corners = np.unique(where % room // np.uint64(16) * np.uint64(16), axis=0)
+        return [(int(top), int(left), height, width) for top, left in corners]
+
+
+def open_plane(path: str | os.PathLike[str]) -> PlaneFile:
+    """Open a plane that `weftex.stream` wrote.
+
+    Parameters
+    ----------
+    path : path
+        Its file, or folder.
+
+    Raises
+    ------
+    FileError
+        If it is none, or was made by another version whose definition cannot be read.
+    """
+    target = os.fspath(path)
+    record = Record(target)
+    if (run := record.begun()) is None:
+        raise FileError(f"{target}: there is no plane in {record.folder} beside it")
+    return PlaneFile(Definition.load(record.definition, run.name), target)
