@@ -159,7 +159,9 @@ def test_rows_are_whole(row):
     for script, experiment in re.findall(r"`examples/((?:papers/)?\w+\.py)(?: (\w+))?`", row.proof):
         path = ROOT / "examples" / script
         assert experiment in experiments(path) if experiment else path in EXAMPLES
-    rest = re.sub(r"`(test_\w+\.py::test_\w+|examples/[\w/]+\.py( \w+)?|weftex [^`]+)`", "", row.proof)
+    rest = re.sub(
+        r"`(test_\w+\.py::test_\w+|examples/[\w/]+\.py( \w+)?|weftex [^`]+)`", "", row.proof
+    )
     assert "`" not in rest and not re.search(r"\w\.py", rest), f"not a proof: {rest}"
     for file in re.findall(r"`([\w/]+\.py)`", row.weftex + row.different):
         assert (SOURCE / file).exists(), file

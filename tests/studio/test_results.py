@@ -133,9 +133,7 @@ def test_figures_and_faults(page):
     found = page.get(f"results/{result['id']}/figures")
     assert found["score"] > 0 and found["verdict"].endswith(".")
     assert set(found["figures"]) == {one["name"] for one in page.get("about")["figures"]}
-    for what in ("seams", "source", "use"):
-        assert page.get(f"results/{result['id']}/fault?what={what}").startswith(SIGNATURE)
-    assert page.ask("GET", f"results/{result['id']}/fault?what=no").status_code == 404
+    assert page.get(f"results/{result['id']}/seams").startswith(SIGNATURE)
 
 
 def test_a_screen_shows_any_kind_of_pixels(rng):

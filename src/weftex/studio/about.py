@@ -4,16 +4,17 @@ from __future__ import annotations
 
 import dataclasses
 from functools import cache
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from weftex import METHODS
+import weftex
 from weftex.io.map_names import SCHEMES
 from weftex.io.pictures import sample_names
-from weftex.material import read_material
 from weftex.naming import kind_of
 from weftex.quality.figures import FIGURES
 from weftex.results.drawing import DRAWINGS
-from weftex.tasks.method_names import AUTO, method_class
+
+if TYPE_CHECKING:
+    from weftex import Method
 
 _KINDS = {int: "int", float: "float", str: "text"}
 
@@ -21,7 +22,7 @@ _KINDS = {int: "int", float: "float", str: "text"}
 def about() -> dict[str, Any]:
     """Return it; what methods say is read from the methods, so that a new one is there too."""
     return {
-        "methods": [method_of(slug) for slug in (AUTO, *METHODS)],
+        "methods": [_method(weftex.Auto), *(_method(weftex.METHODS[k]) for k in weftex.METHODS)],
         "samples": _samples(),
         "names": list(SCHEMES),
         "drawings": list(DRAWINGS),
@@ -33,11 +34,10 @@ def about() -> dict[str, Any]:
     }
 
 
-def method_of(slug: str) -> dict[str, Any]:
+def _method(method: type[Method]) -> dict[str, Any]:
     """Return what a method says of itself."""
-    method = method_class(slug)
     return {
-        "slug": slug,
+        "slug": method.slug,
         "title": method.title,
         "paper": method.paper,
         "fast": "many" not in method.supports,  # that is what copying single pixels allows
@@ -91,9 +91,7 @@ _TASKS = {
 def _samples() -> list[dict[str, Any]]:
     found = []
     for name in sample_names():
-        material = read_material(f"sample:{name}")
-        height, width = material.pictures[material.main].pixels.shape[:2]
-        maps = [role.name for role in material.roles.values()]
-        title = name.replace("_", " ")
-        found.append({"name": name, "title": title, "maps": maps, "width": width, "height": height})
+        sample = weftex.load_exemplar(f"sample:{name}")
+        about = {"maps": 1 + len(sample.maps), "width": sample.shape[1], "height": sample.shape[0]}
+        found.append({"name": name, "title": name.replace("_", " "), **about})
     return [one for one in found if one["name"] != "hole"]

@@ -11,9 +11,10 @@ from typing import TYPE_CHECKING, Any
 
 import weftex
 from weftex.errors import InvalidInputError, did_you_mean, shown
-from weftex.io.formats import suffix_of
+from weftex.io.formats import written_as
 from weftex.io.map_names import SCHEMES, file_stem
-from weftex.io.pictures import check_output, write_text
+from weftex.io.materialx import materialx_document
+from weftex.io.pictures import write_text
 from weftex.studio.results import formats_of
 from weftex.studio.uploads import label_of
 
@@ -110,7 +111,6 @@ def _files(made: Made, wanted: Wanted) -> dict[str, str]:
         else:
             stem = wanted.name if len(made.pictures) == 1 else f"{wanted.name}_{name}"
         files[name] = label_of(stem) + suffix
-        check_output(stem + suffix, made.pictures[name].pixels, alpha=made.pictures[name].alpha)
     for file in files.values():
         twins = [other for other in files if files[other] == file]
         if len(twins) > 1:
@@ -119,22 +119,21 @@ def _files(made: Made, wanted: Wanted) -> dict[str, str]:
 
 
 def _suffix(made: Made, wanted: Wanted, name: str) -> str:
-    able = formats_of(made.pictures[name])
-    asked = wanted.format
-    if asked is None:
-        own = suffix_of(made.pictures[name].path).replace(".jpeg", ".jpg").replace(".tiff", ".tif")
-        floats = made.pictures[name].pixels.dtype.kind == "f"
+    """The suffix that is asked for, or that of the material's file, if the pixels fit."""
+    like = made.pictures[name]
+    able, floats = formats_of(like), like.pixels.dtype.kind == "f"
+    if wanted.format is None:
+        own = written_as(like.path, floats).lower().replace(".jpeg", ".jpg").replace("tiff", "tif")
         return own if own in able else ".exr" if floats else ".png"
-    if asked not in able:
+    if wanted.format not in able:
+        able_text = ", ".join(able)
         raise InvalidInputError(
-            f"format of {name} is {shown(asked)}; these hold it: {', '.join(able)}"
+            f"format of {name} is {shown(wanted.format)}; these hold it: {able_text}"
         )
-    return asked
+    return wanted.format
 
 
 def _material_file(made: Made, wanted: Wanted, files: dict[str, str], folder: Path) -> Path:
-    from weftex.io.materialx import materialx_document
-
     roles = {name: made.map(name).role for name in files}
     linear = [name for name in files if made.pictures[name].pixels.dtype.kind == "f"]
     text, _ = materialx_document(wanted.name, files, roles, linear)

@@ -8,12 +8,11 @@ from weftex.errors import InvalidInputError, UnsupportedError, shown
 
 if TYPE_CHECKING:
     from weftex import Synthesis
-    from weftex.loading import Sample
 
 LOWEST, HIGHEST = 160, 4000  # pixels of the screen
 
 
-def view(thing: Synthesis | Sample, *, height: int = 480) -> Any:
+def view(thing: Synthesis | Any, *, height: int = 480) -> Any:
     """Show a result, or a sample, in a notebook: to be panned and zoomed to single pixels.
 
     The views are those of `weftex studio`: repeated, beside the repeated sample, all maps side by

@@ -5,8 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from weftex.canvas import FAR
-from weftex.endless.boxes import A_BLOCK
 from weftex.studio.making import fitted
 from weftex.studio.materials import id_of, map_of, maps_of
 from weftex.studio.pictures import shown, whole_number
@@ -23,6 +21,7 @@ if TYPE_CHECKING:
     from weftex.studio.sessions import Session
 
 _LARGEST = 1024  # pixels a side of a window
+_FAR = 2**40  # pixels from the middle of a plane
 
 
 @dataclass(frozen=True)
@@ -40,9 +39,6 @@ def begin(given: Any, session: Session) -> dict[str, Any]:
     name = id_of({"plane": recipe.changed(size=None, tileable=False).as_json()})
 
     def fit() -> tuple[Plane, int]:
-        if not recipe.method.supports & {"random_access", "known"}:
-            recipe.method.require_kind("random_access")
-        recipe.method.require(A_BLOCK)
         loaded, model = fitted(recipe, session)
         return Plane(model, loaded[0].material.main, recipe.seed), 2**20
 
@@ -55,8 +51,7 @@ def window(name: str, query: Mapping[str, str], session: Session) -> NDArray[np.
     plane: Plane | None = session.recall("plane", name)
     if plane is None:
         raise Refusal(410, "this plane is not in memory any more; begin it again")
-    far = FAR - _LARGEST
-    top, left = (whole_number(query, side, 0, -far, far) for side in ("top", "left"))
+    top, left = (whole_number(query, side, 0, -_FAR, _FAR) for side in ("top", "left"))
     height, width = (whole_number(query, side, 256, 1, _LARGEST) for side in ("height", "width"))
     like = map_of(plane.model.exemplar, plane.main, query.get("map"))
 

@@ -8,8 +8,7 @@ import numpy as np
 
 import weftex
 from weftex.io.formats import FORMATS
-from weftex.pages.reports import fault_maps
-from weftex.quality.assess import made_from
+from weftex.pages import fault_maps
 from weftex.quality.figures import FIGURES
 from weftex.results.drawing import DRAWINGS
 from weftex.studio.materials import maps_of
@@ -103,14 +102,16 @@ def figures_of(made: Made, session: Session) -> dict[str, Any]:
     return {**about, "figures": figures}
 
 
-def faults_of(made: Made, session: Session) -> dict[str, Bytes]:
-    """Return maps of where a result fails, those of its report."""
+def seams_of(made: Made, session: Session) -> Bytes:
+    """Return a picture of where a result has seams that show, as its report has it."""
 
-    def look() -> tuple[dict[str, Bytes], int]:
-        found = fault_maps(made.result.sample, made.result.image, made_from(made.result))
-        return found, sum(one.nbytes for one in found.values())
+    def look() -> tuple[Bytes, int]:
+        found = fault_maps(made.result.sample, made.result.image, None).get("seams")
+        if found is None:
+            raise Refusal(422, "the result is too small for a map of its seams")
+        return found, found.nbytes
 
-    found: dict[str, Bytes] = session.find(look, "faults", made.recipe.id)
+    found: Bytes = session.find(look, "seams", made.recipe.id)
     return found
 
 

@@ -144,14 +144,10 @@ async def figures(call: Call) -> Any:
     return await call.work(results.figures_of, _made(call), call.session)
 
 
-@route("GET", "/results/{id}/fault")
-async def fault(call: Call) -> Any:
-    """Show where a result fails."""
-    found = await call.work(results.faults_of, _made(call), call.session)
-    what = call.query.get("what", "seams")
-    if what not in found:
-        raise Refusal(404, f"there is no such map; known: {', '.join(found)}", "what")
-    return await _shown(call, found[what])
+@route("GET", "/results/{id}/seams")
+async def seams(call: Call) -> Any:
+    """Show where a result has seams."""
+    return await _shown(call, await call.work(results.seams_of, _made(call), call.session))
 
 
 async def _shown(call: Call, picture: NDArray[np.uint8]) -> Response:

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from importlib.metadata import version
 from typing import TYPE_CHECKING, Any
 
 from starlette.responses import FileResponse, JSONResponse
 
+import weftex
 from weftex.errors import InvalidInputError, shown
 from weftex.io.pictures import sample_names
-from weftex.material import read_material
 from weftex.studio import looks, materials, planes
 from weftex.studio.about import about
 from weftex.studio.materials import map_of
@@ -40,7 +39,6 @@ async def session(call: Call) -> Any:
     return {
         "session": found.id,
         "resumed": resumed,
-        "version": version("weftex"),
         "opened": opened,
         "kept": found.kept,
         "limits": {"upload_bytes": limits.upload_bytes},
@@ -65,8 +63,7 @@ async def sample_picture(call: Call) -> Any:
     """Show a bundled sample."""
     if call.id not in sample_names():
         raise Refusal(404, "there is no such sample", "sample")
-    found = (await call.work(read_material, f"sample:{call.id}")).exemplar()
-    return await _shown(call, found)
+    return await _shown(call, await call.work(weftex.load_exemplar, f"sample:{call.id}"))
 
 
 @route("POST", "/uploads")

@@ -11,13 +11,11 @@ from typing import TYPE_CHECKING, Any
 
 import weftex
 from weftex.errors import CancelledError, InvalidInputError, WeftexError, shown
-from weftex.io.manifest import MANIFEST
-from weftex.progress import Progress
 from weftex.studio import results
-from weftex.studio.refusals import answer_of
 from weftex.studio.exports import DATE, Wanted, pack, write
 from weftex.studio.making import make, sized
 from weftex.studio.materials import load
+from weftex.studio.refusals import answer_of
 from weftex.studio.uploads import label_of
 
 if TYPE_CHECKING:
@@ -136,13 +134,18 @@ class Batch:
 
     def _write(self, packed: zipfile.ZipFile, folder: Path, job: Job) -> None:
         """Make all outputs, and put them into the zip."""
-        total, lines = sum(map(len, self.recipes)), list[str]()
-        count = Progress(job, total, "outputs", lambda: None)
+        total, lines, done = sum(map(len, self.recipes)), list[str](), 0
+
+        def within(_: int, __: int, ___: str, preview: Callable[[], Any]) -> bool:
+            return job(done, total, "outputs", preview)
+
         for number, recipes in enumerate(self.recipes, 1):
             best: list[tuple[float, Made]] = []
             for recipe in recipes:
-                made = make(sized(recipe, job.session), job.session, count.within() or job)
-                count.advance(1)
+                made = make(sized(recipe, job.session), job.session, within)
+                done += 1
+                job(done, total, "outputs", lambda: None)
+                job.check()
                 if self.keep is None:
                     lines += self._pack(packed, made, number, folder)
                 else:
@@ -150,7 +153,7 @@ class Batch:
                     best = best[: self.keep]
             for _, made in best:
                 lines += self._pack(packed, made, number, folder)
-        packed.writestr(zipfile.ZipInfo(MANIFEST, DATE), "".join(lines))
+        packed.writestr(zipfile.ZipInfo("manifest.jsonl", DATE), "".join(lines))
 
     def _pack(self, packed: zipfile.ZipFile, made: Made, number: int, folder: Path) -> list[str]:
         """Put the files of one output into the zip; its line of the manifest."""

@@ -13,7 +13,7 @@ export function front(app, openState) {
         "button",
         { type: "button", onclick: () => app.guard(() => app.open([{ sample: sample.name }])) },
         canvas,
-        h("span", {}, sample.title, h("span", { class: "hint" }, sample.maps.length > 1 ? t("front.maps", { n: sample.maps.length }) : `${sample.width} × ${sample.height}`)),
+        h("span", {}, sample.title, h("span", { class: "hint" }, sample.maps > 1 ? t("front.maps", { n: sample.maps }) : `${sample.width} × ${sample.height}`)),
       ),
     );
     drawThumb(app, canvas, `samples/${sample.name}/picture`);
