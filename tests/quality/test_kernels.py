@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from twins.measures import differ_at_joints, prediction_error
-from weftex.quality import patch_kernels, seams
+from weftex.quality import kernels, seams
 from weftex.quality.copying import squared_steps
 
 
@@ -16,7 +16,7 @@ def test_patches_are_weighed_by_definition(rng):
     features[:, :75] = rng.integers(-99, 100, (8, 75))
     corners = rng.integers(0, 8, 30) * 17 + rng.integers(0, 13, 30)
     found = np.empty((8, 30), np.int32)
-    patch_kernels.describe(pixels, corners, 5, features, np.zeros(80, np.int16), found)
+    kernels.describe(pixels, corners, 5, features, np.zeros(80, np.int16), found)
     for i, corner in enumerate(corners):
         y, x = divmod(int(corner), 17)
         patch = pixels[y : y + 5, x : x + 5].ravel().astype(int)

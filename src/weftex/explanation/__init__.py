@@ -6,23 +6,21 @@ from typing import TYPE_CHECKING, Any
 
 from weftex.canvas import as_canvas
 from weftex.errors import InvalidInputError, UnsupportedError, shown
-from weftex.explanation.graphcut import GraphCutRecorder
 from weftex.explanation.lattices import BestTileRecorder, NearRegularRecorder
-from weftex.explanation.patches import PatchRecorder
+from weftex.explanation.patches import GraphCutRecorder, PatchRecorder
 from weftex.explanation.pixels import (
     AshikhminRecorder,
     EfrosLeungRecorder,
     ExactMatchingRecorder,
+    RefinementRecorder,
     WeiLevoyRecorder,
 )
-from weftex.explanation.refinement import RefinementRecorder
-from weftex.explanation.stages import Explanation, Stage
+from weftex.explanation.stages import Explanation, Recorder, Stage
 from weftex.loading import load_exemplar
 from weftex.naming import make_method
 from weftex.notes import Listener, listening
 
 if TYPE_CHECKING:
-    from weftex.explanation.recorder import Recorder
     from weftex.loading import Sample
     from weftex.method import Method
     from weftex.random import Seed

@@ -10,7 +10,7 @@ from weftex.analysis.autocorrelations import autocorrelations
 from weftex.analysis.canvas_lattice import given_lattice
 from weftex.analysis.overlay import draw_correlation, draw_lattice
 from weftex.explanation.drawing import colors, enlarged, framed, heat, made
-from weftex.explanation.stages import Stage
+from weftex.explanation.stages import Recorder, Stage
 from weftex.methods.lattices.mean_tile import MeanTile
 
 if TYPE_CHECKING:
@@ -52,17 +52,13 @@ def lattice_stages(exemplar: Exemplar, vectors: tuple[float, ...]) -> list[Stage
     ]
 
 
-class NearRegularRecorder:
+class NearRegularRecorder(Recorder):
     """Records the drawn blocks, and the blocks that fill the gaps."""
-
-    def __init__(self, exemplar: Exemplar, pixel: tuple[int, int]) -> None:
-        self._exemplar, self._blocks = exemplar, list[Stage]()
-        self._vectors: tuple[float, ...] = ()
 
     def record(self, step: str, facts: dict[str, Any]) -> None:
         """See `Recorder`."""
         sample, layout, sources = facts["sample"], facts["layout"], facts["sources"]
-        self._vectors = facts["vectors"]
+        self.found = self.found or lattice_stages(self.exemplar, facts["vectors"])
         picture = layout.preview(sample, sources)
         words = {
             "drawn": "Every second block shows a piece of the sample that lies a multiple of the "
@@ -71,30 +67,23 @@ class NearRegularRecorder:
             "of the vectors (section 4.2.2, Figs. 4.8 and 4.9, eq. 4.4); edges are still straight.",
         }
         there = picture.reshape(*picture.shape[:2], -1).any(axis=2)
-        self._blocks.append(
+        self.found.append(
             Stage(f"blocks {step}", words[step], sources.copy(), made(picture, there))
         )
 
-    def stages(self) -> list[Stage]:
-        """See `Recorder`."""
-        return [*lattice_stages(self._exemplar, self._vectors), *self._blocks]
 
-
-class BestTileRecorder:
+class BestTileRecorder(Recorder):
     """Records the errors of all tiles."""
-
-    def __init__(self, exemplar: Exemplar, pixel: tuple[int, int]) -> None:
-        self._exemplar, self._stages = exemplar, list[Stage]()
 
     def record(self, step: str, facts: dict[str, Any]) -> None:
         """See `Recorder`."""
         errors, (y, x) = facts["errors"], facts["anchors"][0].tolist()
-        tile: NDArray[np.bool_] = np.zeros(self._exemplar.shape, bool)
+        tile: NDArray[np.bool_] = np.zeros(self.exemplar.shape, bool)
         for v, u, last in facts["rows"].tolist():
             tile[y + v, max(x + u, 0) : x + last + 1] = True
-        sample = colors(self._exemplar.matching())
-        self._stages = [
-            *lattice_stages(self._exemplar, facts["vectors"]),
+        sample = colors(self.exemplar.matching())
+        self.found = [
+            *lattice_stages(self.exemplar, facts["vectors"]),
             Stage(
                 "error of tiles",
                 "How much the opposite borders of each tile differ, by its first corner (eq. 4.2, "
@@ -110,7 +99,3 @@ class BestTileRecorder:
                 enlarged(np.where(tile[..., None], sample, sample // 3)),
             ),
         ]
-
-    def stages(self) -> list[Stage]:
-        """See `Recorder`."""
-        return self._stages

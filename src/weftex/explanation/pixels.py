@@ -1,4 +1,4 @@
-"""The methods that choose one pixel after the other at work."""
+"""The methods that choose one pixel after the other at work, and refinement."""
 
 from __future__ import annotations
 
@@ -6,9 +6,16 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from weftex.explanation.drawing import colors, enlarged, made
-from weftex.explanation.stages import Stage
-from weftex.explanation.windows import choice_stages, window_around
+from weftex.explanation.drawing import (
+    MAGENTA,
+    UNKNOWN,
+    choice_stages,
+    colors,
+    enlarged,
+    made,
+    window_around,
+)
+from weftex.explanation.stages import Recorder, Stage
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -16,15 +23,16 @@ if TYPE_CHECKING:
     from weftex.exemplar import Exemplar
 
 _DRAWS = 256  # that show which windows may be drawn
+_CURVE = 64  # pixels a side of the drawing of the curve
 
 
-class EfrosLeungRecorder:
+class EfrosLeungRecorder(Recorder):
     """Records the layers, and how the pixel is drawn."""
 
     def __init__(self, exemplar: Exemplar, pixel: tuple[int, int]) -> None:
-        self._exemplar, self._pixel = exemplar, pixel
+        super().__init__(exemplar, pixel)
         self._order: NDArray[np.int32] | None = None
-        self._layer, self._own = 0, list[Stage]()
+        self._layer = 0
 
     def record(self, step: str, facts: dict[str, Any]) -> None:
         """See `Recorder`."""
@@ -37,15 +45,15 @@ class EfrosLeungRecorder:
             return
         windows, weights = growth.windows, facts["search"].weights
         window, known = window_around(
-            growth.pixels, growth.done, self._pixel, len(weights) // 2, growth.canvas.wrap
+            growth.pixels, growth.done, self.pixel, len(weights) // 2, growth.canvas.wrap
         )
-        place = np.full(_DRAWS, self._pixel[0] * growth.canvas.width + self._pixel[1], np.int32)
+        place = np.full(_DRAWS, self.pixel[0] * growth.canvas.width + self.pixel[1], np.int32)
         bits = (np.arange(_DRAWS, dtype=np.uint64) << np.uint64(64 - 8)) + np.uint64(1)
         drawn = np.unique(facts["draw"](place, bits)[0])
         columns = windows.pixels.shape[1]
         y, x = divmod(int(facts["chosen"]), columns)
         picture = made(growth.pixels, growth.done)
-        self._own = [
+        self.found = [
             Stage(
                 "canvas",
                 "The picture when the pixel's turn comes: it grows in layers (section III.A).",
@@ -76,7 +84,7 @@ class EfrosLeungRecorder:
     def stages(self) -> list[Stage]:
         """See `Recorder`."""
         if self._order is None:
-            return self._own
+            return self.found
         self._order[self._order < 0] = self._layer
         share = self._order / max(1, self._layer)
         picture = np.stack([255 * share, 90 + 0 * share, 255 * (1 - share)], axis=-1)
@@ -87,20 +95,21 @@ class EfrosLeungRecorder:
             self._order,
             enlarged(picture.astype(np.uint8)),
         )
-        return [order, *self._own]
+        return [order, *self.found]
 
 
-class WeiLevoyRecorder:
+class WeiLevoyRecorder(Recorder):
     """Records at each level of the pyramid how the pixel or its parent is chosen."""
 
     def __init__(self, exemplar: Exemplar, pixel: tuple[int, int]) -> None:
-        self._pixel, self._levels = pixel, dict[int, list[Stage]]()
+        super().__init__(exemplar, pixel)
+        self._levels: dict[int, list[Stage]] = {}
 
     def record(self, step: str, facts: dict[str, Any]) -> None:
         """See `Recorder`."""
         level = facts["level"]
         number, at = level.number, f" of level {level.number}"
-        y, x = (n >> number for n in self._pixel)
+        y, x = (n >> number for n in self.pixel)
         if step == "window":
             self._tree, self._before = facts["tree"], level.pixels.copy()
             reach = int(np.abs(facts["own"]).max(initial=0))
@@ -179,24 +188,26 @@ def path_to(nodes: NDArray[np.int32], row: int) -> list[tuple[int, int, int]]:
 
 def spans_of(nodes: NDArray[np.int32], node: int) -> tuple[int, int]:
     """Return first and last row + 1 below a node."""
-    while (child := int(nodes[node, 0])) >= 0:
-        first, last = spans_of(nodes, child), spans_of(nodes, child + 1)
-        return min(first[0], last[0]), max(first[1], last[1])
-    return int(nodes[node, 1]), int(nodes[node, 2])
+    child = int(nodes[node, 0])
+    if child < 0:
+        return int(nodes[node, 1]), int(nodes[node, 2])
+    first, last = spans_of(nodes, child), spans_of(nodes, child + 1)
+    return min(first[0], last[0]), max(first[1], last[1])
 
 
-class CandidateRecorder:
+class CandidateRecorder(Recorder):
     """Records the candidates of the pixel: coherent ones, or listed windows."""
 
     words: tuple[str, str, str]
     canvas = ""
 
     def __init__(self, exemplar: Exemplar, pixel: tuple[int, int]) -> None:
-        self._pixel, self._found = pixel, dict[str, list[Stage]]()
+        super().__init__(exemplar, pixel)
+        self._passes: dict[str, list[Stage]] = {}
 
     def stages(self) -> list[Stage]:
         """See `Recorder`."""
-        return [stage for stages in self._found.values() for stage in stages]
+        return [stage for stages in self._passes.values() for stage in stages]
 
     def take(
         self,
@@ -216,7 +227,7 @@ class CandidateRecorder:
         """Make the stages of one choice; `top` rows of the canvas lie above the output."""
         columns = sample.shape[1]
         pixels, done = self._before
-        self._found[at] = [
+        self._passes[at] = [
             Stage("canvas" + at, self.canvas, pixels[top:], enlarged(made(pixels, done)[top:])),
             *choice_stages(
                 sample,
@@ -247,10 +258,10 @@ class AshikhminRecorder(CandidateRecorder):
         growth = facts["growth"]
         if step == "window":
             self._pass = "" if facts["number"] == 0 else " of a later pass"
-            self.take(growth.pixels, growth.done, self._pixel, facts["half"], growth.canvas.wrap)
+            self.take(growth.pixels, growth.done, self.pixel, facts["half"], growth.canvas.wrap)
             return
         places = facts["places"]
-        chosen = int(growth.source[self._pixel])
+        chosen = int(growth.source[self.pixel])
         self.choose(growth.windows.pixels, np.unique(places[places >= 0]), chosen, self._pass)
 
 
@@ -274,10 +285,64 @@ class ExactMatchingRecorder(CandidateRecorder):
     def record(self, step: str, facts: dict[str, Any]) -> None:
         """See `Recorder`."""
         sheet = facts["sheet"]
-        y, x = (n >> sheet.level for n in self._pixel)
+        y, x = (n >> sheet.level for n in self.pixel)
         if step == "window":
             reach = sheet.lists.reach
             self.take(sheet.pixels, sheet.done, (y + sheet.top, x), reach, sheet.wrap)
             return
         chosen, at = int(sheet.source[y + sheet.top, x]), f" of level {sheet.level}"
         self.choose(sheet.lists.windows.pixels, facts["places"], chosen, at, sheet.top)
+
+
+class RefinementRecorder(Recorder):
+    """Records each level at its start, after its first sweep and after its last."""
+
+    def __init__(self, exemplar: Exemplar, pixel: tuple[int, int]) -> None:
+        super().__init__(exemplar, pixel)
+        self._levels: dict[str, Stage] = {}
+        self._changes: list[float] = []
+
+    def record(self, step: str, facts: dict[str, Any]) -> None:
+        """See `Recorder`; the method of the start has notes of its own."""
+        if step not in ("start", "sweep"):
+            return
+        output, at = facts["output"], f" of level {facts['output'].number}"
+        if step == "start":
+            title = "start" + at
+            words = (
+                "Seed points, or what another method made (PlantSeed, section 3, Fig. 5); on finer "
+                "levels, what the coarser one shows."
+            )
+            self._latest = output.pixels.copy()
+        else:
+            first = facts["iteration"] == 0
+            title = ("first sweep" if first else "last sweep") + at
+            words = (
+                "After each pixel took the place of the sample whose window is most like its own "
+                "(RefineTexture, section 3)"
+                + ("." if first else f", {facts['iteration'] + 1} times.")
+            )
+            apart = output.pixels.astype(np.float64) - self._latest
+            self._changes.append(float(np.sqrt((apart**2).mean()) / 255))
+            self._latest = output.pixels.copy()
+        picture = made(output.pixels, output.done)
+        self._levels[title] = Stage(title, words, output.pixels.copy(), enlarged(picture))
+
+    def stages(self) -> list[Stage]:
+        """See `Recorder`."""
+        if not self._changes:
+            return list(self._levels.values())
+        changes = np.array(self._changes)
+        words = (
+            "How much each sweep changed, as a share of black to white, over all levels: sweeps "
+            "end where it falls below the threshold (eq. 1, Fig. 7)."
+        )
+        return [*self._levels.values(), Stage("convergence", words, changes, _curve(changes))]
+
+
+def _curve(values: NDArray[np.float64]) -> NDArray[np.uint8]:
+    """Return a drawing of bars, the highest as high as the drawing."""
+    picture = np.full((_CURVE, len(values) * 4, 3), UNKNOWN, np.uint8)
+    for k, value in enumerate(values / max(float(values.max()), 1e-12)):
+        picture[_CURVE - round(float(value) * _CURVE) :, 4 * k : 4 * k + 3] = MAGENTA
+    return enlarged(picture)

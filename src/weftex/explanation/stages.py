@@ -1,4 +1,4 @@
-"""What `weftex.explain` returns: the steps that made a pixel, each with its array and a picture."""
+"""The steps that made a pixel, each with its array and a picture, and who records them."""
 
 from __future__ import annotations
 
@@ -20,6 +20,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
+    from weftex.exemplar import Exemplar
     from weftex.results.synthesis import Synthesis
 
 
@@ -43,6 +44,22 @@ class Stage:
     caption: str
     array: NDArray[Any] = field(repr=False)
     picture: NDArray[np.uint8] = field(repr=False)
+
+
+class Recorder:
+    """Turns the notes of one run into stages; arrays are copied, as they change later."""
+
+    def __init__(self, exemplar: Exemplar, pixel: tuple[int, int]) -> None:
+        self.exemplar, self.pixel = exemplar, pixel
+        self.found: list[Stage] = []
+
+    def record(self, step: str, facts: dict[str, Any]) -> None:
+        """Record a note, see `weftex.notes.Listener`."""
+        raise NotImplementedError
+
+    def stages(self) -> list[Stage]:
+        """Return the steps that made the pixel, in order; none if it was not made."""
+        return self.found
 
 
 class Explanation:

@@ -11,13 +11,11 @@ import numpy as np
 
 from weftex.errors import InvalidInputError
 from weftex.exemplar import Exemplar
-from weftex.quality.color import color_distance
+from weftex.quality.appearance import color_distance, patch_distance, sharpness
 from weftex.quality.copying import check_source, copying
 from weftex.quality.figures import FIGURES
-from weftex.quality.patches import patch_distance
 from weftex.quality.score import Scorer, weigh
 from weftex.quality.seams import wrap_seam
-from weftex.quality.sharpness import sharpness
 from weftex.quality.view import middle, view_of
 from weftex.results.synthesis import Synthesis
 from weftex.turns import as_it_was, as_made_from
@@ -44,15 +42,15 @@ class Assessment:
     uneven : float or None
         See `weftex.quality.score.Scorer.windows`.
     patches : float or None
-        See `weftex.quality.patches.patch_distance`; `patch_scales` has each scale, finest first.
+        See `weftex.quality.appearance.patch_distance`; `patch_scales` has each scale, finest first.
     color, color_difference : float or None
-        See `weftex.quality.color.color_distance`.
+        See `weftex.quality.appearance.color_distance`.
     autocorrelation, lattice : float or None
         See `weftex.quality.autocorrelation`.
     seams : float or None
         See `weftex.quality.seams.seams`.
     sharpness : float or None
-        See `weftex.quality.sharpness.sharpness`.
+        See `weftex.quality.appearance.sharpness`.
     copied, piece, largest, distinct, joints : float or None
         See `weftex.quality.copying.copying`; they need a source.
     wrap : float or None

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from weftex.errors import InvalidInputError
-from weftex.quality import piece_kernels as kernels
+from weftex.quality import kernels
 from weftex.raster.arrays import as_array
 
 if TYPE_CHECKING:
@@ -42,7 +42,6 @@ def copying(sample: View, result: View, source: NDArray[Any]) -> Copying | None:
 
     A piece is a connected area whose sources (H, W, 2) have one shift; negative sources are none.
     """
-    source = check_source(source, sample.shape, result.shape)
     known = source[..., 0] >= 0
     if not known.any():
         return None

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from weftex.quality import step_kernels as kernels
+from weftex.quality import kernels
 from weftex.quality.view import View, some
 from weftex.raster.boxes import centered_sums
 

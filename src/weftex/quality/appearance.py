@@ -1,4 +1,4 @@
-"""Patches: whether small patches look as they do in the sample, at four scales."""
+"""Appearance: whether patches, colors and the finest detail are as in the sample."""
 
 from __future__ import annotations
 
@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from weftex.quality import patch_kernels as kernels
-from weftex.quality.view import View, some, window_corners
+from weftex.quality import kernels
+from weftex.quality.view import View, over_halves, some, window_corners
 from weftex.random import draw
 
 if TYPE_CHECKING:
@@ -21,8 +21,13 @@ _SCALES = 4
 _PATCHES = 4096  # of each picture and scale
 _FEATURES = 48
 _SIMD = 16  # numbers that a processor multiplies at once
-_QUANTILES = 128
+_PATCH_QUANTILES = 128
 _FLOOR = 0.03  # standard deviations: what two draws of so many patches differ by
+_PIXELS = 2**15
+_COLOR_QUANTILES = 256
+_DIRECTIONS = 12
+_COLOR_FLOOR = 1.0  # of 255
+_ROUNDING = 1 / 12  # the variance of an error of up to half
 
 
 def patch_distance(sample: View, result: View) -> tuple[float | None, tuple[float, ...]]:
@@ -44,9 +49,11 @@ def patch_distance(sample: View, result: View) -> tuple[float | None, tuple[floa
         squares = (features.astype(np.float32) ** 2).sum(axis=1)
         floor = 0.5 * np.sqrt(squares)  # a feature of less is rounding
         spread = np.maximum(values.std(axis=1, dtype=np.float64), floor)
-        quantiles = [at_quantiles(part, _QUANTILES) for part in drawn if part is not None]
-        between = [_apart(quantiles[k], quantiles[k + 1], spread) for k in (0, 2)]
-        apart = _apart(at_quantiles(values, _QUANTILES), at_quantiles(ours, _QUANTILES), spread)
+        quantiles = [at_quantiles(part, _PATCH_QUANTILES) for part in drawn if part is not None]
+        between = [_patches_apart(quantiles[k], quantiles[k + 1], spread) for k in (0, 2)]
+        apart = _patches_apart(
+            at_quantiles(values, _PATCH_QUANTILES), at_quantiles(ours, _PATCH_QUANTILES), spread
+        )
         found.append(apart / max(float(np.mean(between)), _FLOOR))
     if not found:
         return None, ()
@@ -97,5 +104,69 @@ def at_quantiles(values: NDArray[np.int32], number: int) -> Floats:
     return np.sort(values, axis=1)[:, ranks].astype(np.float64)
 
 
-def _apart(first: Floats, second: Floats, spread: Floats) -> float:
+def _patches_apart(first: Floats, second: Floats, spread: Floats) -> float:
     return float((abs(first - second).mean(axis=1) / spread).mean())
+
+
+def color_distance(sample: View, result: View) -> tuple[float | None, float | None]:
+    """Return the distance of color distributions in 255ths, and over that of the sample's halves.
+
+    The Wasserstein distance, in the mean over each channel and 12 random mixtures of them. Halves
+    closer than 1 of 255 count as 1.
+    """
+    apart, own = _colors_apart(sample, result), over_halves(sample, _colors_apart)
+    return apart, None if own is None or apart is None else apart / max(own, _COLOR_FLOOR)
+
+
+def _colors_apart(first: View, second: View) -> float | None:
+    if not (first.usable.any() and second.usable.any()):
+        return None
+    values = [_color_values(view) for view in (first, second)]
+    return float(abs(values[0] - values[1]).mean())
+
+
+def _color_values(view: View) -> NDArray[np.float64]:
+    # The spelling of a purpose is part of the bits that are drawn for it.
+    places = some(np.flatnonzero(view.usable), _PIXELS, "colours")
+    channels = view.values.shape[2]
+    pixels = np.ascontiguousarray(view.values.reshape(-1, channels)[places].T, np.float32)
+    bits = draw(0, "measure colours", np.arange(_DIRECTIONS)[:, None], np.arange(channels))
+    mixtures = (bits % np.uint64(17)).astype(np.float32) - 8
+    mixtures[~mixtures.any(axis=1)] = 1
+    values, lengths = pixels, np.ones(channels)
+    if channels > 1:
+        # Products of small integers: exact, so the same on every machine.
+        values = np.concatenate([pixels, np.einsum("dk,kn->dn", mixtures, pixels)])
+        lengths = np.append(lengths, np.sqrt((mixtures.astype(np.float64) ** 2).sum(axis=1)))
+    return at_quantiles(values.astype(np.int32), _COLOR_QUANTILES) / lengths[:, None]
+
+
+def sharpness(sample: View, result: View) -> float | None:
+    """Return the ratio of the root mean squares of detail, the difference from a 3x3 blur.
+
+    Below 1 the result is blurred, above it has noise or hard edges. None for sides below 3, and
+    masks that leave no detail.
+    """
+    own, made = _detail(sample), _detail(result)
+    if own is None or made is None:
+        return None
+    return float(np.sqrt((made + _ROUNDING) / (own + _ROUNDING)))
+
+
+def _detail(view: View) -> float | None:
+    """Return the mean squared detail where all pixels of the blur are usable."""
+    if min(view.shape) < 3:
+        return None
+    smooth, usable = view.gray.astype(np.float64), view.usable
+    for axis in (0, 1):
+        before, center, after = (
+            tuple(
+                slice(k, smooth.shape[axis] - 2 + k) if a == axis else slice(None) for a in (0, 1)
+            )
+            for k in range(3)
+        )
+        smooth = (smooth[before] + 2 * smooth[center] + smooth[after]) / 4
+        usable = usable[before] & usable[center] & usable[after]
+    if not usable.any():
+        return None
+    return float(((view.gray[1:-1, 1:-1] - smooth) ** 2)[usable].mean())

@@ -1,0 +1,285 @@
+# mypy: ignore-errors
+"""Kernels of the figures: patches and windows, connected pieces, steps; see setup.py.
+
+Sums are of integers that 32 bits hold, or taken in one order without fused products, so they are
+the same on every machine.
+"""
+
+import cython
+from cython.cimports.libc.math import sqrt
+
+
+@cython.cfunc
+@cython.inline
+@cython.nogil
+@cython.exceptval(check=False)
+def product(
+    a: cython.p_const_short, b: cython.p_const_short, count: cython.Py_ssize_t
+) -> cython.int:
+    """Return the dot product of two rows."""
+    cython.declare(k=cython.Py_ssize_t, total=cython.int)
+    total = 0
+    for k in range(count):
+        total += cython.cast(cython.int, a[k]) * b[k]
+    return total
+
+
+@cython.cfunc
+@cython.inline
+@cython.nogil
+@cython.exceptval(check=False)
+def products(
+    a: cython.p_const_short,
+    b: cython.p_const_short,
+    count: cython.Py_ssize_t,
+    apart: cython.Py_ssize_t,
+    found: cython.p_int,
+) -> cython.void:
+    """Write the dot products with four rows that are `apart` numbers apart."""
+    cython.declare(k=cython.Py_ssize_t, one=cython.int)
+    cython.declare(p=cython.int, q=cython.int, r=cython.int, s=cython.int)
+    p = q = r = s = 0
+    for k in range(count):
+        one = a[k]
+        p += one * b[k]
+        q += one * b[apart + k]
+        r += one * b[2 * apart + k]
+        s += one * b[3 * apart + k]
+    found[0] = p
+    found[1] = q
+    found[2] = r
+    found[3] = s
+
+
+def describe(
+    pixels: cython.const[cython.uchar][:, :, ::1],
+    corners: cython.const[cython.longlong][::1],
+    width: cython.Py_ssize_t,
+    features: cython.const[cython.short][:, ::1],
+    patch: cython.short[::1],
+    out: cython.int[:, ::1],
+):
+    """Write the weighted sums (4 * f, n) of the bytes of n square patches.
+
+    `corners` are flat indices of the upper left pixels; `features` (4 * f, m) the weights of a
+    patch's bytes, row by row; `patch` (m,) is scratch, 0 beyond the patch's bytes.
+    """
+    cython.declare(i=cython.Py_ssize_t, f=cython.Py_ssize_t, v=cython.Py_ssize_t)
+    cython.declare(k=cython.Py_ssize_t, y=cython.Py_ssize_t, x=cython.Py_ssize_t)
+    cython.declare(row=cython.p_const_uchar, sums=cython.int[4])
+    run: cython.Py_ssize_t = width * pixels.shape[2]
+    size: cython.Py_ssize_t = patch.shape[0]
+    with cython.nogil:
+        for i in range(corners.shape[0]):
+            y = corners[i] // pixels.shape[1]
+            x = corners[i] % pixels.shape[1]
+            for v in range(width):
+                row = cython.address(pixels[y + v, x, 0])
+                for k in range(run):
+                    patch[v * run + k] = row[k]
+            for f in range(0, features.shape[0], 4):
+                products(cython.address(patch[0]), cython.address(features[f, 0]), size, size, sums)
+                for k in range(4):
+                    out[f + k, i] = sums[k]
+
+
+def nearest(
+    first: cython.const[cython.short][:, ::1],
+    second: cython.const[cython.short][:, ::1],
+    places: cython.const[cython.int][:, ::1],
+    others: cython.const[cython.int][:, ::1],
+    least: cython.Py_ssize_t,
+    best: cython.int[::1],
+    which: cython.int[::1],
+    squares: cython.int[::1],
+):
+    """Find for each window (n, m) the nearest of others, the first of equals.
+
+    `second` (4 * k, m) may end with rows that do not count; `places` and `others` are rows and
+    columns; windows less than `least` rows and columns apart are not compared. `best` gets squared
+    distances, -1 for none, `which` indices; `squares` (4 * k,) is scratch.
+    """
+    cython.declare(i=cython.Py_ssize_t, j=cython.Py_ssize_t, k=cython.Py_ssize_t)
+    cython.declare(y=cython.Py_ssize_t, x=cython.Py_ssize_t, found=cython.int, own=cython.int)
+    cython.declare(sums=cython.int[4], row=cython.p_const_short, d=cython.int)
+    size: cython.Py_ssize_t = first.shape[1]
+    with cython.nogil:
+        for j in range(second.shape[0]):
+            row = cython.address(second[j, 0])
+            squares[j] = product(row, row, size)
+        for i in range(first.shape[0]):
+            row = cython.address(first[i, 0])
+            own = product(row, row, size)
+            found = -1
+            which[i] = -1
+            for j in range(0, second.shape[0], 4):
+                products(row, cython.address(second[j, 0]), size, size, sums)
+                for k in range(4):
+                    if j + k >= others.shape[0]:
+                        break
+                    y = others[j + k, 0] - places[i, 0]
+                    x = others[j + k, 1] - places[i, 1]
+                    if -least < y and y < least and -least < x and x < least:
+                        continue
+                    d = own + squares[j + k] - 2 * sums[k]
+                    if found < 0 or d < found:
+                        found = d
+                        which[i] = cython.cast(cython.int, j + k)
+            best[i] = found
+
+
+@cython.cfunc
+@cython.inline
+@cython.nogil
+@cython.exceptval(check=False)
+def root(parents: cython.p_int, i: cython.int) -> cython.int:
+    """Return the first pixel that a pixel is known to be connected with."""
+    while parents[i] != i:
+        parents[i] = parents[parents[i]]
+        i = parents[i]
+    return i
+
+
+@cython.cfunc
+@cython.inline
+@cython.nogil
+@cython.exceptval(check=False)
+def join(parents: cython.p_int, i: cython.int, j: cython.int) -> cython.void:
+    i = root(parents, i)
+    j = root(parents, j)
+    if i < j:
+        parents[j] = i
+    else:
+        parents[i] = j
+
+
+def number_pieces(
+    shift: cython.const[cython.int][:, :, ::1],
+    known: cython.const[cython.uchar][:, ::1],
+    names: cython.int[:, ::1],
+) -> cython.Py_ssize_t:
+    """Number the connected areas of one shift in the order of their first pixels.
+
+    A pixel that is not known is an area of its own. Returns how many areas there are.
+    """
+    cython.declare(y=cython.Py_ssize_t, x=cython.Py_ssize_t, i=cython.int, count=cython.int)
+    width: cython.int = cython.cast(cython.int, shift.shape[1])
+    size: cython.int = cython.cast(cython.int, shift.shape[0] * shift.shape[1])
+    parents: cython.p_int = cython.address(names[0, 0])
+    count = 0
+    with cython.nogil:
+        for i in range(size):
+            parents[i] = i
+        for y in range(shift.shape[0]):
+            for x in range(shift.shape[1]):
+                if not known[y, x]:
+                    continue
+                i = cython.cast(cython.int, y * width + x)
+                if (
+                    x > 0
+                    and known[y, x - 1]
+                    and shift[y, x, 0] == shift[y, x - 1, 0]
+                    and shift[y, x, 1] == shift[y, x - 1, 1]
+                ):
+                    join(parents, i - 1, i)
+                if (
+                    y > 0
+                    and known[y - 1, x]
+                    and shift[y, x, 0] == shift[y - 1, x, 0]
+                    and shift[y, x, 1] == shift[y - 1, x, 1]
+                ):
+                    join(parents, i - width, i)
+        # A pixel's parent is never after it, so it has its number already.
+        for i in range(size):
+            if parents[i] == i:
+                parents[i] = count
+                count += 1
+            else:
+                parents[i] = parents[parents[i]]
+    return count
+
+
+@cython.cfunc
+@cython.nogil
+@cython.exceptval(check=False)
+def between(
+    x: cython.double,
+    knots: cython.const[cython.double][::1],
+    values: cython.const[cython.double][::1],
+) -> cython.double:
+    """Return the value at x of lines from knot to knot, as `numpy.interp` does."""
+    cython.declare(low=cython.Py_ssize_t, high=cython.Py_ssize_t, k=cython.Py_ssize_t)
+    high = knots.shape[0] - 1
+    if x <= knots[0]:
+        return values[0]
+    if x >= knots[high]:
+        return values[high]
+    low = 0  # knots[low] <= x < knots[high]
+    while high - low > 1:
+        k = (low + high) // 2
+        if x < knots[k]:
+            high = k
+        else:
+            low = k
+    return (values[high] - values[low]) / (knots[high] - knots[low]) * (x - knots[low]) + values[
+        low
+    ]
+
+
+def surprise(
+    steps: cython.const[cython.float][:, ::1],
+    shifts: cython.const[cython.longlong][::1],
+    weights: cython.const[cython.float][::1],
+    knots: cython.const[cython.double][::1],
+    usual: cython.const[cython.double][::1],
+    top: cython.Py_ssize_t,
+    side: cython.Py_ssize_t,
+    left: cython.float[:, ::1],
+    sums: cython.double[:, ::1],
+    out: cython.float[:, ::1],
+):
+    """Write the prediction errors of steps over the usual ones, averaged down the columns.
+
+    `shifts` are flat offsets of the k steps that predict one, `weights` theirs; `knots` and
+    `usual` (n,) the mean square of those steps, and the usual squared error there. `top` rows and
+    `side` columns at the borders are not predicted. `left` (2, W - 2 * side) and `sums` (m, W - 2
+    * side), zeros, are scratch; m rows are averaged.
+    """
+    cython.declare(y=cython.Py_ssize_t, x=cython.Py_ssize_t, k=cython.Py_ssize_t)
+    cython.declare(here=cython.p_const_float, weight=cython.float, step=cython.float)
+    cython.declare(total=cython.double, sum_before=cython.double, off=cython.float)
+    cython.declare(before=cython.p_double, last=cython.p_double)
+    rows: cython.Py_ssize_t = steps.shape[0] - 2 * top
+    columns: cython.Py_ssize_t = out.shape[1]
+    number: cython.float = shifts.shape[0]
+    pooled: cython.Py_ssize_t = sums.shape[0]
+    activity: cython.p_float = cython.address(left[1, 0])
+    error: cython.p_float = cython.address(left[0, 0])
+    with cython.nogil:
+        for y in range(rows):
+            here = cython.address(steps[top + y, side])
+            for x in range(columns):
+                error[x] = here[x]
+                activity[x] = 0
+            for k in range(shifts.shape[0]):
+                here = cython.address(steps[top + y, side]) + shifts[k]
+                weight = weights[k]
+                for x in range(columns):
+                    step = here[x]
+                    error[x] -= weight * step
+                    activity[x] += step * step
+            # The sum of all rows so far, less that of `pooled` rows ago.
+            last = cython.address(sums[y % pooled, 0])
+            before = cython.address(sums[(y + 1) % pooled, 0])
+            for x in range(columns):
+                off = error[x] * error[x]
+                off = cython.cast(
+                    cython.float, sqrt(off / between(activity[x] / number, knots, usual))
+                )
+                total = last[x] + off
+                sum_before = before[x]
+                before[x] = total
+                if y + 1 >= pooled:
+                    out[y + 1 - pooled, x] = cython.cast(
+                        cython.float, (total - sum_before) / pooled
+                    )
