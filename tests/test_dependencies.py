@@ -22,6 +22,7 @@ LEVELS = [
     ["cli"],
     ["studio"],
     ["planes", "pages"],
+    ["recipe"],
     ["tasks"],
     ["explanation"],
     ["methods"],

@@ -58,9 +58,9 @@ WRONG = [
     ("S --method patch-sampling --patch-size 70", "largest that fits is 64"),
     ("S --method patch-sampling --blend cutt", "did you mean 'cut'"),
     ("S --method patch-sampling --epsilon nan", "number"),
-    ("S --seed -1", "--seed is -1"),
+    ("S --seed -1", "--seed is '-1'; it must be from 0 to 2"),
     ("S --threads 0", "--threads is 0"),
-    ("S --tileable=z", "invalid choice"),
+    ("S --tileable=z", "--tileable is 'z'; it must be x, y or xy"),
     ("synth text.png -o x.png", "text.png"),
     ("synth empty.png -o old.png", "empty"),
     ("synth cut.png -o old.png", "cut short"),
@@ -83,7 +83,7 @@ WRONG = [
     ("synth sample.png sample.png -o x.png --sample-mask m.png", "--sample-mask needs one sample"),
     ("synth sample.png sample.png -o x.png --sample-guide m.png", "--sample-guide needs one"),
     ("S --sample-mask other.png", "mask is 40x40"),
-    ("S --turn 2", "turn is '2'; it must be one of flip, half, 4, 8"),
+    ("S --turn 2", "--turn is '2'; known: 4, 8, flip, half"),
     ("S --turn 4 --method near-regular --lattice 8,0,0,8", "goes by one lattice"),
     ("S --window 1,2", "--window is '1,2'; it must be TOP,LEFT,HEIGHT,WIDTH"),
     ("S --window 1,2,3,4 --size 50", "--size and --window exclude each other"),
@@ -112,7 +112,7 @@ WRONG = [
     ("prepare sample.png -o x.png", "nothing to do"),
     ("prepare sample.png -o x.png --straighten 1,2,3", "four numbers"),
     ("prepare sample.png -o x.png --straighten 0,0,500,0,50,50,0,50", "outside"),
-    ("prepare sample.png -o x.png --even-light 9", "degree is 9"),
+    ("prepare sample.png -o x.png --even-light 9", "--even-light is '9'; it must be from 1 to 8"),
     ("fill photo.png -o x.png", "--mask"),
     ("fill photo.png --mask nowhere.png -o old.png", "nowhere.png"),
     ("fill photo.png --mask other.png -o old.png", "40x40.*96x80"),
@@ -161,7 +161,7 @@ def test_not_enough_memory_is_one_line(here, capsys, monkeypatch):
     def fail(*_, **__):
         raise MemoryError
 
-    monkeypatch.setattr("weftex.tasks.synthesize.synthesize", fail)
+    monkeypatch.setattr("weftex.recipe.making.Opened.make", fail)
     message = fails(capsys, here, "synth", "sample.png", "-o", "x.png")
     assert "not enough memory" in message
 

@@ -103,7 +103,7 @@ def test_fuse_gives_missing_maps_a_value(sets, capsys):
     assert rough.shape == (20, 20) and (rough == 204).sum() > 50
     for given, says in (
         ("roughness=2", "from 0 to 1"),
-        ("roughness=a", "must be a map and its value"),
+        ("roughness=a", "must be maps and their values"),
         ("roughness=flat", "must be a number from 0 to 1"),
         ("height=0", "no sample lacks; all samples have it"),
         ("rougness=0", "did you mean 'roughness'"),

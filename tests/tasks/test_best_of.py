@@ -126,7 +126,7 @@ def test_the_command_and_the_pictures_of_debug(tmp_path, monkeypatch, capsys):
     for name, what in zip(names, ["sources", *names[1:]], strict=True):
         assert np.array_equal(read_image(f"how/{name}.png").pixels, made.draw(what))
     for wrong, message in (
-        (["-o", "c.png", "--best-of", "0"], "best_of is 0"),
+        (["-o", "c.png", "--best-of", "0"], "--best-of is '0'; it must be from 1"),
         (["-o", "c.png", "--best-of", "graphcut"], "add quilting to that list"),
         (["-o", "c.png", "--debug", "s.png"], "it is a file"),
         (["-o", "c.png", "--debug", "new", "--sample-guide", "s.png"], "without a guide"),

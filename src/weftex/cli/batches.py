@@ -11,7 +11,7 @@ from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
 from weftex.canvas import as_canvas
-from weftex.cli.files import axes_of, read, with_turns, write
+from weftex.cli.files import open_materials, pixels_of
 from weftex.cli.sets import plan
 from weftex.cli.terminal import Outputs
 from weftex.errors import CancelledError, FileError, InvalidInputError, WeftexError, shown
@@ -24,8 +24,9 @@ if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
     from weftex.io.manifest import Manifest
-    from weftex.material import Material
-    from weftex.method import Method, Model
+    from weftex.method import Model
+    from weftex.recipe import Recipe
+    from weftex.recipe.making import Opened
     from weftex.results.synthesis import Synthesis
 
 _FIELDS = {"name", "seed"}
@@ -218,29 +219,18 @@ class Maker:
 
     Parameters
     ----------
-    folder : str
-        Where outputs go.
-    method : Method
-    size : (int, int), optional
-        Twice the sample's by default.
+    recipe : Recipe
+        Of any sample.
     threads : int
         For each output.
     args : argparse.Namespace
-        Options of the command: `tileable`, `turn`, `names`, `mtlx`, `score`, `allow_huge`.
+        Options of the command: `output`, `names`, `mtlx`, `score`, `allow_huge`.
     """
 
-    def __init__(
-        self,
-        folder: str,
-        method: Method,
-        size: tuple[int, int] | None,
-        threads: int,
-        args: argparse.Namespace,
-    ) -> None:
-        self.folder, self.method, self.size = folder, method, size
-        self.threads, self.args = threads, args
+    def __init__(self, recipe: Recipe, threads: int, args: argparse.Namespace) -> None:
+        self.recipe, self.threads, self.args = recipe, threads, args
         self._path, self._cancelled = "", False
-        self._material: Material
+        self._opened: Opened
         self._model: Model
         self._scorer: MapsScorer | None = None
 
@@ -268,14 +258,14 @@ class Maker:
         if self._path == path:
             return
         self._path, self._scorer = "", None
-        self._material = read(path, self.args)
-        self._model = self.method.fit(with_turns(self._material.exemplar(), self.args))
+        spec = {**self.recipe.materials[0], "path": path}
+        self._opened = open_materials(self.recipe.changed(materials=[spec]), self.args)
+        self._model = self.recipe.method.fit(self._opened.sample)
         self._path = path
 
     def _results(self, job: Job) -> Iterator[tuple[Synthesis, dict[str, Any]]]:
         """All results and their records, or the best ones in the order of their seeds."""
-        height, width = self._material.pictures[self._material.main].pixels.shape[:2]
-        canvas = as_canvas(self.size or (2 * height, 2 * width), axes_of(self.args))
+        canvas = as_canvas(self._opened.shape, self.recipe.options["tileable"])
         best: list[tuple[float, int, Synthesis, dict[str, Any]]] = []
         for order, (seed, output) in enumerate(job.outputs.items()):
             start = perf_counter()
@@ -312,10 +302,11 @@ class Maker:
 
     def _write(self, result: Synthesis, record: dict[str, Any]) -> str:
         """Write an output under another name, and return that."""
-        target = os.path.join(self.folder, record["output"])
+        target, job = os.path.join(self.args.output, record["output"]), self._opened
         with unfinished(target) as path, Outputs() as outputs:
-            options = argparse.Namespace(**vars(self.args) | {"output": path, "save_source": None})
-            if self._material.folder:
+            options = argparse.Namespace(**vars(self.args) | {"output": path})
+            if job.materials[0].folder:
                 outputs.make_folder(path)
-            write(result, plan(self._material, options), options, outputs)
+            made = plan(job.materials, job.like, options)
+            made.write(pixels_of(result, made.main), outputs, self.args.threads)
         return path

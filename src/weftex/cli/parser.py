@@ -4,9 +4,13 @@ from __future__ import annotations
 
 import argparse
 import re
-from typing import ClassVar, NoReturn
+from typing import TYPE_CHECKING, ClassVar, NoReturn
 
 from weftex.errors import InvalidInputError, did_you_mean
+from weftex.recipe.declared import TASKS, options_of
+
+if TYPE_CHECKING:
+    from weftex.recipe.options import Option
 
 #: Headings of the help, in their order, after the options that most people need.
 HEADINGS = (
@@ -34,14 +38,6 @@ SYNONYMS = {
     "--width": "--size",
     "--wrap": "--tileable",
 }
-#: Options that may stand alone: the value that they have then, and which words are values of them.
-_BARE = {
-    "--tileable": ("xy", "x|y|xy"),
-    "--straighten": ("", r"[-+.,\deE]*,[-+.,\deE]*"),
-    "--even-light": ("2", r"[-+]?\d+"),
-}
-#: Options whose value may begin with a minus.
-_SIGNED = {"--window"}
 
 
 class Built(Exception):
@@ -58,7 +54,7 @@ class Parser(argparse.ArgumentParser):
     #: Whether to raise `Built` in place of parsing.
     only_built: ClassVar[bool] = False
 
-    def __init__(self, command: str, description: str, examples: str) -> None:
+    def __init__(self, command: str, description: str, examples: str = "") -> None:
         # By itself argparse looks for the terminal's width with every option that is added.
         self._columns = 80
         super().__init__(
@@ -70,8 +66,30 @@ class Parser(argparse.ArgumentParser):
                 prog, width=self._columns - 2
             ),
         )
+        self.command = command
         #: Groups of options by heading; a group without options is not printed.
         self.under = {heading: self.add_argument_group(heading) for heading in HEADINGS}
+        self._bare: dict[str, tuple[str, str]] = {}
+
+    def take(self, *options: Option, **changes: str | bool) -> None:
+        """Add declared options; `changes` are arguments of argparse, such as another help."""
+        for option in options:
+            if option.heading not in (*self.under, "options"):
+                self.under[option.heading] = self.add_argument_group(option.heading)
+            group = self.under.get(option.heading, self)
+            default = option.default_text or ("" if option.default in (None, False, True) else
+                                              f"{option.default}")  # fmt: skip
+            text = option.help + (f"; default: {default}" if default else "")
+            how: dict[str, object] = {"dest": option.flag, "help": text.replace("%", "%%")}
+            if option.kind.name == "bool":
+                bare = option.default is False
+                how["action"] = "store_true" if bare else argparse.BooleanOptionalAction
+            else:
+                how["metavar"] = option.metavar
+            if option.kind.bare is not None:
+                how |= {"nargs": "?", "const": option.kind.bare}
+                self._bare[option.flag] = option.kind.bare, option.kind.values
+            group.add_argument(option.flag, **how | changes)  # type: ignore[arg-type]
 
     def format_help(self) -> str:
         """Return the help, as wide as the terminal; the usage line has only what is required."""
@@ -92,15 +110,23 @@ class Parser(argparse.ArgumentParser):
         raise InvalidInputError(message)
 
     def filled(self, argv: list[str]) -> list[str]:
-        """Give bare options their values, so that none takes the file name that follows it."""
-        for k in [k for k, word in enumerate(argv[:-1]) if word in _SIGNED][::-1]:
-            if re.match(r"-\d", argv[k + 1]):
-                argv = [*argv[:k], f"{argv[k]}={argv[k + 1]}", *argv[k + 2 :]]
-        pairs = zip(argv, [*argv[1:], ""], strict=False)
-        return [
-            f"{a}={_BARE[a][0]}" if a in _BARE and not re.fullmatch(_BARE[a][1], b) else a
-            for a, b in pairs
-        ]
+        """Give bare options their values, and join values that begin with a minus."""
+        found: list[str] = []
+        for word, after in zip(argv, [*argv[1:], ""], strict=False):
+            before = found[-1] if found else ""
+            text, values = self._bare.get(word, ("", ""))
+            if before.startswith("--") and "=" not in before and re.match(r"-[.\d]", word):
+                found[-1] = f"{before}={word}"
+            elif word in self._bare and not re.fullmatch(values, after):
+                found.append(f"{word}={text}")
+            else:
+                found.append(word)
+        return found
+
+    def unknown(self, argv: list[str]) -> list[str]:
+        """Return the options that the parser does not have."""
+        words = (word.split("=")[0] for word in argv if re.match("--[a-z]", word))
+        return [word for word in words if word not in self._option_string_actions]
 
     def parse(self, argv: list[str]) -> argparse.Namespace:
         """Parse all arguments; an error about an unknown option suggests a known one."""
@@ -111,6 +137,12 @@ class Parser(argparse.ArgumentParser):
             if word.startswith("-"):
                 known = [o for o in self._option_string_actions if o.startswith("--")]
                 name = word.split("=")[0]
+                if able := [
+                    task for task in TASKS if name in (one.flag for one in options_of(task))
+                ]:
+                    raise InvalidInputError(
+                        f"{name} has no effect on {self.command}; it is for {', '.join(able)}"
+                    )
                 near = did_you_mean(SYNONYMS.get(name, name), known)
                 raise InvalidInputError(f"unknown option '{word}'{near}")
         if left:

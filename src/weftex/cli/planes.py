@@ -9,49 +9,27 @@ from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
 from weftex.canvas import MAX_PIXELS
-from weftex.cli.files import axes_of
-from weftex.cli.terminal import say
+from weftex.cli.options import HUGE, given_blocks
+from weftex.cli.terminal import finish, say
 from weftex.errors import InvalidInputError
 from weftex.planes.files import ALWAYS, SUFFIXES, check_target, suffix_of
 
 if TYPE_CHECKING:
     import argparse
 
-    from weftex.cli.parser import Parser
     from weftex.cli.terminal import Bar, Outputs
-    from weftex.exemplar import Exemplar
     from weftex.material import Material
-    from weftex.method import Method
     from weftex.planes.definition import Definition
+    from weftex.recipe import Recipe
 
-_HUGE = 2**28  # pixels, from which on a TIFF is written block by block
-_OPTIONS = ("part", "workers", "cluster", "restart", "block")
 #: Options of synth that ask for the whole picture.
 _WHOLE = {
-    "guide": "a guide is a picture of the whole size",
-    "sample_guide": "a guide is a picture of the whole size",
+    "--guide": "a guide is a picture of the whole size",
+    "--sample-guide": "a guide is a picture of the whole size",
     "debug": "its pictures are of the whole size",
-    "window": "that has a size and is one picture",
+    "preview": "it is written while it is made",
     "mtlx": "MaterialX names pictures that are loaded whole",
 }
-
-
-def add_plane(parser: Parser) -> None:
-    """Add the options of every command that can write a picture block by block."""
-    group = parser.under["large outputs"]
-    group.description = (
-        "OUT.zarr and OUT.dzi, and OUT.tif of more than 268 megapixels, are written\n"
-        "block by block. The same command resumes an interrupted run."
-    )
-    add = group.add_argument
-    text = "side of the blocks, a power of two; the image does not depend on it; default: 2048"
-    add("--block", type=int, metavar="PX", help=text)
-    add("--restart", action="store_true", help="delete what was written before and start again")
-    text = "write part K of N, on any machine that shares the folder; needs --seed"
-    add("--part", metavar="K/N", help=text)
-    add("--workers", type=int, metavar="N", help="number of worker processes on this machine")
-    text = "use the workers of a Dask scheduler that share the folder; needs weftex[dask]"
-    add("--cluster", metavar="tcp://HOST:PORT", help=text)
 
 
 def takes_any_size(output: str) -> bool:
@@ -66,24 +44,18 @@ def wants_plane(args: argparse.Namespace, size: tuple[int, int] | None) -> bool:
         return True
     if suffix in SUFFIXES:
         pixels = size[0] * size[1] if size else 0
-        return bool(_given(args)) or pixels > (MAX_PIXELS if args.allow_huge else _HUGE)
+        return bool(given_blocks(args)) or pixels > (MAX_PIXELS if args.allow_huge else HUGE)
     refuse_options(args)
     return False
 
 
 def refuse_options(args: argparse.Namespace) -> None:
     """Raise `InvalidInputError` if an option asks for blocks where nothing is written so."""
-    for name in _given(args):
+    for name in given_blocks(args):
         raise InvalidInputError(
             f"--{name} has no effect: only planes are written block by block, to "
             f"{', '.join(SUFFIXES)}"
         )
-
-
-def _given(args: argparse.Namespace) -> list[str]:
-    """Return the names of the options that ask for blocks; a 0 is given, and refused later."""
-    values = {name: getattr(args, name) for name in _OPTIONS}
-    return [name for name, value in values.items() if value is not None and value is not False]
 
 
 def check_options(args: argparse.Namespace) -> None:
@@ -92,9 +64,9 @@ def check_options(args: argparse.Namespace) -> None:
 
     for name, why in _WHOLE.items():
         if getattr(args, name, None):
-            option = name.replace("_", "-")
-            raise InvalidInputError(f"--{option} has no effect on {args.output}: {why}")
-    if getattr(args, "best_of", "1") != "1":
+            option = name if name.startswith("--") else f"--{name}"
+            raise InvalidInputError(f"{option} has no effect on {args.output}: {why}")
+    if getattr(args, "--best-of", None) not in (None, "1"):
         raise InvalidInputError("--best-of makes whole pictures; name a method and a seed")
     given = [name for name in ("part", "workers", "cluster") if getattr(args, name) is not None]
     if len(given) > 1:
@@ -103,7 +75,7 @@ def check_options(args: argparse.Namespace) -> None:
         args.part = parse_part(args.part)
         if args.restart:
             raise InvalidInputError("--restart has no effect with --part; restart without it")
-        if getattr(args, "seed", 0) is None:
+        if getattr(args, "--seed", "0") is None:
             raise InvalidInputError("--part needs --seed, the same for all parts")
     if args.workers is not None and args.workers < 1:
         raise InvalidInputError(f"--workers is {args.workers}; it must be 1 or more")
@@ -141,24 +113,25 @@ def stems_of(args: argparse.Namespace, material: Material) -> dict[str, str]:
     return {name: file_stem(args.names, own, role) for name, role in material.roles.items()}
 
 
-def definition_for(
-    args: argparse.Namespace,
-    exemplar: Exemplar,
-    stems: dict[str, str],
-    method: Method,
-    size: tuple[int, int],
-) -> Definition:
-    """What `weftex synth` makes a plane of."""
-    from weftex.planes.definition import BLOCK, define
-    from weftex.planes.writing import seed_of_run
+def synthesize(recipe: Recipe, args: argparse.Namespace, start: float) -> None:
+    """Do what `weftex synth` does where it writes block by block."""
+    check_options(args)
 
-    seed = args.seed
-    if seed is None and not args.restart:
-        seed = seed_of_run(args.output)
-    if seed is None:
-        seed = int.from_bytes(os.urandom(4), "little")  # short enough to be typed again
-    how: dict[str, Any] = {"seed": seed, "tileable": axes_of(args), "stems": stems}
-    return define(exemplar, size, method, {}, block=args.block or BLOCK, **how)
+    def work(bar: Bar, outputs: Outputs) -> str:
+        from weftex.cli.files import open_materials
+        from weftex.planes.definition import BLOCK, define
+        from weftex.planes.writing import seed_of_run
+
+        job, seed = open_materials(recipe, args), recipe.seed
+        if getattr(args, "--seed") is None and not args.restart:
+            begun = seed_of_run(args.output)
+            seed = seed if begun is None else begun
+        how: dict[str, Any] = {"seed": seed, "tileable": recipe.options["tileable"]}
+        how |= {"block": args.block or BLOCK, "stems": stems_of(args, job.materials[0])}
+        plane = define(job.sample, job.shape, recipe.method, {}, **how)
+        return write(args, plane, bar, outputs, start)
+
+    finish(work, args.quiet, verbose=args.verbose)
 
 
 def write(

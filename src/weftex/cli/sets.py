@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import os
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from weftex.errors import InvalidInputError
 from weftex.material import Material
+from weftex.recipe.making import pictures_like
 
 if TYPE_CHECKING:
     import argparse
@@ -17,6 +18,7 @@ if TYPE_CHECKING:
 
     from weftex.cli.terminal import Outputs
     from weftex.exemplar import Exemplar
+    from weftex.io.pictures import Picture
 
 
 @dataclass(frozen=True)
@@ -25,8 +27,8 @@ class Plan:
 
     Attributes
     ----------
-    material : Material
-        The set, or the picture, whose files are like those that are written.
+    pictures : dict of str to Picture
+        By the names of maps, what the files that are written are like; the main one first.
     targets : dict of str to str
         Paths by the names of its maps.
     documents : dict of str to str
@@ -35,10 +37,15 @@ class Plan:
         What was taken for what, a line each.
     """
 
-    material: Material
+    pictures: dict[str, Picture]
     targets: dict[str, str]
     documents: dict[str, str]
     told: str
+
+    @property
+    def main(self) -> str:
+        """The name of the main picture."""
+        return next(iter(self.pictures))
 
     def write(
         self, pixels: Callable[[str], NDArray[Any]], outputs: Outputs, threads: int | None = None
@@ -47,7 +54,7 @@ class Plan:
         from weftex.io.pictures import write_image, write_text
         from weftex.threads import in_turn, thread_count
 
-        pictures, at_once = self.material.pictures, thread_count(threads)
+        pictures, at_once = self.pictures, thread_count(threads)
         temporary = {name: outputs.add(self.targets[name]) for name in pictures}
 
         def write_one(number: int) -> None:
@@ -62,16 +69,41 @@ class Plan:
             write_text(outputs.add(path), text)
 
 
-def plan(material: Material, args: argparse.Namespace, told: list[str] | None = None) -> Plan:
-    """Say where everything goes; whatever can be wrong with it is found here, before any work."""
+def plan(
+    materials: Sequence[Material],
+    made: Exemplar,
+    args: argparse.Namespace,
+    notes: Sequence[str] = (),
+) -> Plan:
+    """Say where everything goes; whatever can be wrong with it is found here, before any work.
+
+    Parameters
+    ----------
+    materials : sequence of Material
+        Each map is stored as the first of them that has it.
+    made : Exemplar
+        A sample with the maps that are written, and pixels of their kinds.
+    args : Namespace
+    notes : sequence of str
+        Lines to print after those about maps.
+    """
     from weftex.io.pictures import check_output
 
-    lines, documents = material.told() if told is None else told, {}
-    if not material.folder:
+    first, documents = materials[0], {}
+    pictures = pictures_like(materials, made)
+    roles = {first.main: first.roles[first.main], **made.roles}
+    folder = any(one.folder for one in materials)
+    material = Material(first.name, pictures, roles, folder=folder)
+    lines = [
+        line.replace("map: ", f"map of {one.name}: ") if len(materials) > 1 else line
+        for one in materials
+        for line in one.told()
+    ]
+    if not folder:
         for option, value in (("--names", args.names), ("--mtlx", args.mtlx)):
             if value:
-                raise InvalidInputError(f"{option} has no effect: {material.name} is no folder")
-        targets = {material.main: args.output}
+                raise InvalidInputError(f"{option} has no effect: {first.name} is no folder")
+        targets = {first.main: args.output}
     else:
         files = _files(material, args)
         targets = {name: os.path.join(args.output, file) for name, file in files.items()}
@@ -81,37 +113,10 @@ def plan(material: Material, args: argparse.Namespace, told: list[str] | None = 
             path, text, left = _document(material, files, args)
             documents[path] = text
             lines += [f"map: {name} has no place in {os.path.basename(path)}" for name in left]
-    for name, picture in material.pictures.items():
+    for name, picture in pictures.items():
         check_output(targets[name], picture.pixels, alpha=picture.alpha)
-    return Plan(material, targets, documents, "".join(f"{line}\n" for line in lines))
-
-
-def plan_of_several(
-    materials: Sequence[Material], made: Exemplar, args: argparse.Namespace
-) -> Plan:
-    """`plan` for maps of several materials: each map is stored as the first that has it.
-
-    Parameters
-    ----------
-    materials : sequence of Material
-    made : Exemplar
-        One of the samples as it is used: its pixels, and the maps that all of them have.
-    args : Namespace
-    """
-    first = materials[0]
-    pictures = {}
-    for name, pixels in {first.main: made.pixels, **made.maps}.items():
-        like = next(one.pictures[name] for one in materials if name in one.pictures)
-        pictures[name] = replace(like, pixels=pixels)
-    roles = {first.main: first.roles[first.main], **made.roles}
-    whole = Material(first.name, pictures, roles, folder=any(one.folder for one in materials))
-    several = len(materials) > 1
-    told = [
-        line.replace("map: ", f"map of {one.name}: ") if several else line
-        for one in materials
-        for line in one.told()
-    ]
-    return plan(whole, args, told)
+    told = "".join(f"{line}\n" for line in (*lines, *notes))
+    return Plan(pictures, targets, documents, told)
 
 
 def _files(material: Material, args: argparse.Namespace) -> dict[str, str]:

@@ -128,7 +128,7 @@ def fuse(
     of_belts: dict[str, Any] = {}
     chosen = make_method(method, {})
     if boundary == "merged":
-        chosen, of_belts = _parted(chosen, parameters, as_canvas(1, tileable))
+        chosen, of_belts = parted(chosen, parameters, as_canvas(1, tileable))
     else:
         chosen = make_method(chosen, parameters)
 
@@ -175,7 +175,7 @@ def fuse(
     )
 
 
-def _parted(
+def parted(
     method: Method, parameters: Mapping[str, Any], canvas: Canvas
 ) -> tuple[Method, dict[str, Any]]:
     """Return the method of the regions, and the parameters that only belts take."""

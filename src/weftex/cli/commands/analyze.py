@@ -5,9 +5,10 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from weftex.cli.files import load
-from weftex.cli.options import add_huge, add_maps
+from weftex.cli.options import add_huge
 from weftex.cli.parser import Parser
 from weftex.errors import InvalidInputError
+from weftex.recipe import MATERIAL
 
 if TYPE_CHECKING:
     from argparse import Namespace
@@ -35,7 +36,7 @@ def run(argv: list[str]) -> None:
     parser = Parser("analyze", _ABOUT, _EXAMPLES)
     add = parser.add_argument
     add("sample", metavar="SAMPLE", help="image, folder of maps, or sample:NAME")
-    add_maps(parser)
+    parser.take(MATERIAL["maps"])
     add("--json", action="store_true", help="print JSON")
     add("--overlay", metavar="FILE", help="write the sample with its lattice drawn over it")
     add(
@@ -68,7 +69,7 @@ def run(argv: list[str]) -> None:
     for path in (args.overlay, args.correlation):
         if path is not None:
             check_output(path)
-    exemplar = load(args.sample, args, args.maps)
+    exemplar = load(args.sample, args, "maps")
     numbers = {name: getattr(args, name) for name in ("alpha", "significant")}
     found = analyze(
         exemplar,

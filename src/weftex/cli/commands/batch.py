@@ -6,10 +6,12 @@ import os
 from time import perf_counter
 from typing import TYPE_CHECKING
 
-from weftex.cli.options import add_names, add_turn, parse_size, parse_task
+from weftex.cli.options import add_names, parse_task
 from weftex.cli.parser import Parser
 from weftex.cli.terminal import finish, say
 from weftex.errors import CancelledError, FileError, InvalidInputError
+from weftex.recipe import MATERIAL, SEED
+from weftex.recipe.declared import OUTPUT_SIZE, TILEABLE
 
 if TYPE_CHECKING:
     from argparse import Namespace
@@ -17,7 +19,7 @@ if TYPE_CHECKING:
     from weftex.cli.batches import Job
     from weftex.cli.terminal import Bar, Outputs
     from weftex.io.manifest import Manifest
-    from weftex.method import Method
+    from weftex.recipe import Recipe
 
 _ABOUT = """\
 Synthesize outputs from every image and every folder of maps in a folder. manifest.jsonl in the
@@ -38,20 +40,20 @@ def run(argv: list[str]) -> None:
     start = perf_counter()
     parser = Parser("batch", _ABOUT, _EXAMPLES)
     add = parser.add_argument
-    add("folder", metavar="IN", help="folder of images and of folders of maps")
+    add("materials", metavar="IN", help="folder of images and of folders of maps")
+    add("output", metavar="OUT", help="folder to write to")
     text = "number of outputs per sample, with successive seeds from --seed on; default: 1"
     add("--count", type=int, default=1, metavar="N", help=text)
     text = "names of the outputs; default: {name}_{seed}, or {name} for one output per sample"
     add("--template", metavar="TEXT", help=text)
-    add("--size", metavar="WxH|N", help="output size in pixels; default: twice the sample's")
     add("--keep-best", type=int, metavar="K", help="keep only the K best outputs of each sample")
     add("--score", action="store_true", help="write the score of each output to the manifest")
     add("--skip-existing", action="store_true", help="make only the outputs that are missing")
     add("--force", action="store_true", help="overwrite existing outputs")
     add_names(parser)
-    add_turn(parser)
-    args, method, parameters = parse_task(parser, argv, positional="folder to write to")
-    size = None if args.size is None else parse_size(args.size, args.allow_huge)
+    args, recipe = parse_task(
+        "synth", parser, argv, [OUTPUT_SIZE, TILEABLE, SEED, MATERIAL["turn"]]
+    )
     if not 1 <= args.count <= _MOST:
         raise InvalidInputError(f"--count is {args.count}; it must be from 1 to {_MOST}")
     if args.keep_best is not None and not 1 <= args.keep_best <= args.count:
@@ -60,15 +62,13 @@ def run(argv: list[str]) -> None:
         )
     if args.skip_existing and args.force:
         raise InvalidInputError("give --skip-existing or --force, not both")
-    chosen = method(**parameters)
 
     def work(bar: Bar, outputs: Outputs) -> str:
         from weftex.cli.batches import entries_of, jobs_of, left_of
         from weftex.io.manifest import Manifest
-        from weftex.random import seed_number
 
-        first = seed_number(args.seed) if args.seed is not None else 0
-        entries = entries_of(args.folder, args.output)
+        first = 0 if getattr(args, "--seed") is None else recipe.seed
+        entries = entries_of(args.materials, args.output)
         seeds = [(first + k) % 2**64 for k in range(args.count)]
         template = args.template or ("{name}" if args.count == 1 else "{name}_{seed}")
         jobs = jobs_of(entries, template, seeds, args.keep_best)
@@ -80,7 +80,7 @@ def run(argv: list[str]) -> None:
         try:
             how = {"skip": args.skip_existing, "force": args.force}
             left = left_of(jobs, args.output, manifest, **how)
-            failures = _do(left, manifest, (args.output, chosen, size), args, bar)
+            failures = _do(left, manifest, recipe, args, bar)
         finally:
             manifest.sweep()
         took = perf_counter() - start
@@ -97,7 +97,7 @@ def run(argv: list[str]) -> None:
 def _do(
     jobs: list[Job],
     manifest: Manifest,
-    about: tuple[str, Method, tuple[int, int] | None],
+    recipe: Recipe,
     args: Namespace,
     bar: Bar,
 ) -> list[str]:
@@ -108,7 +108,7 @@ def _do(
 
     threads = thread_count(args.threads)
     count = max(1, min(threads, len(jobs)))
-    maker = Maker(*about, threads // count, args)
+    maker = Maker(recipe, threads // count, args)
     failures: list[str] = []
     bar.left = f"--skip-existing goes on in {args.output}"
 
@@ -128,7 +128,7 @@ def _do(
         if bar(done, len(jobs), "jobs", lambda: None) is False:
             raise CancelledError(f"cancelled after {done} of {len(jobs)} jobs")
 
-    with Workers(Maker, *about, maker.threads, args) as workers:
+    with Workers(Maker, recipe, maker.threads, args) as workers:
         bar.at_stop(maker.cancel)
         bar.at_stop(workers.end)
         check(0)

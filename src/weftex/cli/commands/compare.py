@@ -2,24 +2,17 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from time import perf_counter
 from typing import TYPE_CHECKING
 
-from weftex.cli.files import load, settings
-from weftex.cli.options import (
-    add_limits,
-    add_map_weights,
-    add_maps,
-    add_threads,
-    add_tileable_sample,
-    add_turn,
-    check_numbers,
-    parse_names,
-    parse_size,
-)
+from weftex.cli.options import add_huge, add_quiet, add_threads, check_numbers, check_size
 from weftex.cli.parser import Parser
 from weftex.cli.terminal import finish
 from weftex.errors import InvalidInputError
+from weftex.recipe import MATERIAL, SEED
+from weftex.recipe.declared import OUTPUT_SIZE, TILEABLE
+from weftex.recipe.words import value_of
 
 if TYPE_CHECKING:
     from weftex.cli.terminal import Bar, Outputs
@@ -42,38 +35,38 @@ def run(argv: list[str]) -> None:
     parser = Parser("compare", _ABOUT, _EXAMPLES)
     add = parser.add_argument
     add("sample", metavar="SAMPLE", help="image, folder of maps, or sample:NAME")
-    add_maps(parser)
-    add_map_weights(parser)
     add("-o", "--output", metavar="OUT.html", help="page to write")
     add("--methods", metavar="A,B,...", help="only these methods; see 'weftex methods'")
-    add(
-        "--size",
-        metavar="WxH|N",
-        help="output size in pixels; default: twice the sample's, at most 512",
-    )
-    add("--seed", type=int, metavar="N", default=1, help="random seed of all methods; default: 1")
+    size = replace(OUTPUT_SIZE, default_text="twice the sample's, at most 512")
+    seed = replace(SEED, help="random seed of all methods", default_text="1")
     text = "compare tileable outputs: along both axes, or only along x or y"
-    add("--tileable", nargs="?", const="xy", choices=("xy", "x", "y"), metavar="x|y", help=text)
+    parser.take(size, seed)
+    parser.take(TILEABLE, help=text)
+    own = ("maps", "map_weights", "repeats", "turn")
+    parser.take(*(MATERIAL[name] for name in own))
     add_threads(parser)
     add("--json", action="store_true", help="print the scores and times as JSON")
-    add_tileable_sample(parser)
-    add_turn(parser)
-    add_limits(parser)
+    add_quiet(parser)
+    add_huge(parser)
     args = parser.parse(argv)
     if args.output is None and not args.json:
         raise InvalidInputError("nothing to do; give -o compare.html, --json, or both")
-    size = None if args.size is None else parse_size(args.size, args.allow_huge)
-    names = None if args.methods is None else parse_names(args.methods)
+    values = {one.name: value_of(one, vars(args)) for one in (size, seed, TILEABLE)}
+    if values["size"] is not None:
+        check_size(values["size"], args)
+    names = None if args.methods is None else [word.strip() for word in args.methods.split(",")]
     check_numbers(args)
+    how = {"seed": 1 if values["seed"] is None else values["seed"], "threads": args.threads}
 
     def work(bar: Bar, outputs: Outputs) -> str:
+        from weftex.cli.files import load
         from weftex.io.pictures import check_output
         from weftex.pages.comparisons import compare
 
         if args.output is not None:
             check_output(args.output, suffixes=(".html",))
-        exemplar = load(args.sample, args, args.maps, tileable=args.tileable_sample)
-        found = compare(exemplar, size, methods=names, **settings(args, bar))
+        exemplar, axes = load(args.sample, args, *own), values["tileable"] or False
+        found = compare(exemplar, values["size"], tileable=axes, methods=names, progress=bar, **how)
         if args.output is not None:
             found.save(outputs.add(args.output))
         if args.json:

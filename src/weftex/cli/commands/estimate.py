@@ -7,7 +7,7 @@ from time import perf_counter
 from typing import TYPE_CHECKING
 
 from weftex.cli.files import read
-from weftex.cli.options import add_limits
+from weftex.cli.options import add_huge, add_quiet
 from weftex.cli.parser import Parser
 from weftex.cli.terminal import finish
 
@@ -38,7 +38,8 @@ def run(argv: list[str]) -> None:
     add("--invert", action="store_true", help="bright pixels lie deeper")
     text = "the photo is tileable, and the maps will be"
     add("--tileable-sample", action="store_true", help=text)
-    add_limits(parser)
+    add_quiet(parser)
+    add_huge(parser)
     args = parser.parse(argv)
 
     def work(bar: Bar, outputs: Outputs) -> str:

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from time import perf_counter
 from typing import TYPE_CHECKING
 
-from weftex.cli.files import axes_of, load
-from weftex.cli.options import parse_size, parse_task
+from weftex.cli.options import parse_task
 from weftex.cli.parser import Parser
 from weftex.cli.terminal import finish
 from weftex.errors import InvalidInputError
+from weftex.recipe.declared import OUTPUT_SIZE, SEED, TILEABLE
 
 if TYPE_CHECKING:
     import argparse
@@ -34,27 +35,28 @@ def run(argv: list[str]) -> None:
     start = perf_counter()
     parser = Parser("explain", _ABOUT, _EXAMPLES)
     parser.add_argument(
-        "sample", metavar="SAMPLE", help="image, or sample:NAME; a small one is enough"
+        "materials", metavar="SAMPLE", help="image, or sample:NAME; a small one is enough"
     )
-    text = "output size in pixels; default: 128"
-    parser.add_argument("--size", metavar="WxH|N", default="128", help=text)
+    parser.add_argument("output", metavar="OUT", help="folder, or image, to write")
     text = "row and column of the pixel; default: one past the middle"
     parser.add_argument("--at", metavar="Y,X", help=text)
-    args, method, parameters = parse_task(
-        parser, argv, "patch-sampling", positional="folder, or image, to write"
-    )
+    size = replace(OUTPUT_SIZE, default_text="128")
+    args, recipe = parse_task("synth", parser, argv, [size, TILEABLE, SEED], method="patch-sampling",
+                              usual="patch-sampling")  # fmt: skip
     if args.threads is not None:
         raise InvalidInputError("--threads has no effect: one thread works, so that it can be seen")
-    chosen, size, at = method(**parameters), parse_size(args.size, args.allow_huge), _at(args)
+    at = _at(args)
 
     def work(bar: Bar, outputs: Outputs) -> str:
+        from weftex.cli.files import open_materials
         from weftex.explanation import explain
         from weftex.io.formats import READABLE, suffix_of
         from weftex.io.pictures import write_image
 
-        tileable = axes_of(args)
-        sample = load(args.sample, args)
-        found = explain(sample, size, method=chosen, seed=args.seed, at=at, tileable=tileable)
+        sample = open_materials(recipe, args).sample
+        size, tileable = recipe.options["size"] or 128, recipe.options["tileable"]
+        how = {"method": recipe.method, "seed": recipe.seed}
+        found = explain(sample, size, at=at, tileable=tileable, **how)
         if suffix_of(args.output) in READABLE:
             write_image(outputs.add(args.output), found.strip())
         else:
@@ -64,7 +66,7 @@ def run(argv: list[str]) -> None:
         y, x = found.pixel
         took = perf_counter() - start
         return (
-            f"{len(found)} steps of {args.method} at row {y}, column {x}, in {args.output}, "
+            f"{len(found)} steps of {recipe.method.slug} at row {y}, column {x}, in {args.output}, "
             f"in {took:.2f} s"
         )
 

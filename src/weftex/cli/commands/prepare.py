@@ -5,11 +5,12 @@ from __future__ import annotations
 from time import perf_counter
 from typing import TYPE_CHECKING
 
-from weftex.cli.files import open_sample
-from weftex.cli.options import add_limits, add_mending, add_output, add_sets
+from weftex.cli.options import add_huge, add_names, add_output, add_quiet
 from weftex.cli.parser import Parser
 from weftex.cli.terminal import finish
 from weftex.errors import InvalidInputError
+from weftex.recipe import MATERIAL, MENDING
+from weftex.recipe.words import material_of
 
 if TYPE_CHECKING:
     from weftex.cli.terminal import Bar, Outputs
@@ -33,21 +34,29 @@ def run(argv: list[str]) -> None:
     start = perf_counter()
     parser = Parser("prepare", _ABOUT, _EXAMPLES)
     parser.add_argument("sample", metavar="PHOTO", help="image, folder of maps, or sample:NAME")
-    add_sets(parser)
+    add_names(parser)
     add_output(parser)
-    add_mending(parser)
-    add_limits(parser)
+    names = ("maps", *MENDING)
+    parser.take(*(MATERIAL[name] for name in names))
+    add_quiet(parser)
+    add_huge(parser)
     args = parser.parse(argv)
-    if args.straighten is None and args.even_light is None:
+    spec = material_of(args.sample, vars(args), names)
+    if not spec.keys() & MENDING:
         raise InvalidInputError("nothing to do; give --straighten, --even-light, or both")
-    args.save_source = None
 
     def work(bar: Bar, outputs: Outputs) -> str:
-        exemplar, plan = open_sample(args.sample, args, outputs)
-        pixels = exemplar.maps | {plan.material.main: exemplar.pixels}
-        plan.write(pixels.__getitem__, outputs)
-        height, width = exemplar.shape
+        from weftex.cli.files import make_room, read
+        from weftex.cli.sets import plan
+        from weftex.recipe.making import mended
+
+        make_room([args.sample], args, outputs)
+        material = read(args.sample, args, spec.get("maps"))
+        made = mended(material.exemplar(), spec)
+        plans = plan([material], made, args)
+        plans.write(lambda name: plans.pictures[name].pixels, outputs)
+        height, width = made.shape
         took = perf_counter() - start
-        return f"{plan.told}prepared {width}x{height} {args.output} in {took:.2f} s"
+        return f"{plans.told}prepared {width}x{height} {args.output} in {took:.2f} s"
 
     finish(work, args.quiet)

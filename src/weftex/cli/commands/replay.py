@@ -7,12 +7,8 @@ from dataclasses import replace
 from time import perf_counter
 from typing import TYPE_CHECKING
 
-from weftex.cli.files import open_samples, read
-from weftex.cli.options import add_limits, add_names, add_output
+from weftex.cli.options import add_blocks, add_huge, add_names, add_output, add_quiet
 from weftex.cli.parser import Parser
-from weftex.cli.planes import add_plane, definition_of_replay, is_source, refuse_options
-from weftex.cli.planes import write as write_plane
-from weftex.cli.sets import plan, plan_of_several
 from weftex.cli.terminal import finish
 from weftex.roles import role_of
 
@@ -50,9 +46,15 @@ def run(argv: list[str]) -> None:
     text = "same map, or folder of maps, of the photo, if it was filled from another sample"
     add("--background", metavar="PHOTO", help=text)
     add_names(parser)
-    add_limits(parser)
-    add_plane(parser)
+    add_quiet(parser)
+    add_huge(parser)
+    add_blocks(parser)
     args = parser.parse(argv)
+    from weftex.cli.files import make_room, read
+    from weftex.cli.planes import definition_of_replay, is_source, refuse_options
+    from weftex.cli.planes import write as write_plane
+    from weftex.cli.sets import plan
+
     if is_source(args.source):
 
         def stream(bar: Bar, outputs: Outputs) -> str:
@@ -68,20 +70,20 @@ def run(argv: list[str]) -> None:
         from weftex.results.synthesis import Synthesis
         from weftex.tasks.combined import combined, of_one_kind, paired
 
-        materials = [_as_map(one) for one in open_samples(args.maps, args, outputs)]
+        make_room(args.maps, args, outputs)
+        materials = [_as_map(read(one, args)) for one in args.maps]
         result = Synthesis.load(args.source)
-        if len(materials) == 1:
-            made, maps = plan(materials[0], args), materials[0].maps
-        else:
-            pairs, _ = paired(of_one_kind([one.exemplar() for one in materials]))
-            made, whole = plan_of_several(materials, pairs[0], args), combined(pairs)
+        pairs, _ = paired(of_one_kind([one.exemplar() for one in materials]))
+        made, maps = plan(materials, pairs[0], args), materials[0].maps
+        if len(materials) > 1:
+            whole = combined(pairs)
             if scale_between(whole.shape, result.sample_shape) is None:  # of one material
                 whole = combined(pairs, apart=True)
-            maps = {name: whole.map(name) for name in whole.maps} | {made.material.main: whole}
+            maps = {name: whole.map(name) for name in whole.maps} | {made.main: whole}
         around: dict[str, Exemplar] = {}
         if args.background is not None:
             given = read(args.background, args)
-            around = given.maps if given.folder else {made.material.main: given.exemplar()}
+            around = given.maps if given.folder else {made.main: given.exemplar()}
         kept = {name: around[name].pixels if name in around else None for name in maps}
         made.write(lambda name: result.render(maps[name], background=kept[name]), outputs)
         took = perf_counter() - start

@@ -5,9 +5,11 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from weftex.cli.files import load
-from weftex.cli.options import add_huge, add_maps
+from weftex.cli.options import add_huge
 from weftex.cli.parser import Parser
 from weftex.errors import InvalidInputError
+from weftex.recipe import MATERIAL
+from weftex.recipe.declared import TILEABLE
 
 if TYPE_CHECKING:
     import argparse
@@ -32,12 +34,12 @@ def run(argv: list[str]) -> None:
     parser = Parser("report", _ABOUT, _EXAMPLES)
     add = parser.add_argument
     add("sample", metavar="SAMPLE", help="image, folder of maps, or sample:NAME")
-    add_maps(parser)
+    parser.take(MATERIAL["maps"])
     add("result", metavar="RESULT", help="result from that sample: an image, or a folder of maps")
     text = "file from --save-source, to show the source of every pixel and the parameters"
     add("--source", metavar="F.npz", help=text)
     text = "also check the border, along both axes or only x or y; default: as saved in --source"
-    add("--tileable", nargs="?", const="xy", choices=("x", "y", "xy"), metavar="x|y", help=text)
+    parser.take(TILEABLE, help=text, dest="tileable")
     add("-o", "--output", metavar="OUT.html", help="page to write")
     add("--json", action="store_true", help="print the scores as JSON")
     add_huge(parser)
@@ -53,8 +55,9 @@ def run(argv: list[str]) -> None:
     if Record(args.result).begun():
         _report_plane(args)
         return
-    sample, result = load(args.sample, args, args.maps), load(args.result, args)
-    wrap = None if args.tileable is None else ("y" in args.tileable, "x" in args.tileable)
+    sample, result = load(args.sample, args, "maps"), load(args.result, args)
+    axes = None if args.tileable is None else TILEABLE.read(args.tileable)
+    wrap = None if axes is None else (axes in (True, "y"), axes in (True, "x"))
     found = measure(sample, result, args.source, tileable=wrap)
     if args.output is not None:
         found.save(args.output)
@@ -75,7 +78,7 @@ def _report_plane(args: argparse.Namespace) -> None:
         if getattr(args, name) is not None:
             raise InvalidInputError(f"--{name} has no effect: of a plane some windows are measured")
     plane = open_plane(args.result)
-    sample = load(args.sample, args, args.maps)
+    sample = load(args.sample, args, "maps")
     found = {window: measure(sample, plane.read(window)) for window in plane.windows()}
     scores = {window: one.assessment.score or 0.0 for window, one in found.items()}
     worst = max(scores, key=lambda window: scores[window])

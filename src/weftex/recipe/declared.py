@@ -1,0 +1,230 @@
+"""What jobs are made of: the tasks, what each takes, and what is done to its materials before."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from weftex.recipe.options import (
+    AXES,
+    COLORS,
+    DEGREE,
+    FILES,
+    FLAG,
+    LEVELS,
+    MIXED,
+    NUMBER,
+    NUMBERS,
+    ONE_OR_SEVERAL,
+    PICTURE,
+    POINT,
+    SIZE,
+    STRAIGHTEN,
+    TEXT,
+    TRIES,
+    WEIGHTS,
+    WHOLE,
+    WINDOW,
+    Kind,
+    Option,
+)
+
+_PREPARATION, _QUALITY, _SETS = "preparation of the sample", "quality", "map sets"
+
+#: What is done to a material before anything is made from it, in this order.
+MATERIAL = {
+    option.name: option
+    for option in (
+        Option(
+            "maps", FILES, "files of the maps in the folder, if their names do not say which map "
+            "they are", metavar="NAME=FILE,...", heading=_SETS,
+        ),
+        Option(
+            "repeats", FLAG, "the sample is tileable, so patches can cross its borders; see "
+            "'weftex analyze'", False, flag="--tileable-sample", heading="tiling",
+        ),
+        Option(
+            "map_weights", WEIGHTS, "weights of the maps in matching, such as height=3,normal=2; "
+            "higher makes seams run where that map matches, 0 ignores it", default_text="1 each",
+            metavar="NAME=N,...", heading=_SETS,
+        ),
+        Option(
+            "mask", PICTURE, "image that is white where the sample may be used; 'alpha': where the "
+            "sample is opaque", flag="--sample-mask", metavar="FILE", heading=_PREPARATION,
+        ),
+        Option(
+            "straighten", STRAIGHTEN, "straighten the photo by its own lattice or rows (no value), "
+            "by lattice vectors x1,y1,x2,y2, or by the corners of a rectangle in it, clockwise "
+            "from the top left, as x1,y1,...,x4,y4", metavar="X,Y,...", heading=_PREPARATION,
+        ),
+        Option(
+            "even_light", DEGREE, "remove uneven lighting from the photo; maps stay unchanged; "
+            "DEGREE is that of the polynomial that models the light, 1 to 8; higher removes finer "
+            "changes", default_text="2 (no value)", low=1, high=8, metavar="DEGREE",
+            heading=_PREPARATION,
+        ),
+        Option(
+            "turn", TEXT, "also use copies of the sample that are mirrored (flip), rotated by 180 "
+            "degrees (half), rotated by quarter turns (4), or both mirrored and rotated (8)",
+            choices=("flip", "half", "4", "8"), metavar="flip|half|4|8", heading=_QUALITY,
+        ),
+    )
+}  # fmt: skip
+#: Those of `MATERIAL` that `weftex prepare` does, too.
+MENDING = ("straighten", "even_light")
+
+SEED = Option(
+    "seed", WHOLE, "random seed; the same seed gives the same output", low=0, high=2**64 - 1,
+    metavar="N",
+)  # fmt: skip
+OUTPUT_SIZE = Option("size", SIZE, "output size in pixels", metavar="WxH|N")
+TILEABLE = Option(
+    "tileable", AXES, "make the output tileable along both axes, or only along x or y", False,
+    metavar="x|y",
+)  # fmt: skip
+
+#: What `weftex.Gradient` takes; a map of a fusion may be such a gradient.
+GRADIENT = {
+    option.name: option
+    for option in (
+        Option(
+            "direction", NUMBER, "direction of the last sample, in degrees: 0 is right, 90 is "
+            "down", default_text="90", metavar="DEG", heading="--map gradient",
+        ),
+        Option(
+            "center", POINT, "center of the first sample, with rings of the others; 0,0 is top "
+            "left, 1,1 bottom right", metavar="X,Y", heading="--map gradient",
+        ),
+        Option(
+            "radii", NUMBERS, "middle of each transition, from 0 (first sample) to 1 (last)",
+            default_text="evenly spaced", metavar="R,R,...", heading="--map gradient",
+        ),
+        Option(
+            "width", NUMBER, "length of each transition, above 0 and at most 1",
+            default_text="transitions fill the image", metavar="W", heading="--map gradient",
+        ),
+        Option(
+            "circles", ONE_OR_SEVERAL, "radius of the circles that mix the samples, one or one "
+            "for each, as a share of the shorter side", default_text="the samples' scales",
+            metavar="C,C,...", heading="--map gradient",
+        ),
+    )
+}  # fmt: skip
+
+
+def _map(value: object) -> object:
+    """A picture, or what a gradient takes."""
+    if isinstance(value, str):
+        return value
+    if not isinstance(value, dict) or not all(isinstance(name, str) for name in value):
+        raise ValueError
+    return {k: GRADIENT[k].checked(v) if k in GRADIENT else v for k, v in value.items()}
+
+
+@dataclass(frozen=True)
+class Task:
+    """What can be made of materials.
+
+    Attributes
+    ----------
+    options : dict of str to Option
+        What it takes beside materials, a method and a seed.
+    material : tuple of str
+        Those of `MATERIAL` that its command takes; in JSON it takes all.
+    least, most : int
+        The number of materials.
+    method, parameters_of : str
+        The method where none is named, and the one that parameters belong to then.
+    """
+
+    options: dict[str, Option]
+    material: tuple[str, ...]
+    least: int
+    most: int
+    method: str
+    parameters_of: str
+
+
+def _task(
+    options: tuple[Option, ...],
+    material: tuple[str, ...],
+    counts: tuple[int, int],
+    method: str,
+    parameters_of: str,
+) -> Task:
+    return Task({one.name: one for one in options}, material, *counts, method, parameters_of)
+
+
+#: The tasks by the names of their commands.
+TASKS = {
+    "synth": _task(
+        (
+            Option("size", SIZE, "output size in pixels, such as 1024x768 or 2k",
+                   default_text="the guide's, or twice the sample's", metavar="WxH|N"),
+            Option("guide", PICTURE, "image of the output's size that the output follows",
+                   metavar="FILE"),
+            TILEABLE,
+            Option("best_of", TRIES, "keep the best of N results, with successive seeds; or of one "
+                   "result per named method", 1, low=1, high=1000, metavar="N|NAME,...",
+                   heading=_QUALITY),
+            Option("sample_guide", PICTURE, "guide for the sample: an image of the sample's size "
+                   "that labels its regions", metavar="FILE", heading=_QUALITY),
+            Option("window", WINDOW, "compute only these pixels of an endless plane; windows agree "
+                   "where they overlap", metavar="TOP,LEFT,HEIGHT,WIDTH", heading="tiling",
+                   local=True),
+            Option("period", SIZE, "with --window: number of pixels after which the plane wraps "
+                   "around", metavar="WxH|N", heading="tiling", local=True),
+        ),
+        tuple(MATERIAL), (1, 1000), "auto", "auto",
+    ),
+    "tile": _task(
+        (
+            Option("border", WHOLE, "width of the border that may change", low=1, unit="px",
+                   default_text="an eighth of the photo's shorter side", metavar="PX"),
+            Option("axes", AXES, "make the photo tileable along both axes (default), or only along "
+                   "x or y", True, flag="--tileable", metavar="x|y"),
+        ),
+        ("maps", "map_weights"), (1, 1), "auto", "patch-sampling",
+    ),
+    "fill": _task(
+        (
+            Option("mask", PICTURE, "image that is white where the photo has holes", "alpha",
+                   default_text="pixels that are not opaque", metavar="FILE"),
+            Option("tileable", AXES, "the photo is tileable along both axes, or only x or y, so "
+                   "holes can cross its border", False, metavar="x|y"),
+            Option("overlap", WHOLE, "width of the margin around the holes that may change, to "
+                   "hide the seam", 0, low=0, unit="px", metavar="PX", heading=_QUALITY),
+            Option("match_tone", FLAG, "match the tone of the filling to its surroundings",
+                   default_text="yes if weftex chooses the method", heading=_QUALITY),
+        ),
+        ("maps", "repeats", "map_weights"), (1, 2), "auto", "patch-sampling",
+    ),
+    "fuse": _task(
+        (
+            Option("map", Kind("map", "a picture, or what a gradient takes", str, _map),
+                   "image with one color for each sample, or 'gradient'", metavar="MAP"),
+            Option("colors", COLORS, "map colors of the samples, in their order, as #rrggbb or "
+                   "gray levels", metavar="C,C,..."),
+            Option("mixed", MIXED, "map colors of regions that mix two samples, such as "
+                   "'#00ff00=1+2'", metavar="C=A+B,..."),
+            Option("size", SIZE, "output size in pixels", default_text="the map's",
+                   metavar="WxH|N"),
+            TILEABLE,
+            Option("boundary", TEXT, "cut: along the least visible seam; merged: then fill a belt "
+                   "along it from both materials", "cut", choices=("cut", "merged"),
+                   metavar="cut|merged", heading=_QUALITY),
+            Option("belt_width", WHOLE, "width of the belt in which a boundary may move", low=2,
+                   unit="px", default_text="from the samples' scales", metavar="PX",
+                   heading=_QUALITY),
+            Option("missing", LEVELS, "values for maps that some samples lack: 0 to 1, or 'flat' "
+                   "for normals", default_text="omit such maps", metavar="NAME=VALUE,...",
+                   heading=_SETS),
+        ),
+        (), (2, 1000), "refinement", "refinement",
+    ),
+}  # fmt: skip
+
+
+def options_of(task: str) -> list[Option]:
+    """Return the options of a task's command, but for those of methods and of outputs."""
+    own = [*TASKS[task].options.values(), *(MATERIAL[name] for name in TASKS[task].material)]
+    return [*own, *GRADIENT.values(), SEED] if task == "fuse" else [*own, SEED]

@@ -1,0 +1,294 @@
+"""From a recipe to a result: its materials are opened, and then the task is done."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+from weftex.canvas import as_canvas
+from weftex.exemplar import Exemplar
+from weftex.material import Material, read_material
+from weftex.recipe.fields import Fields, gradient
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from numpy.typing import NDArray
+
+    from weftex.io.pictures import Picture
+    from weftex.method import Model
+    from weftex.progress import ProgressCallback
+    from weftex.results.synthesis import Synthesis
+
+    OpenPicture = Callable[[str], Picture]
+
+
+@dataclass(frozen=True)
+class Loaded:
+    """A material in memory.
+
+    Attributes
+    ----------
+    spec : dict
+        Its description in the recipe.
+    material : Material
+        As its files have it.
+    exemplar : Exemplar
+        With everything done to it that the description says, but no turned copies.
+    """
+
+    spec: Mapping[str, Any]
+    material: Material
+    exemplar: Exemplar
+
+    @property
+    def sample(self) -> Exemplar:
+        """The exemplar with its mirrored and turned copies, if there are to be any."""
+        return with_turns(self.exemplar, self.spec)
+
+
+def loaded(spec: Mapping[str, Any], material: Material, open_picture: OpenPicture) -> Loaded:
+    """Do to a material what its description says, in the order of `MATERIAL`."""
+    exemplar = material.exemplar(tileable=spec.get("repeats", False))
+    if "map_weights" in spec:
+        exemplar = exemplar.changed(weights=spec["map_weights"])
+    if "mask" in spec:
+        exemplar = exemplar.changed(mask=_usable(exemplar, spec["mask"], open_picture))
+    return Loaded(spec, material, mended(exemplar, spec))
+
+
+def mended(exemplar: Exemplar, spec: Mapping[str, Any]) -> Exemplar:
+    """Straighten a sample, and even its light, where its description says so."""
+    if spec.get("straighten") is not None:
+        from weftex.tasks.straighten import straighten
+
+        exemplar = straighten(exemplar, **ways_to_straighten(spec["straighten"]))
+    if spec.get("even_light") is not None:
+        from weftex.tasks.even_light import even_light
+
+        exemplar = even_light(exemplar, spec["even_light"])
+    return exemplar
+
+
+def with_turns(exemplar: Exemplar, spec: Mapping[str, Any]) -> Exemplar:
+    """Return a sample with its mirrored and turned copies, where its description says so."""
+    if spec.get("turn") is None:
+        return exemplar
+    from weftex.turns import turned
+
+    return turned(exemplar, spec["turn"])
+
+
+def ways_to_straighten(text: str) -> dict[str, str]:
+    """Return the arguments of `straighten`: vectors, corners, or nothing."""
+    return {{4: "lattice", 8: "corners"}[text.count(",") + 1]: text} if text else {}
+
+
+def _usable(exemplar: Exemplar, mask: str, open_picture: OpenPicture) -> NDArray[Any]:
+    """Return what of a sample may be used: white in a picture, or what is opaque."""
+    if mask == "alpha":
+        from weftex.tasks.fill import hole_of
+
+        return ~hole_of(None, exemplar)
+    from weftex.io.pictures import mask_of
+
+    picture = open_picture(mask)
+    return mask_of(picture.pixels, alpha=picture.alpha)
+
+
+def opened(
+    recipe: Fields,
+    open_material: Callable[[dict[str, Any]], Loaded] | None = None,
+    open_picture: OpenPicture | None = None,
+) -> Opened:
+    """Open the materials of a recipe.
+
+    Parameters
+    ----------
+    recipe : Fields
+    open_material : callable, optional
+        From a description to a `Loaded`, for which there is `loaded`; reads files by default.
+    open_picture : callable, optional
+        From a name in the recipe to a `Picture`; reads files by default.
+    """
+    from weftex.io.pictures import read_image
+
+    look = open_picture or read_image
+
+    def from_files(spec: dict[str, Any]) -> Loaded:
+        place = f"sample:{spec['sample']}" if "sample" in spec else spec["path"]
+        return loaded(spec, read_material(place, spec.get("maps")), look)
+
+    open_one = open_material or from_files
+    return Opened(recipe, tuple(open_one(spec) for spec in recipe.materials), look)
+
+
+@dataclass(frozen=True)
+class Opened:
+    """A recipe whose materials are in memory."""
+
+    recipe: Fields
+    loaded: tuple[Loaded, ...]
+    open_picture: OpenPicture
+
+    @cached_property
+    def _pairs(self) -> tuple[list[Exemplar], list[str]]:
+        """The samples with the maps that all have, and notes about maps that are left out."""
+        from weftex.tasks.combined import of_one_kind, paired
+
+        samples = of_one_kind([one.exemplar for one in self.loaded])
+        return paired(samples, self.recipe.options.get("missing"))
+
+    @property
+    def _is_one(self) -> bool:
+        return len(self.loaded) == 1 or self.recipe.task in ("tile", "fill")
+
+    @property
+    def like(self) -> Exemplar:
+        """The sample whose picture and maps the result has."""
+        return self.loaded[0].exemplar if self._is_one else self._pairs[0][0]
+
+    @property
+    def notes(self) -> list[str]:
+        """What was left out of the samples, a line each."""
+        return [] if self._is_one else list(self._pairs[1])
+
+    @property
+    def materials(self) -> tuple[Material, ...]:
+        """The materials whose pictures the result has."""
+        return tuple(one.material for one in self.loaded)[: 1 if self._is_one else None]
+
+    @cached_property
+    def pictures(self) -> dict[str, Picture]:
+        """By the names of maps, pictures like those that the result has: the main one first."""
+        return pictures_like(self.materials, self.like)
+
+    @cached_property
+    def sample(self) -> Exemplar:
+        """The sample of synth: several as one, with its guide and its turned copies."""
+        sample = self.like
+        if not self._is_one:
+            from weftex.tasks.combined import combined
+
+            sample = combined(self._pairs[0], apart=True)
+        if (own := self._guide("sample_guide")) is not None:
+            sample = sample.changed(guide=own.pixels)
+        return with_turns(sample, self.recipe.materials[0])
+
+    @cached_property
+    def hole(self) -> NDArray[Any]:
+        """The pixels that fill is to fill, bool (H, W)."""
+        from weftex.tasks.fill import hole_of
+
+        mask = self.recipe.options["mask"]
+        picture = None if mask == "alpha" else self.open_picture(mask)
+        return hole_of(picture, self.loaded[0].exemplar)
+
+    @cached_property
+    def shape(self) -> tuple[int, int]:
+        """Height and width of the result."""
+        options = self.recipe.options
+        if self.recipe.task in ("tile", "fill"):
+            return self.loaded[0].exemplar.shape
+        if options.get("window") is not None:
+            return tuple(options["window"][2:])  # type: ignore[return-value]
+        if options["size"] is not None:
+            return tuple(options["size"])  # type: ignore[return-value]
+        if self.recipe.task == "fuse":
+            return self._label_map.shape[:2]  # type: ignore[no-any-return]
+        if (guide := self._guide("guide")) is not None:
+            return guide.shape
+        height, width = self.like.shape
+        return 2 * height, 2 * width
+
+    @cached_property
+    def _label_map(self) -> Any:
+        """What `weftex.fuse` takes: pixels of a picture, or a gradient."""
+        given = self.recipe.options["map"]
+        return self.open_picture(given).pixels if isinstance(given, str) else gradient(given)
+
+    def _guide(self, name: str) -> Exemplar | None:
+        given = self.recipe.options[name]
+        if given is None:
+            return None
+        picture = self.open_picture(given)
+        return Exemplar(picture.pixels, alpha=picture.alpha, name=picture.path)
+
+    def check(self) -> None:
+        """Raise `InvalidInputError` where maps of the sample do not fit into the size."""
+        from weftex.results.scales import check_size
+
+        if self.recipe.task in ("synth", "fuse"):
+            check_size(self.like, self.shape)
+
+    def make(
+        self,
+        *,
+        fit: Callable[[Exemplar], Model] | None = None,
+        progress: ProgressCallback | None = None,
+        threads: int | None = None,
+    ) -> Synthesis:
+        """Do the task.
+
+        Parameters
+        ----------
+        fit : callable, optional
+            From the sample of synth to its fitted method; for those who keep models.
+        progress, threads
+            As for `weftex.synthesize`.
+
+        Raises
+        ------
+        WeftexError
+            As the task does.
+        """
+        self.check()
+        how: dict[str, Any] = {"seed": self.recipe.seed, "threads": threads, "progress": progress}
+        if self.recipe.task == "synth":
+            return self._synth(how, fit or self.recipe.method.fit)
+        method = self.recipe.method.slug
+        how |= {"method": method, **self.recipe.parameters}  # tasks see which were given
+        options = dict(self.recipe.options)
+        photo = self.loaded[0].exemplar
+        if self.recipe.task == "tile":
+            from weftex.tasks.tile import tile
+
+            return tile(photo, **options, **how)
+        if self.recipe.task == "fill":
+            from weftex.tasks.fill import fill
+
+            del options["mask"]
+            sample = self.loaded[1].sample if len(self.loaded) > 1 else None
+            return fill(photo, self.hole, sample=sample, **options, **how)
+        from weftex.tasks.fuse import fuse
+
+        del options["map"]
+        samples = [one.sample for one in self.loaded]
+        return fuse(samples, self._label_map, options.pop("size"), **options, **how)
+
+    def _synth(self, how: dict[str, Any], fit: Callable[[Exemplar], Model]) -> Synthesis:
+        recipe, options = self.recipe, self.recipe.options
+        if options["window"] is not None:
+            model = fit(self.sample)
+            return model.window(*options["window"], period=options["period"], **how)
+        canvas = as_canvas(self.shape, options["tileable"])
+        guide = self._guide("guide")
+        if guide is None and options["best_of"] == 1:
+            recipe.method.require(canvas)
+            return fit(self.sample).sample(canvas, **how)
+        from weftex.tasks.synthesize import synthesize
+
+        several = options["best_of"]
+        how |= {"method": recipe.method, "guide": guide, "best_of": several}
+        return synthesize(self.sample, canvas, **how)
+
+
+def pictures_like(materials: Sequence[Material], made: Exemplar) -> dict[str, Picture]:
+    """Return pictures with the pixels of a sample and its maps, each as the first that has it."""
+    pictures = {}
+    for name, pixels in {materials[0].main: made.pixels, **made.maps}.items():
+        like = next(one.pictures[name] for one in materials if name in one.pictures)
+        pictures[name] = replace(like, pixels=pixels)
+    return pictures

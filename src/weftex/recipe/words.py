@@ -1,0 +1,178 @@
+"""The command line of a recipe, in both directions."""
+
+from __future__ import annotations
+
+import os
+import shlex
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+from weftex.errors import InvalidInputError
+from weftex.recipe.declared import GRADIENT, MATERIAL, MENDING, SEED, TASKS
+from weftex.recipe.fields import Fields, checked_material
+from weftex.recipe.options import PICTURE, Option, plain
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    Words = Sequence[str]
+
+
+def json_of(
+    task: str,
+    paths: Words,
+    given: Mapping[str, str | bool | None],
+    method: str | None,
+    parameters: Mapping[str, Any],
+) -> dict[str, Any]:
+    """Return the JSON of a command's recipe, which is local.
+
+    Parameters
+    ----------
+    paths : sequence of str
+        Of the materials.
+    given : dict of str to str or bool
+        Texts by options, such as "--size"; of options without a value whether they are there.
+    method, parameters
+        As JSON has them.
+    """
+    found = {"task": task, "method": method, "parameters": parameters}
+    found["seed"] = value_of(SEED, given)
+    for name, option in TASKS[task].options.items():
+        found[name] = value_of(option, given)
+    if task == "fuse":
+        found["map"] = _map_of(found["map"], given)
+    specs: list[dict[str, Any]] = [_spec(path, given.get("--maps")) for path in paths]
+    for name in TASKS[task].material:
+        option = MATERIAL[name]
+        value = value_of(option, given)
+        if value in (None, False):
+            continue
+        places = specs
+        if task == "fill":  # of a photo, and of a sample that it may be filled from
+            places = {"maps": specs[:1], "repeats": specs[1:]}.get(name, specs)
+        if not places:
+            raise InvalidInputError(
+                f"{option.flag} has no effect without --sample; --tileable says it of the photo"
+            )
+        for spec in places:
+            spec[name] = plain(value)
+    return found | {"materials": specs}
+
+
+def material_of(path: str, given: Mapping[str, Any], names: Words) -> dict[str, Any]:
+    """Return the description of a material, with some options of `MATERIAL`."""
+    spec = _spec(path, given.get("--maps") if "maps" in names else None)
+    spec |= {name: value_of(MATERIAL[name], given) for name in names}
+    return checked_material(spec, local=True)
+
+
+def value_of(option: Option, given: Mapping[str, Any]) -> Any:
+    """Return the value of an option in JSON; None if it was not given."""
+    value = given.get(option.flag)
+    return plain(option.read(value)) if isinstance(value, str) else value
+
+
+def _spec(path: str, maps: Any) -> dict[str, Any]:
+    if path.startswith("sample:") and maps is None:
+        return {"sample": path.removeprefix("sample:")}
+    return {"path": path}
+
+
+def _map_of(given: Any, texts: Mapping[str, Any]) -> Any:
+    fields = {name: value_of(option, texts) for name, option in GRADIENT.items()}
+    fields = {name: value for name, value in fields.items() if value is not None}
+    if given == "gradient":
+        return fields
+    if fields:
+        flag = GRADIENT[next(iter(fields))].flag
+        raise InvalidInputError(f"{flag} has no effect unless --map is gradient")
+    return given
+
+
+def path_of(spec: Mapping[str, Any], names: Mapping[str, str]) -> str:
+    """Return the path of a material where pictures have these names; a set is a folder."""
+    if "sample" in spec:
+        return f"sample:{spec['sample']}"
+    if "path" in spec:
+        return str(spec["path"])
+    if len(spec["maps"]) == 1:
+        (picture,) = spec["maps"].values()
+        return names.get(picture, picture)
+    return f"{spec.get('name') or 'material'}/"
+
+
+def command_of(recipe: Fields, output: str, names: Mapping[str, str]) -> str:
+    """Return the commands of a recipe; see `Recipe.command`."""
+    lines, paths, specs = list[list[str]](), list[str](), list[dict[str, Any]]()
+    together = recipe.task == "synth" and _are_equal(recipe.materials, MENDING)
+    for number, spec in enumerate(recipe.materials, 1):
+        path, left = path_of(spec, names), dict(spec)
+        mending = {name: left.pop(name) for name in MENDING if name in left and not together}
+        if mending:
+            suffix = "/" if path.endswith("/") else os.path.splitext(output)[1]
+            lines.append(["weftex", "prepare", path, "-o", path := f"prepared{number}{suffix}"])
+            for name, value in mending.items():
+                lines[-1] += MATERIAL[name].words(value)
+        paths.append(path)
+        specs.append(left)
+    said = _material_words(recipe.task, specs, names)
+    if said is None:
+        return ""
+    own = paths[:1] if recipe.task == "fill" else paths
+    words = ["weftex", recipe.task, *own, "-o", output]
+    words += ["--sample", *paths[1:]] if len(paths) > len(own) else []
+    for name, option in TASKS[recipe.task].options.items():
+        value = recipe.options[name]
+        if name == "map":
+            words += _map_words(value, names)
+        elif value != option.default:
+            words += option.words(names.get(value, value) if option.kind is PICTURE else value)
+    words += [*said, *SEED.words(recipe.seed)]
+    lines.append(words + _method_words(recipe))
+    return " && ".join(shlex.join(line) for line in lines)
+
+
+def _are_equal(specs: Sequence[Mapping[str, Any]], names: Words) -> bool:
+    return all({spec.get(name) for spec in specs} == {specs[0].get(name)} for name in names)
+
+
+def _material_words(
+    task: str, specs: Sequence[Mapping[str, Any]], names: Mapping[str, str]
+) -> list[str] | None:
+    """Return the options about materials; None if the command has none for something."""
+    words: list[str] = []
+    for name, option in MATERIAL.items():
+        values = [spec.get(name) for spec in specs]
+        if name == "maps" and "path" not in specs[0]:
+            continue  # they are uploads, which lie in one folder
+        places = {"maps": values[:1], "repeats": values[1:]} if task == "fill" else {}
+        asked = places.get(name, values)
+        if all(value is None for value in values):
+            continue
+        if name not in TASKS[task].material or any(value != asked[0] for value in asked):
+            return None
+        if asked is not values and values.count(None) < len(values) - len(asked):
+            return None
+        value = asked[0]
+        words += option.words(names.get(value, value) if option.kind is PICTURE else value)
+    return words
+
+
+def _map_words(given: Any, names: Mapping[str, str]) -> list[str]:
+    if isinstance(given, str):
+        return ["--map", names.get(given, given)]
+    words = ["--map", "gradient"]
+    for name, value in given.items():
+        words += GRADIENT[name].words(value)
+    return words
+
+
+def _method_words(recipe: Fields) -> list[str]:
+    """Return the method, if it is not the usual one, and its parameters."""
+    slug = recipe.method.slug
+    words = [] if slug == TASKS[recipe.task].method else ["--method", slug]
+    for name, value in recipe.parameters.items():
+        text = ",".join(map(str, value)) if isinstance(value, (list, tuple)) else str(value)
+        words.append(f"--{name.replace('_', '-')}={text}")
+    return words
