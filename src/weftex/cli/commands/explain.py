@@ -40,9 +40,9 @@ def run(argv: list[str]) -> None:
     parser.add_argument("output", metavar="OUT", help="folder, or image, to write")
     text = "row and column of the pixel; default: one past the middle"
     parser.add_argument("--at", metavar="Y,X", help=text)
-    size = replace(OUTPUT_SIZE, default_text="128")
-    args, recipe = parse_task("synth", parser, argv, [size, TILEABLE, SEED], method="patch-sampling",
-                              usual="patch-sampling")  # fmt: skip
+    options = [replace(OUTPUT_SIZE, default_text="128"), TILEABLE, SEED]
+    usual = "patch-sampling"
+    args, recipe = parse_task("synth", parser, argv, options, method=usual, usual=usual)
     if args.threads is not None:
         raise InvalidInputError("--threads has no effect: one thread works, so that it can be seen")
     at = _at(args)
