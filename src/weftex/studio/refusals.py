@@ -10,6 +10,11 @@ from weftex.errors import WeftexError
 #: Fields of requests beside recipes, and of `auto`.
 _OWN = {"height", "width", "effort", "recipe", "count", "methods", "lane", "leave", "seeds", "keep"}
 _OWN |= {"format", "names"}
+_OWN |= {"sample", "name", "maps", "mask", "straighten", "even_light", "turn", "repeats"}
+_OWN |= {"map_weights", "task", "materials", "seed", "method", "parameters", "size", "tileable"}
+_OWN |= {"guide", "sample_guide", "best_of", "axes", "border", "overlap", "match_tone", "map"}
+_OWN |= {"colors", "boundary", "belt_width", "missing"}
+_OWN |= {"direction", "center", "radii", "circles"}
 #: What the library calls what a recipe calls otherwise.
 _ALIASES = {"degree": "even_light"}
 
@@ -58,8 +63,6 @@ def _names() -> frozenset[str]:
     from dataclasses import fields
 
     from weftex.methods import METHODS
-    from weftex.studio.materials import FIELDS as SPEC_FIELDS
-    from weftex.studio.recipes import FIELDS, GRADIENT
 
     own = {field.name for slug in METHODS for field in fields(METHODS[slug])}
-    return frozenset(own | _OWN | SPEC_FIELDS | FIELDS | set(GRADIENT))
+    return frozenset(own | _OWN)
