@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from weftex import cli
-from weftex.io.folders import map_files
+from weftex.io.map_files import map_files
 from weftex.io.pictures import read_image
 
 

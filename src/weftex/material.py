@@ -116,7 +116,7 @@ def read_material(path: StrPath, files: Mapping[str, str] | None = None, **limit
         return Material(name, {name: picture}, {name: role_of_picture(given)})
     notes: list[str] = []
     if files is None:
-        from weftex.io.folders import map_files
+        from weftex.io.map_files import map_files
 
         paths, notes = map_files(path)
         paths, roles = _by_role(paths, given, notes)

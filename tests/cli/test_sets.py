@@ -8,7 +8,7 @@ import pytest
 import weftex
 from commands import fails, read_maps, weft_run
 from families import noise
-from weftex.io.map_names import SCHEMES, file_stem
+from weftex.io.map_files import SCHEMES, file_stem
 from weftex.io.pictures import read_image, write_image
 from weftex.roles import ROLES, role_of
 

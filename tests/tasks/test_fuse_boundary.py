@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import weftex
-from weftex.tasks.belts import Meetings, wander
+from weftex.tasks.fusion import Meetings, wander
 
 sys.path.insert(0, str(Path(__file__).parents[2] / "benchmarks" / "quality"))
 import fusion

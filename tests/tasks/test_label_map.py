@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from weftex.errors import InvalidInputError
 from weftex.raster.masks import squared_distance_to
-from weftex.tasks.label_map import labels_of, map_picture
+from weftex.tasks.fuse import labels_of, map_picture
 
 RED, BLUE, GREEN = (255, 0, 0), (0, 0, 255), (0, 255, 0)
 

@@ -15,9 +15,9 @@ from weftex.cli.files import open_materials, pixels_of
 from weftex.cli.sets import plan
 from weftex.cli.terminal import Outputs
 from weftex.errors import CancelledError, FileError, InvalidInputError, WeftexError, shown
-from weftex.io.folders import map_files
 from weftex.io.formats import READABLE, suffix_of, written_as
 from weftex.io.manifest import MANIFEST, unfinished
+from weftex.io.map_files import map_files
 from weftex.quality.score import MapsScorer
 
 if TYPE_CHECKING:

@@ -107,7 +107,7 @@ def stems_of(args: argparse.Namespace, material: Material) -> dict[str, str]:
         raise InvalidInputError(f"--names has no effect: {material.name} is no folder")
     if suffix_of(args.output) == ".zarr":
         raise InvalidInputError("--names has no effect: maps of a .zarr are groups of it")
-    from weftex.io.map_names import file_stem
+    from weftex.io.map_files import file_stem
 
     own = os.path.splitext(os.path.basename(args.output))[0]
     return {name: file_stem(args.names, own, role) for name, role in material.roles.items()}

@@ -128,7 +128,7 @@ def _files(material: Material, args: argparse.Namespace) -> dict[str, str]:
         stem = os.path.splitext(os.path.basename(one.path))[0]
         files[name] = stem + written_as(one.path, one.pixels.dtype.kind == "f")
     if args.names is not None:
-        from weftex.io.map_names import file_stem
+        from weftex.io.map_files import file_stem
 
         own = _own_name(args)
         files = {

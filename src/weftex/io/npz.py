@@ -2,21 +2,22 @@
 
 from __future__ import annotations
 
+import errno
 import json
 import math
+import os
+import stat
 from contextlib import contextmanager
-from typing import TYPE_CHECKING, Any
+from typing import IO, TYPE_CHECKING, Any
 
 import numpy as np
 
-from weftex.io.regular import open_regular
-
 if TYPE_CHECKING:
-    import os
     from collections.abc import Iterator
 
     from numpy.typing import NDArray
 
+_FLAGS = os.O_RDONLY | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_BINARY", 0)
 MOST_FACTS = 2**24  #: bytes: far more than any facts
 
 
@@ -70,3 +71,18 @@ def opened(path: str | os.PathLike[str]) -> Iterator[Arrays]:
         if isinstance(file, np.ndarray):
             raise DamageError("it is one array")
         yield Arrays(file)
+
+
+def open_regular(path: str | os.PathLike[str], most_bytes: int | None = None) -> IO[bytes]:
+    """Return an open file; OSError if it has more than `most_bytes`, or is a pipe or device."""
+    number = os.open(path, _FLAGS)
+    try:
+        found = os.fstat(number)
+        if not stat.S_ISREG(found.st_mode):
+            raise OSError(errno.EINVAL, "it is not a regular file", os.fspath(path))
+        if most_bytes is not None and found.st_size > most_bytes:
+            raise OSError(errno.EFBIG, f"it has more than {most_bytes} bytes", os.fspath(path))
+        return open(number, "rb")
+    except BaseException:
+        os.close(number)
+        raise

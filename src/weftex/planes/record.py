@@ -23,8 +23,8 @@ from dataclasses import asdict, dataclass, field
 from typing import TYPE_CHECKING, Any
 
 from weftex.errors import FileError
+from weftex.io.npz import open_regular
 from weftex.io.pictures import write_text
-from weftex.io.regular import open_regular
 from weftex.planes.files import suffix_of
 from weftex.planes.layout import named
 from weftex.planes.locks import COUNT, locked, shared

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
 import numpy as np
 
 from weftex.errors import FileError
-from weftex.io.regular import open_regular
+from weftex.io.npz import open_regular
 from weftex.planes.layout import named
 
 if TYPE_CHECKING:

@@ -55,20 +55,6 @@ def extended_sums(values: NDArray[Any], radius: int) -> NDArray[np.int64]:
     return result
 
 
-def touching_sums(
-    values: Floats, box: tuple[int, ...], reach: tuple[int, int] | None = None
-) -> Floats:
-    """Sums over every position of a box (h, w) that touches the picture, (H + h - 1, W + w - 1).
-
-    With `reach`, only positions at most that many rows and columns from the picture's corner.
-    """
-    for axis in (0, 1):
-        at = np.arange(1 - box[axis], values.shape[axis])  # the first row or column in the box
-        at = at if reach is None else at[abs(at) <= reach[axis]]
-        values = sums_along(values, axis, at, at + box[axis])
-    return values
-
-
 def sums_along(
     values: NDArray[Any], axis: int, first: NDArray[Any], last: NDArray[Any]
 ) -> NDArray[Any]:

@@ -1,4 +1,4 @@
-"""Pixels of any type as bytes, which distances are taken on; pixels at other sizes."""
+"""Pixels of any type as bytes, which distances are taken on, and as light; at other sizes."""
 
 from __future__ import annotations
 
@@ -12,6 +12,9 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
+    Floats = NDArray[np.float64]
+
+_KNEE = 0.04045  # below which the curve of sRGB is a line
 _ORDINARY = 100  # powers of two: float32, too, subtracts and divides such numbers
 
 
@@ -85,3 +88,13 @@ def resized(pixels: NDArray[Any], scale: Fraction | float) -> NDArray[Any]:
     blocks = numbers.reshape(len(pixels) // side, side, -1, side, *pixels.shape[2:])
     means = np.ldexp(blocks.mean(axis=(1, 3), dtype=np.float64), exponent)
     return np.asarray(means if pixels.dtype.kind == "f" else np.rint(means), pixels.dtype)
+
+
+def to_light(stored: Floats) -> Floats:
+    """Return the linear light, 0 to 1, of stored sRGB values, 0 to 1 (IEC 61966-2-1)."""
+    return np.where(stored <= _KNEE, stored / 12.92, ((stored + 0.055) / 1.055) ** 2.4)
+
+
+def to_stored(light: Floats) -> Floats:
+    """Return the values that are stored for amounts of light: the inverse of `to_light`."""
+    return np.where(light <= _KNEE / 12.92, light * 12.92, 1.055 * light ** (1 / 2.4) - 0.055)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from weftex.errors import InvalidInputError
-from weftex.raster.srgb import to_light, to_stored
+from weftex.raster.levels import to_light, to_stored
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

@@ -1,4 +1,7 @@
-"""How the values of two patches are mixed where both show, by what a picture stores."""
+"""How the values of two patches are mixed where both show, by what a picture stores.
+
+Normal maps store vectors, whose parts from -1 to 1 are numbers around a middle.
+"""
 
 from __future__ import annotations
 
@@ -7,10 +10,10 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from weftex.raster.vectors import middle_of, vectors_of
-
 if TYPE_CHECKING:
     from numpy.typing import NDArray
+
+    Floats = NDArray[np.float64]
 
 _STRIP = 256  # rows that are halved at once
 _SEEN = 4096  # pixels that say whether a picture stores vectors
@@ -102,3 +105,30 @@ def _is_of_units(pixels: NDArray[Any]) -> bool:
     with np.errstate(over="ignore"):  # of numbers that floats just hold
         lengths = np.linalg.norm(vectors_of(some[:, :3], middle_of(pixels)), axis=1)
     return bool(np.mean(abs(lengths - 1) < _OFF) > _MOST)
+
+
+def middle_of(pixels: NDArray[Any]) -> float:
+    """Return what stands for 0 in vectors stored in floats: 0.5, unless some are below 0."""
+    return 0.5 if pixels.dtype.kind == "f" and pixels.min() >= 0 else 0.0
+
+
+def opposite(values: NDArray[Any], middle: float) -> NDArray[Any]:
+    """Return one part of vectors, the other way around; `middle` is that of floats."""
+    if values.dtype.kind == "u":
+        return np.iinfo(values.dtype).max - values
+    return 2 * middle - values
+
+
+def vectors_of(pixels: NDArray[Any], middle: float) -> Floats:
+    """Vector components from -1 to 1 of stored numbers."""
+    if pixels.dtype.kind == "u":
+        return pixels / (np.iinfo(pixels.dtype).max / 2) - 1
+    return (pixels.astype(np.float64) - middle) / (middle or 1)
+
+
+def stored(vectors: Floats, dtype: np.dtype[Any], middle: float) -> NDArray[Any]:
+    """Stored numbers of vector components from -1 to 1; integers are rounded and clipped."""
+    if dtype.kind == "u":
+        top = np.iinfo(dtype).max
+        return np.clip(np.rint((vectors + 1) * (top / 2)), 0, top).astype(dtype)
+    return (vectors * (middle or 1) + middle).astype(dtype)

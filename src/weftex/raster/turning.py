@@ -6,8 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from weftex.raster.mixing import Kind, mixing_of
-from weftex.raster.vectors import opposite
+from weftex.raster.mixing import Kind, mixing_of, opposite
 from weftex.roles import COLOR, Role
 
 if TYPE_CHECKING:

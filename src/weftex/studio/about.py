@@ -7,7 +7,7 @@ from functools import cache
 from typing import TYPE_CHECKING, Any
 
 import weftex
-from weftex.io.map_names import SCHEMES
+from weftex.io.map_files import SCHEMES
 from weftex.io.pictures import sample_names
 from weftex.naming import kind_of
 from weftex.quality.figures import FIGURES

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import weftex
 from weftex.errors import InvalidInputError, did_you_mean, shown
 from weftex.io.formats import written_as
-from weftex.io.map_names import SCHEMES, file_stem
+from weftex.io.map_files import SCHEMES, file_stem
 from weftex.io.materialx import materialx_document
 from weftex.io.pictures import write_text
 from weftex.studio.results import formats_of
@@ -38,7 +38,7 @@ class Wanted:
 
     maps: tuple[str, ...]  # all of them if empty
     format: str | None  # a suffix; as the files of each map have it if None
-    names: str | None  # a scheme of `weftex.io.map_names`
+    names: str | None  # a scheme of `weftex.io.map_files`
     name: str  # what files are called after
     beside: frozenset[str]  # of `BESIDE`
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from weftex.io.png import png_bytes
-from weftex.raster.srgb import to_stored
+from weftex.raster.levels import to_stored
 from weftex.studio.refusals import Refusal
 
 if TYPE_CHECKING:

@@ -13,7 +13,7 @@ from weftex.errors import InvalidInputError, did_you_mean, shown
 from weftex.exemplar import Exemplar
 from weftex.loading import load_exemplar
 from weftex.raster.levels import scale_between
-from weftex.raster.vectors import middle_of, opposite
+from weftex.raster.mixing import middle_of, opposite
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

@@ -11,7 +11,7 @@ from weftex.errors import InvalidInputError, shown
 from weftex.exemplar import Exemplar
 from weftex.loading import load_exemplar
 from weftex.raster.boxes import cell_sums
-from weftex.raster.srgb import to_light, to_stored
+from weftex.raster.levels import to_light, to_stored
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

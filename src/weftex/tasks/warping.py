@@ -9,8 +9,7 @@ import numpy as np
 from weftex.errors import InvalidInputError
 from weftex.io.formats import image_library
 from weftex.raster.levels import tamed
-from weftex.raster.mixing import Kind
-from weftex.raster.vectors import stored, vectors_of
+from weftex.raster.mixing import Kind, stored, vectors_of
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
