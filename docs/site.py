@@ -98,7 +98,7 @@ def source_of(text: str) -> str:
 
 
 def parameters(slug: str) -> str:
-    """The heading and the list of a method's parameters."""
+    """The list of a method's parameters."""
     from weftex.cli.options import parameters_of
     from weftex.tasks.method_names import method_class
 
@@ -106,7 +106,7 @@ def parameters(slug: str) -> str:
         f"* **`{field.name}`**: {field.metadata['help']}. *{values}*\n"
         for field, values in parameters_of(method_class(slug))
     ]
-    return f"## Parameters\n\n{''.join(lines)}\n"
+    return f"{''.join(lines)}\n"
 
 
 def help_of(*words: str) -> str:
@@ -129,7 +129,7 @@ def on_page_markdown(markdown: str, page: Any, config: Any, files: Any) -> str:
         markdown += commands()
     if here.startswith("reference/methods/") and not here.endswith("index.md"):
         slug = Path(here).stem
-        markdown = re.sub(r"^## Parameters\n\n", lambda _: parameters(slug), markdown, flags=re.M)
+        markdown = markdown.replace("The site lists all parameters here; ", parameters(slug))
     origin = made.get(here, DOCS / here)
     markdown = REFERENCE.sub(
         lambda found: (
