@@ -9,11 +9,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import weftex
-import weftex.methods.patches.scan_order
+import weftex.methods.patches.orders
 from families import noise
 from twins import patch_sampling as reference
-from weftex.methods.patches.scan_order import patch_starts, patches_around, wavefronts
-from weftex.methods.patches.spiral_order import spiral
+from weftex.methods.patches.orders import patch_starts, patches_around, wavefronts
+from weftex.methods.patches.orders import spiral
 
 
 @given(st.integers(1, 300), st.integers(2, 60), st.booleans(), st.data())
@@ -85,7 +85,7 @@ def test_threads_never_overtake_a_patch_that_overlaps(
             groups.append(group)
             yield group
 
-    monkeypatch.setattr(weftex.methods.patches.scan_order, "wavefronts", note)
+    monkeypatch.setattr(weftex.methods.patches.orders, "wavefronts", note)
     method = weftex.PatchSampling(
         patch_size=size, boundary_width=overlap, epsilon=float("inf"), blend=blend
     )

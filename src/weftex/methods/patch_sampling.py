@@ -8,10 +8,9 @@ from typing import TYPE_CHECKING, ClassVar, Self
 
 from weftex.exemplar import Exemplar
 from weftex.methods.patches.method import PatchMethod
-from weftex.methods.patches.model import PatchModel
-from weftex.methods.patches.pasting import Output
+from weftex.methods.patches.model import Output, PatchModel
+from weftex.methods.patches.orders import Run
 from weftex.methods.patches.patch_kernels import Tolerance
-from weftex.methods.patches.scan_order import Run
 from weftex.parameters import parameter
 
 if TYPE_CHECKING:

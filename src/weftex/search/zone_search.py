@@ -89,26 +89,30 @@ class ZoneSearch:
     ) -> None:
         self.zone, self.usable, self.positions = zone, usable, positions
         self.stride, self.wanted = 1, candidates
-        self.pca, self._projected = _NO_PCA, False
-        self.tree: KDTree | None = None  # finds the candidates of section 3.1
-        if search == "pca" and zone.area:
-            self.stride = _stride(zone.side, len(positions))
-            if not usable[:: self.stride, :: self.stride].any():
-                self.stride, often = 1, False  # a mask hides all windows of the coarse grid
-        self.nodes = pyramid.nodes(zone.side, self.stride)
-        if search == "exhaustive" or zone.area == 0:
-            self.source = _ALL
-        elif search == "quadtree" or (search == "pca" and not often):
-            self.source = _BLOCKS
-        else:
+        self.pca: ZonePCA | None = None  # by which candidates are found (section 3.3)
+        self.tree: KDTree | None = None  # which finds the candidates of section 3.1
+        if zone.area == 0:
+            search = "exhaustive"
+        if search == "pca" and not (self._thin_out() and often):
+            search = "quadtree"
+        self.source = _ALL if search == "exhaustive" else _BLOCKS
+        if search not in ("exhaustive", "quadtree"):
             places, windows = self._low_resolution(pyramid)
             if "pca" in search:
-                self.pca, self._projected = fit_pca(windows, variance), True
-                self.positions = places
-            self.source = _COMPONENTS
+                self.pca, self.positions = fit_pca(windows, variance), places
+                self.source, windows = _COMPONENTS, self.pca.features
             if "kdtree" in search:
-                points = self.pca.features if self._projected else windows
-                self.source, self.tree = _TREE, KDTree(points.T, places, _TREE_ERROR)
+                self.source, self.tree = _TREE, KDTree(windows.T, places, _TREE_ERROR)
+        self.nodes = pyramid.nodes(zone.side, self.stride)
+
+    def _thin_out(self) -> bool:
+        """Choose the stride between the windows to compare; False if a mask hides all of them."""
+        stride, count = 1, len(self.positions)
+        while stride * 2 <= self.zone.side and count > _MOST_POSITIONS * stride**2:
+            stride *= 2
+        there = bool(self.usable[::stride, ::stride].any())
+        self.stride = stride if there else 1
+        return there
 
     def _low_resolution(
         self, pyramid: QuadtreePyramid
@@ -126,7 +130,7 @@ class ZoneSearch:
     def kernel(self) -> ZoneWindows:
         """What kernels search."""
         return ZoneWindows(
-            self.source, self.usable, self.positions, self.zone, self.nodes, self.pca
+            self.source, self.usable, self.positions, self.zone, self.nodes, self.pca or _NO_PCA
         )
 
     def __getstate__(self) -> dict[str, Any]:
@@ -137,7 +141,7 @@ class ZoneSearch:
         assert self.tree is not None
         query = np.empty(len(self.zone.blocks) * canvas.shape[2], np.int32)
         zone_kernels.zone_means(canvas, y, x, self.zone.blocks, self.zone.side, query)
-        if self._projected:
+        if self.pca is not None:
             pca, means, query = self.pca, query, np.empty(len(self.pca.basis), np.int16)
             zone_kernels.coordinates(pca.basis, pca.offset, pca.shift, means, query)
         return self.tree.nearest(query, self.wanted)
@@ -168,14 +172,6 @@ class KDTree:
         found = self.tree.query(query, k=wanted, eps=self.error, workers=1)[1]
         nearest: NDArray[np.int32] = self.places[np.atleast_1d(found)]
         return nearest
-
-
-def _stride(side: int, count: int) -> int:
-    """Return the pixels between the windows at which the low resolution is compared."""
-    stride = 1
-    while stride * 2 <= side and count > _MOST_POSITIONS * stride**2:
-        stride *= 2
-    return stride
 
 
 def _block_means(level: NDArray[np.uint8], side: int) -> NDArray[Any]:

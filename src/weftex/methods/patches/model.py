@@ -1,10 +1,12 @@
-"""A sample prepared for pasting patches."""
+"""A sample prepared for pasting patches, and an output while it is covered with them."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import replace
 from functools import partial
+from threading import get_ident
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -12,25 +14,40 @@ import numpy as np
 from weftex.canvas import Canvas, as_canvas
 from weftex.endless.boxes import canvas_of, check_period
 from weftex.endless.grid import Sizes
+from weftex.errors import InvalidInputError
 from weftex.exemplar import Exemplar
 from weftex.method import Model
-from weftex.methods.patches.analysis import PatchAnalysis
+from weftex.methods.patches.analysis import PatchAnalysis, Zones
 from weftex.methods.patches.method import PatchMethod
-from weftex.methods.patches.pasting import Output
+from weftex.methods.patches.orders import (
+    Order,
+    Run,
+    frame_of,
+    scan_patches,
+    scan_pixels,
+    spiral_patches,
+)
+from weftex.methods.patches.patch_kernels import Patches, Tolerance, lay_patches
 from weftex.methods.patches.plane_order import PatchAxis, PlaneOrder, least_period
-from weftex.progress import ProgressCallback
+from weftex.notes import is_asked, note, pixel_asked
+from weftex.progress import Progress, ProgressCallback
 from weftex.random import seed_number
+from weftex.results.paste_kernels import Layout
 from weftex.results.patches import PatchSynthesis, PatchWindow
+from weftex.search.zone_kernels import Shortlist
+from weftex.search.zone_search import ZoneSearch
 from weftex.threads import thread_count
 
 if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
     from weftex.endless.boxes import Asked, Box
     from weftex.endless.corners import Pieces
     from weftex.random import Seed
     from weftex.results.synthesis import Synthesis
 
     #: Covers an output with patches: the algorithm of a method.
-    Cover = Callable[[Output, Any], None]
+    Cover = Callable[["Output", Any], None]
 
 
 class PatchModel(Model):
@@ -134,3 +151,178 @@ class PatchModel(Model):
             provenance=self.method.describe() | asked.told,
             picture=None if picture is None else np.ascontiguousarray(picture[here]),
         )
+
+
+class Output:
+    """A canvas while it is covered with patches.
+
+    `plane` makes the order of the patches of a plane's window; by default the canvas determines it.
+    """
+
+    def __init__(
+        self,
+        analysis: PatchAnalysis,
+        canvas: Canvas,
+        seed: int,
+        threads: int,
+        callback: ProgressCallback | None,
+        plane: Callable[[Zones], Order] | None = None,
+    ) -> None:
+        self.analysis, self.method = analysis, analysis.method
+        self.frame = frame_of(self.method, canvas)
+        self._threads, self._callback = threads, callback
+        self._zones = Zones(analysis, self.frame.boundary_width)
+        # (H, W, K): the frame as it is matched; 0 where nothing was pasted
+        self.pixels = np.zeros((*self.frame.shape, analysis.pixels.shape[2]), np.uint8)
+        if self.frame.known is not None and plane is None:
+            self.pixels[self.frame.inside] = self._known_pixels()
+        self.order = plane(self._zones) if plane else self._order(seed)
+        # (n, 5): y, x of each patch, y, x of its source, number of its zone
+        self.placements = np.zeros((len(self.order.corners), 5), np.int32)
+        self.placements[:, :2] = self.order.corners
+        # (n, 2 * (rows + columns)) or (0, 0): minimum-error paths, see `PatchSynthesis`
+        self.cuts = np.zeros((0, 0), np.uint16)
+        if self.method.blend == "cut" and not self.method.pixelwise:
+            self.cuts = np.zeros((len(self.placements), 2 * sum(self.frame.window)), np.uint16)
+        self._patches = Patches(
+            analysis.pixels,
+            analysis.turned,
+            self.placements,
+            self.cuts,
+            self.order.bits,
+            self.order.around,
+            self.method.keep_apart,
+        )
+        #: The candidates of a patch and their keys and places, of each thread.
+        self._shortlists: dict[int, tuple[Shortlist, NDArray[np.int64], NDArray[np.int32]]] = {}
+
+    def _order(self, seed: int) -> Order:
+        """The order of the patches by the canvas."""
+        if self.frame.known is not None:
+            return spiral_patches(self.frame, self._zones, seed)
+        if self.method.pixelwise:
+            return scan_pixels(self.frame, self._zones, seed)
+        return scan_patches(self.frame, self._zones, seed, self._threads)
+
+    def _known_pixels(self) -> NDArray[np.uint8]:
+        """The known pixels of the canvas, as they are matched."""
+        exemplar, canvas = self.analysis.exemplar, self.frame.canvas
+        if canvas.shown is not None:  # a block of a plane
+            return self.analysis.pixels[np.divmod(canvas.shown, exemplar.shape[1])]
+        if exemplar.maps:
+            raise InvalidInputError("a hole's surroundings lack the sample's maps; use weftex.fill")
+        assert canvas.known is not None
+        return exemplar.as_matching(canvas.known, self.method.edge_weight)
+
+    def in_order(self, lay: Callable[[Run], None]) -> None:
+        """Call `lay` with every run of the order, in threads where runs are independent."""
+        order = self.order
+        progress = Progress(self._callback, order.total, order.stage, self._preview)
+
+        def lay_piece(piece: list[Run]) -> None:
+            for run in piece:
+                lay(run)
+
+        if not order.parallel:
+            for step in order.steps:
+                for piece in step.pieces:
+                    lay_piece(piece)
+                progress.advance(step.done)
+            return
+        from concurrent.futures import ThreadPoolExecutor
+
+        with ThreadPoolExecutor(self._threads) as pool:
+            for step in order.steps:
+                list(pool.map(lay_piece, step.pieces))
+                progress.advance(step.done)
+
+    def windows_for(self, run: Run) -> ZoneSearch:
+        """Return the sample's windows, arranged to be searched by the boundary zone of a run."""
+        return self._zones.searches[run.zone]
+
+    def choose_and_paste(self, run: Run, windows: ZoneSearch, tolerance: Tolerance) -> None:
+        """Choose the sources of a run's patches within a tolerance, and paste each patch."""
+        self.placements[run.first : run.last, 4] = run.zone
+        weights = self._zones.weights[run.zone]
+        layout = Layout(self.placements, weights, self.cuts, *self.frame.shape)
+        found, keys, places = self._shortlist()
+        # A kd-tree is searched from Python, for one patch at a time; so are patches explained.
+        one_by_one = windows.tree is not None or pixel_asked() is not None
+        step = 1 if one_by_one else run.last - run.first
+        for first in range(run.first, run.last, step):
+            if windows.tree is not None:
+                nearest = windows.nearest_in_tree(self.pixels, *self.placements[first, :2].tolist())
+                places[: len(nearest)] = nearest
+            with self._explained(first, windows, keys, places):
+                lay_patches(
+                    self.pixels, self._patches, first, first + step, layout, windows.kernel,
+                    tolerance, found,
+                )  # fmt: skip
+
+    @contextmanager
+    def _explained(
+        self,
+        number: int,
+        windows: ZoneSearch,
+        keys: NDArray[np.int64],
+        places: NDArray[np.int32],
+    ) -> Iterator[None]:
+        """Tell whoever explains a pixel about the patch that is pasted over it."""
+        (y, x), over = self.placements[number, :2].tolist(), self.frame.margin
+        box = y - over[0], x - over[1], *self.frame.window
+        if not is_asked(box, self.frame.canvas.shape):
+            yield
+            return
+        before = self.pixels.copy()
+        keys.fill(-1)
+        yield
+        note(
+            "patch", output=self, number=number, before=before, zone=windows.zone,
+            errors=keys.copy(), places=places.copy(), columns=windows.usable.shape[1],
+        )  # fmt: skip
+
+    def _shortlist(self) -> tuple[Shortlist, NDArray[np.int64], NDArray[np.int32]]:
+        """Return this thread's candidates, with room for those of any patch."""
+        if get_ident() not in self._shortlists:
+            analysis, window = self.analysis, self.frame.window
+            room = len(analysis.windows(*window)[1])
+            if self.method.candidates:  # to 54 neighbors at most is climbed from each stride
+                room = self.method.candidates + 54 * analysis.block_side
+            depth = max(self.frame.boundary_width, min(window) // 2)  # of a band with a path
+            numbers = window[0] * window[1] * analysis.pixels.shape[2]
+            columns = analysis.exemplar.shape[1]
+            keys, places = np.empty(room, np.int64), np.empty(room, np.int32)
+            found = Shortlist(
+                self.method.candidates or 0,
+                keys,
+                places,
+                query=np.empty(numbers, np.uint8),
+                means=np.empty(numbers, np.int32),
+                coordinates=np.empty(numbers, np.int16),
+                partial=np.empty(columns, np.int32),
+                total=np.empty(columns, np.int64),
+                barred=np.empty(room, np.uint8),
+                path=np.empty((max(window), depth), np.int64),
+            )
+            self._shortlists[get_ident()] = found, keys, places
+        return self._shortlists[get_ident()]
+
+    def weights(self) -> NDArray[np.uint16]:
+        """Weight of every zone's new pixels in 1/256: (zones, rows, columns)."""
+        found = [search.zone.weight for search in self._zones.searches]
+        return np.stack(found) if found else np.zeros((0, *self.frame.window), np.uint16)
+
+    def picture(self) -> NDArray[np.uint8] | None:
+        """The matched pixels where they are the picture itself, so that it need not be rendered."""
+        exemplar = self.analysis.exemplar
+        if self.pixels.dtype != exemplar.pixels.dtype or exemplar.mixing.kind:
+            return None
+        if self.pixels.shape[2] != exemplar.channels:
+            return None
+        if self.method.blend == "feather-at-end" and not self.method.pixelwise:
+            return None
+        shape = *self.frame.canvas.shape, *exemplar.pixels.shape[2:]
+        return self.pixels[self.frame.inside].reshape(shape)
+
+    def _preview(self) -> NDArray[np.uint8]:
+        return self.pixels[self.frame.inside][..., : self.analysis.exemplar.channels].copy()

@@ -4,6 +4,7 @@
 import cython
 from cython.cimports.libc.math import sqrt
 from cython.cimports.weftex.raster.difference_kernels import squared
+from cython.cimports.weftex.repeats.overlap_kernels import repeated_pixels
 from cython.cimports.weftex.results.paste_kernels import Layout, View, paste
 from cython.cimports.weftex.search.zone_kernels import (
     ALL,
@@ -148,34 +149,27 @@ def bar_repeats(
     A candidate that continues a neighboring patch repeats nothing, but half of the patches must not
     continue one, or large pieces of the sample are copied.
     """
-    y: cython.Py_ssize_t = patches.placements[p, 0]
-    x: cython.Py_ssize_t = patches.placements[p, 1]
-    reach: cython.Py_ssize_t = patches.keep_apart
     leave: cython.bint = patches.bits[p] & 1
-    places: cython.p_int = cython.address(found.places[0])
-    barred: cython.p_uchar = cython.address(found.barred[0])
-    cython.declare(i=cython.Py_ssize_t, k=cython.Py_ssize_t, n=cython.Py_ssize_t)
-    cython.declare(dy=cython.Py_ssize_t, dx=cython.Py_ssize_t, mark=cython.uchar)
-    cython.declare(source_y=cython.Py_ssize_t, source_x=cython.Py_ssize_t)
+    this: cython.p_const_int = cython.address(patches.placements[p, 0])
+    cython.declare(i=cython.Py_ssize_t, k=cython.Py_ssize_t, repeated=cython.longlong)
+    cython.declare(other=cython.p_const_int, mark=cython.uchar)
     for i in range(count):
-        source_y = places[i] // width
-        source_x = places[i] % width
         mark = 0
         for k in range(patches.around.shape[1]):
-            n = patches.around[p, k]
-            if n < 0:
+            if patches.around[p, k] < 0:
                 continue
-            dy = source_y - patches.placements[n, 2]
-            dx = source_x - patches.placements[n, 3]
-            if dy == y - patches.placements[n, 0] and dx == x - patches.placements[n, 1]:
-                if leave:
-                    mark = CONTINUES
-                    break
-                continue
-            if -reach < dy < reach and -reach < dx < reach:
+            other = cython.address(patches.placements[patches.around[p, k], 0])
+            repeated = repeated_pixels(
+                found.places[i] // width - other[2], found.places[i] % width - other[3],
+                this[0] - other[0], this[1] - other[1], patches.keep_apart, patches.keep_apart,
+            )  # fmt: skip
+            if repeated > 0:
                 mark = REPEATS
                 break
-        barred[i] = mark
+            if repeated < 0 and leave:
+                mark = CONTINUES
+                break
+        found.barred[i] = mark
 
 
 @cython.cfunc
@@ -233,8 +227,6 @@ def measure(
             found.query, cython.cast(cython.longlong, bound),
         )  # fmt: skip
         found.keys[i] = key
-        if windows.source == ALL:
-            continue
         if found.barred[i] < CONTINUES and (best < 0 or key < best):
             best = key  # the worst that may be drawn from here on
             bound = UNREPEATED * best if patches.keep_apart > 0 else best
@@ -270,12 +262,11 @@ def choose(
     energy = gather(canvas, y, x, windows.runs, found.query)  # E_out
     # Step 2: which windows match it.
     count = list_candidates(canvas, y, x, windows, found)
-    if windows.source != ALL:
-        bar_repeats(patches, p, count, width, found)
+    bar_repeats(patches, p, count, width, found)
     measure(patches, windows, tolerance, energy, count, found)
     if windows.source != ALL and windows.nodes.shape[1] > 1:
         count = climb(patches.pixels, patches.turned, windows, count, found)
-    bar_repeats(patches, p, count, width, found)
+        bar_repeats(patches, p, count, width, found)
     # Steps 3 and 4: draw one of Psi_B, or take the closest.
     best = best_unrepeated(count, found)
     return found.places[draw_one(best, count, energy, patches.bits[p], tolerance, found)]
@@ -345,9 +336,7 @@ def cut_bands(
                     cost[i, k] = OUTSIDE
                 elif weight < 256:
                     cost[i, k] = squared(
-                        cython.address(
-                            canvas[(y + v) % canvas.shape[0], (x + u) % canvas.shape[1], 0]
-                        ),
+                        cython.address(canvas[(y + v) % height, (x + u) % width, 0]),
                         cython.address(pixels[source_y + v, source_x + u, 0]),
                         canvas.shape[2],
                     )

@@ -26,7 +26,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from weftex.endless.grid import Axis
-from weftex.methods.patches.scan_order import Order, Run, Step
+from weftex.methods.patches.orders import Order, Run, Step
 from weftex.random import draw
 
 if TYPE_CHECKING:
