@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from weftex.exemplar import Exemplar
 
 _LAMBDA = 0.3  # patch size over the sample's shorter side (section 2.4)
-_CANDIDATES, _MOST_CANDIDATES = 40, 10000
+_CANDIDATES, _MOST_CANDIDATES = 40, 10000  # as in `patch_kernels`
 #: The number of windows that match grows about with this power of the tolerated distance.
 #: (The power is 7 to 15 between the windows of bricks, grass, leaves, pebbles, tiles, weave, wood.)
 _MATCHING_POWER = 8

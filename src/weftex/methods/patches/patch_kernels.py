@@ -4,7 +4,11 @@
 import cython
 from cython.cimports.libc.math import sqrt
 from cython.cimports.weftex.raster.difference_kernels import squared
-from cython.cimports.weftex.repeats.overlap_kernels import repeated_pixels
+from cython.cimports.weftex.repeats.overlap_kernels import (
+    CONTINUES,
+    bar_repeats,
+    best_unrepeated,
+)
 from cython.cimports.weftex.results.paste_kernels import Layout, View, paste
 from cython.cimports.weftex.search.zone_kernels import (
     ALL,
@@ -16,15 +20,14 @@ from cython.cimports.weftex.search.zone_kernels import (
     list_candidates,
 )
 
+# The largest m of section 3.2. If most of so many candidates match, others do too, see `spread`.
+MOST_CANDIDATES = cython.declare(cython.Py_ssize_t, 10000)
+
 # A patch that repeats nothing may have this times the squared distance of one that does.
 UNREPEATED = cython.declare(cython.double, 1.7)
 
 # More than any path of real differences: 2**16 pixels of 2**10 channels.
 OUTSIDE = cython.declare(cython.longlong, 1 << 44)
-
-# Marks of `bar_repeats`.
-REPEATS = cython.declare(cython.int, 1)
-CONTINUES = cython.declare(cython.int, 2)
 
 
 @cython.cclass
@@ -40,9 +43,7 @@ class Tolerance:
     by_similarity: cython.bint
 
     def __init__(self, value, of_best, by_similarity):
-        self.value = value
-        self.of_best = of_best
-        self.by_similarity = by_similarity
+        self.value, self.of_best, self.by_similarity = value, of_best, by_similarity
 
 
 @cython.cclass
@@ -58,13 +59,8 @@ class Patches:
     keep_apart: cython.Py_ssize_t  # pixels between the sources of patches around
 
     def __init__(self, pixels, turned, placements, cuts, bits, around, keep_apart):
-        self.pixels = pixels
-        self.turned = turned
-        self.placements = placements
-        self.cuts = cuts
-        self.bits = bits
-        self.around = around
-        self.keep_apart = keep_apart
+        self.pixels, self.turned, self.placements, self.cuts = pixels, turned, placements, cuts
+        self.bits, self.around, self.keep_apart = bits, around, keep_apart
 
 
 @cython.cfunc
@@ -131,75 +127,18 @@ def draw_one(
     return best
 
 
-# What follows up to `best_unrepeated` is in no paper: neighboring patches do not repeat.
-
-
 @cython.cfunc
 @cython.nogil
 @cython.exceptval(check=False)
-def bar_repeats(
-    patches: Patches,
-    p: cython.Py_ssize_t,
-    count: cython.Py_ssize_t,
-    width: cython.Py_ssize_t,
+def bar(
+    patches: Patches, p: cython.Py_ssize_t, width: cython.Py_ssize_t, count: cython.Py_ssize_t,
     found: Shortlist,
-) -> cython.void:
-    """Mark candidates that would repeat the source of a patch near patch `p`.
-
-    A candidate that continues a neighboring patch repeats nothing, but half of the patches must not
-    continue one, or large pieces of the sample are copied.
-    """
-    leave: cython.bint = patches.bits[p] & 1
-    this: cython.p_const_int = cython.address(patches.placements[p, 0])
-    cython.declare(i=cython.Py_ssize_t, k=cython.Py_ssize_t, repeated=cython.longlong)
-    cython.declare(other=cython.p_const_int, mark=cython.uchar)
-    for i in range(count):
-        mark = 0
-        for k in range(patches.around.shape[1]):
-            if patches.around[p, k] < 0:
-                continue
-            other = cython.address(patches.placements[patches.around[p, k], 0])
-            repeated = repeated_pixels(
-                found.places[i] // width - other[2], found.places[i] % width - other[3],
-                this[0] - other[0], this[1] - other[1], patches.keep_apart, patches.keep_apart,
-            )  # fmt: skip
-            if repeated > 0:
-                mark = REPEATS
-                break
-            if repeated < 0 and leave:
-                mark = CONTINUES
-                break
-        found.barred[i] = mark
-
-
-@cython.cfunc
-@cython.nogil
-@cython.exceptval(check=False)
-def best_unrepeated(count: cython.Py_ssize_t, found: Shortlist) -> cython.Py_ssize_t:
-    """Return the best candidate without a repeat, unless it is much worse than the best of all.
-
-    If it is, candidates that continue no patch are freed; if there are none, all are.
-    """
-    best: cython.Py_ssize_t = -1
-    near: cython.Py_ssize_t = -1
-    free: cython.Py_ssize_t = -1
-    keys: cython.p_longlong = cython.address(found.keys[0])
-    barred: cython.p_uchar = cython.address(found.barred[0])
-    i: cython.Py_ssize_t
-    for i in range(count):
-        if best < 0 or keys[i] < keys[best]:
-            best = i
-        if barred[i] < CONTINUES and (near < 0 or keys[i] < keys[near]):
-            near = i
-        if not barred[i] and (free < 0 or keys[i] < keys[free]):
-            free = i
-    if near >= 0:
-        best = near
-    if free >= 0 and keys[free] <= UNREPEATED * keys[best]:
-        return free
-    for i in range(count):
-        barred[i] = 0 if barred[i] < CONTINUES or near < 0 else CONTINUES
-    return best
+) -> cython.void:  # fmt: skip
+    """Bar what repeats patches around. Half of the patches continue none, or pieces grow large."""
+    bar_repeats(
+        patches.placements, patches.around[p], p, patches.keep_apart, patches.bits[p] & 1,
+        found.places[:count], width, found.barred,
+    )  # fmt: skip
 
 
 @cython.cfunc
@@ -239,6 +178,37 @@ def measure(
 @cython.cfunc
 @cython.nogil
 @cython.exceptval(check=False)
+def spread(
+    windows: ZoneWindows,
+    energy: cython.longlong,
+    start: cython.Py_ssize_t,
+    tolerance: Tolerance,
+    count: cython.Py_ssize_t,
+    found: Shortlist,
+) -> cython.Py_ssize_t:
+    """If most candidates match, list windows from all over the sample instead; return how many."""
+    matching: cython.Py_ssize_t = 0
+    i: cython.Py_ssize_t
+    width: cython.Py_ssize_t = windows.usable.shape[1]
+    total: cython.Py_ssize_t = windows.usable.shape[0] * width
+    step: cython.Py_ssize_t = total // MOST_CANDIDATES + 1
+    for i in range(count):
+        matching += found.keys[i] < limit_of(energy, found.keys[i], tolerance)
+    if 2 * matching <= count:
+        return 0
+    count = 0
+    i = start % step
+    while i < total:
+        if windows.usable[i // width, i % width]:
+            found.places[count] = cython.cast(cython.int, i)
+            count += 1
+        i += step
+    return count
+
+
+@cython.cfunc
+@cython.nogil
+@cython.exceptval(check=False)
 def choose(
     canvas: cython.const[cython.uchar][:, :, ::1],
     patches: Patches,
@@ -252,7 +222,9 @@ def choose(
     x: cython.Py_ssize_t = patches.placements[p, 1]
     width: cython.Py_ssize_t = windows.usable.shape[1]
     energy: cython.longlong
-    cython.declare(count=cython.Py_ssize_t, best=cython.Py_ssize_t, windows_there=cython.ulonglong)
+    cython.declare(count=cython.Py_ssize_t, best=cython.Py_ssize_t)
+    cython.declare(start=cython.Py_ssize_t, more=cython.Py_ssize_t)
+    windows_there: cython.ulonglong
     if windows.area == 0 or tolerance.value > 1e30:
         # Step 1: nothing to match. Or anything matches: the chaos mosaic.
         windows_there = cython.cast(cython.ulonglong, windows.positions.shape[0])
@@ -262,13 +234,20 @@ def choose(
     energy = gather(canvas, y, x, windows.runs, found.query)  # E_out
     # Step 2: which windows match it.
     count = list_candidates(canvas, y, x, windows, found)
-    bar_repeats(patches, p, count, width, found)
+    bar(patches, p, width, count, found)
     measure(patches, windows, tolerance, energy, count, found)
     if windows.source != ALL and windows.nodes.shape[1] > 1:
         count = climb(patches.pixels, patches.turned, windows, count, found)
-        bar_repeats(patches, p, count, width, found)
+        bar(patches, p, width, count, found)
+    if count >= MOST_CANDIDATES and windows.source != ALL and not tolerance.of_best:
+        start = cython.cast(cython.Py_ssize_t, patches.bits[p] >> 40)
+        more = spread(windows, energy, start, tolerance, count, found)
+        if more > 0:
+            count = more
+            bar(patches, p, width, count, found)
+            measure(patches, windows, tolerance, energy, count, found)
     # Steps 3 and 4: draw one of Psi_B, or take the closest.
-    best = best_unrepeated(count, found)
+    best = best_unrepeated(found.keys[:count], found.barred, UNREPEATED)
     return found.places[draw_one(best, count, energy, patches.bits[p], tolerance, found)]
 
 
@@ -291,84 +270,71 @@ def cut_bands(
     border.
     """
     placement: cython.p_const_int = cython.address(layout.placements[p, 0])
-    y: cython.Py_ssize_t = placement[0]
-    x: cython.Py_ssize_t = placement[1]
-    source_y: cython.Py_ssize_t = placement[2]
-    source_x: cython.Py_ssize_t = placement[3]
-    full_rows: cython.Py_ssize_t = layout.weights.shape[1]
-    full_columns: cython.Py_ssize_t = layout.weights.shape[2]
+    rows: cython.Py_ssize_t = layout.weights.shape[1]
+    columns: cython.Py_ssize_t = layout.weights.shape[2]
     depth: cython.Py_ssize_t = bands[0]
-    top: cython.Py_ssize_t = bands[1]
-    left: cython.Py_ssize_t = bands[2]
-    bottom: cython.Py_ssize_t = bands[3]
-    right: cython.Py_ssize_t = bands[4]
-    height: cython.Py_ssize_t = canvas.shape[0]
-    width: cython.Py_ssize_t = canvas.shape[1]
-    weight: cython.int
-    least: cython.longlong
     upright: cython.bint
     cython.declare(side=cython.Py_ssize_t, first=cython.Py_ssize_t, length=cython.Py_ssize_t)
-    cython.declare(i=cython.Py_ssize_t, k=cython.Py_ssize_t, v=cython.Py_ssize_t)
-    cython.declare(u=cython.Py_ssize_t, j=cython.Py_ssize_t, best=cython.Py_ssize_t)
-    for v in range(full_rows):
+    cython.declare(edge=cython.Py_ssize_t, i=cython.Py_ssize_t, k=cython.Py_ssize_t)
+    cython.declare(v=cython.Py_ssize_t, u=cython.Py_ssize_t, best=cython.Py_ssize_t)
+    cython.declare(at=cython.Py_ssize_t, least=cython.longlong)
+    for v in range(rows):
         cuts[p, v] = 0
-        cuts[p, full_rows + v] = cython.cast(cython.ushort, full_columns)
-    for u in range(full_columns):
-        cuts[p, 2 * full_rows + u] = 0
-        cuts[p, 2 * full_rows + full_columns + u] = cython.cast(cython.ushort, full_rows)
-    for side in range(4):
+        cuts[p, rows + v] = cython.cast(cython.ushort, columns)
+    for u in range(columns):
+        cuts[p, 2 * rows + u] = 0
+        cuts[p, 2 * rows + columns + u] = cython.cast(cython.ushort, rows)
+    for side in range(4):  # left, top, right, bottom
         if not bands[5 + side]:
             continue
-        upright = side == 0 or side == 2
-        first = top if upright else left
-        length = bottom - top if upright else right - left
+        upright = side % 2 == 0
+        first = bands[1] if upright else bands[2]
+        length = bands[3] - first if upright else bands[4] - first
+        edge = bands[2 - side if side < 2 else 6 - side]
         for i in range(length):
             for k in range(depth):
-                if upright:
-                    v = top + i
-                    u = left + k if side == 0 else right - 1 - k
-                else:
-                    u = left + i
-                    v = top + k if side == 1 else bottom - 1 - k
+                at = edge + k if side < 2 else edge - 1 - k
+                v = first + i if upright else at
+                u = at if upright else first + i
                 cost[i, k] = 0
-                weight = layout.weights[0, v, u]
-                if weight == 0:
+                if layout.weights[0, v, u] == 0:
                     cost[i, k] = OUTSIDE
-                elif weight < 256:
+                elif layout.weights[0, v, u] < 256:
                     cost[i, k] = squared(
-                        cython.address(canvas[(y + v) % height, (x + u) % width, 0]),
-                        cython.address(pixels[source_y + v, source_x + u, 0]),
+                        cython.address(
+                            canvas[
+                                (placement[0] + v) % canvas.shape[0],
+                                (placement[1] + u) % canvas.shape[1],
+                                0,
+                            ]
+                        ),
+                        cython.address(pixels[placement[2] + v, placement[3] + u, 0]),
                         canvas.shape[2],
                     )
                 if i > 0:
                     least = cost[i - 1, k]
-                    if k > 0 and cost[i - 1, k - 1] < least:
-                        least = cost[i - 1, k - 1]
-                    if k + 1 < depth and cost[i - 1, k + 1] < least:
-                        least = cost[i - 1, k + 1]
+                    if k > 0:
+                        least = min(least, cost[i - 1, k - 1])
+                    if k + 1 < depth:
+                        least = min(least, cost[i - 1, k + 1])
                     cost[i, k] += least
         best = 0
         for k in range(1, depth):
             if cost[length - 1, k] < cost[length - 1, best]:
                 best = k
-        for j in range(length):
-            i = length - 1 - j
-            if j > 0:
+        at = (
+            0 if side == 0 else rows if side == 2 else 2 * rows if side == 1 else 2 * rows + columns
+        )
+        for i in range(length - 1, -1, -1):
+            if i < length - 1:
                 k = best
                 if k > 0 and cost[i, k - 1] <= cost[i, best]:
                     best = k - 1
                 if k + 1 < depth and cost[i, k + 1] < cost[i, best]:
                     best = k + 1
-            if side == 0:
-                cuts[p, first + i] = cython.cast(cython.ushort, left + best)
-            elif side == 1:
-                cuts[p, 2 * full_rows + first + i] = cython.cast(cython.ushort, top + best)
-            elif side == 2:
-                cuts[p, full_rows + first + i] = cython.cast(cython.ushort, right - best)
-            else:
-                cuts[p, 2 * full_rows + full_columns + first + i] = cython.cast(
-                    cython.ushort, bottom - best
-                )
+            cuts[p, at + first + i] = cython.cast(
+                cython.ushort, edge + best if side < 2 else edge - best
+            )
 
 
 def lay_patches(
