@@ -7,7 +7,7 @@ import re
 from typing import TYPE_CHECKING, ClassVar, NoReturn
 
 from weftex.errors import InvalidInputError, did_you_mean
-from weftex.recipe.declared import TASKS, options_of
+from weftex.recipe.declared import tasks_with
 
 if TYPE_CHECKING:
     from weftex.recipe.options import Option
@@ -137,9 +137,8 @@ class Parser(argparse.ArgumentParser):
             if word.startswith("-"):
                 known = [o for o in self._option_string_actions if o.startswith("--")]
                 name = word.split("=")[0]
-                if able := [
-                    task for task in TASKS if name in (one.flag for one in options_of(task))
-                ]:
+                able = tasks_with(name)
+                if able and SYNONYMS.get(name) not in known:
                     raise InvalidInputError(
                         f"{name} has no effect on {self.command}; it is for {', '.join(able)}"
                     )

@@ -40,7 +40,7 @@ MATERIAL = {
         ),
         Option(
             "repeats", FLAG, "the sample is tileable, so patches can cross its borders; see "
-            "'weftex analyze'", False, flag="--tileable-sample", heading="tiling",
+            "'weftex analyze'", False, given_flag="--tileable-sample", heading="tiling",
         ),
         Option(
             "map_weights", WEIGHTS, "weights of the maps in matching, such as height=3,normal=2; "
@@ -49,7 +49,7 @@ MATERIAL = {
         ),
         Option(
             "mask", PICTURE, "image that is white where the sample may be used; 'alpha': where the "
-            "sample is opaque", flag="--sample-mask", metavar="FILE", heading=_PREPARATION,
+            "sample is opaque", given_flag="--sample-mask", metavar="FILE", heading=_PREPARATION,
         ),
         Option(
             "straighten", STRAIGHTEN, "straighten the photo by its own lattice or rows (no value), "
@@ -181,7 +181,7 @@ TASKS = {
             Option("border", WHOLE, "width of the border that may change", low=1, unit="px",
                    default_text="an eighth of the photo's shorter side", metavar="PX"),
             Option("axes", AXES, "make the photo tileable along both axes (default), or only along "
-                   "x or y", True, flag="--tileable", metavar="x|y"),
+                   "x or y", True, given_flag="--tileable", metavar="x|y"),
         ),
         ("maps", "map_weights"), (1, 1), "auto", "patch-sampling",
     ),
@@ -228,3 +228,8 @@ def options_of(task: str) -> list[Option]:
     """Return the options of a task's command, but for those of methods and of outputs."""
     own = [*TASKS[task].options.values(), *(MATERIAL[name] for name in TASKS[task].material)]
     return [*own, *GRADIENT.values(), SEED] if task == "fuse" else [*own, SEED]
+
+
+def tasks_with(flag: str) -> list[str]:
+    """Return the tasks whose commands have an option."""
+    return [task for task in TASKS if flag in (option.flag for option in options_of(task))]
