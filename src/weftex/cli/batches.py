@@ -35,51 +35,32 @@ _LONGEST = 255  # bytes of a file's name
 
 @dataclass(frozen=True)
 class Entry:
-    """A sample of a batch: a picture, or a folder of maps.
-
-    Attributes
-    ----------
-    path, name : str
-        Where it is, and what outputs are called after.
-    suffix : str
-        Of its outputs; empty for a folder of maps.
-    """
+    """A sample of a batch: a picture, or a folder of maps."""
 
     path: str
-    name: str
-    suffix: str
+    name: str  # which outputs are called after
+    suffix: str  # of its outputs; empty for a folder of maps
 
 
 @dataclass(frozen=True)
 class Job:
-    """Outputs of one sample, by their seeds; the best of them if fewer are kept.
-
-    Attributes
-    ----------
-    entry : Entry
-    outputs : dict of int to str
-        Names of files, or folders, by seed.
-    keep : int or None
-        So many with the best scores are written; all if None.
-    """
+    """Outputs of one sample."""
 
     entry: Entry
-    outputs: dict[int, str]
-    keep: int | None = None
+    outputs: dict[int, str]  # names of files, or folders, by seed
+    keep: int | None = None  # the number of outputs with the best scores to write; all if None
+
+
+@dataclass(frozen=True)
+class Done:
+    """The records of what a job made, where each output is until it is published, and why not."""
+
+    made: list[tuple[dict[str, Any], str]]
+    failure: str | None = None
 
 
 def entries_of(folder: str, output: str) -> list[Entry]:
-    """Return the pictures of a folder, and the folders in it that have pictures.
-
-    The folder of the outputs is not one of them.
-
-    Raises
-    ------
-    FileError
-        If the folder cannot be read, or has neither.
-    InvalidInputError
-        If two have one name.
-    """
+    """Return the pictures of a folder, and the folders in it that have pictures, but `output`."""
     try:
         names = sorted(os.listdir(folder))
     except OSError as error:
@@ -112,13 +93,7 @@ def entries_of(folder: str, output: str) -> list[Entry]:
 def jobs_of(
     entries: Sequence[Entry], template: str, seeds: Sequence[int], keep: int | None
 ) -> list[Job]:
-    """Return what there is to make: a job a seed, or a job a sample where the best are kept.
-
-    Raises
-    ------
-    InvalidInputError
-        If the template is none, or gives one name to two outputs.
-    """
+    """Return what there is to make: a job a seed, or a job a sample where the best are kept."""
     try:
         fields = {name for _, name, _, _ in string.Formatter().parse(template) if name is not None}
         if not fields <= _FIELDS:
@@ -148,22 +123,6 @@ def jobs_of(
     return jobs
 
 
-@dataclass(frozen=True)
-class Done:
-    """What became of a job.
-
-    Attributes
-    ----------
-    made : list of (dict, str)
-        Of each output the record, and where it is until it is published.
-    failure : str or None
-        What went wrong, in one line.
-    """
-
-    made: list[tuple[dict[str, Any], str]]
-    failure: str | None = None
-
-
 def _check_name(stem: str, suffix: str) -> None:
     """Refuse names that files cannot have, hidden ones, and that of the manifest."""
     plain = os.path.basename(stem) == stem and stem.isprintable()
@@ -179,14 +138,7 @@ def _check_name(stem: str, suffix: str) -> None:
 def left_of(
     jobs: Sequence[Job], folder: str, manifest: Manifest, *, skip: bool, force: bool
 ) -> list[Job]:
-    """Return the jobs that are to be done.
-
-    Raises
-    ------
-    FileError
-        If an output is there, and nobody said what is to become of it, or it would take the place
-        of a sample or of a folder that no batch made.
-    """
+    """Return the jobs that are to be done; raises where outputs must not be replaced."""
     left = []
     for job in jobs:
         paths = {one: os.path.join(folder, one) for one in job.outputs.values()}
@@ -215,16 +167,9 @@ def _same(one: str, other: str) -> bool:
 
 
 class Maker:
-    """Does jobs; a sample is read and fitted once for jobs that follow each other.
+    """Does jobs with a recipe for any sample, and a number of threads for each output.
 
-    Parameters
-    ----------
-    recipe : Recipe
-        Of any sample.
-    threads : int
-        For each output.
-    args : argparse.Namespace
-        Options of the command: `output`, `names`, `mtlx`, `score`, `allow_huge`.
+    A sample is read and fitted once for jobs that follow each other.
     """
 
     def __init__(self, recipe: Recipe, threads: int, args: argparse.Namespace) -> None:

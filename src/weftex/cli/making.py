@@ -5,12 +5,7 @@ from __future__ import annotations
 from time import perf_counter
 from typing import TYPE_CHECKING
 
-from weftex.cli.options import (
-    add_names,
-    add_output,
-    given_blocks,
-    parse_task,
-)
+from weftex.cli.options import given_blocks, parse_task
 from weftex.cli.terminal import finish
 from weftex.recipe.declared import options_of
 
@@ -30,15 +25,7 @@ def run_task(task: str, parser: Parser, argv: list[str], usual: str) -> None:
     `usual` is the method in words where none is named.
     """
     start = perf_counter()
-    add_output(parser)
-    add_names(parser)
-    text = "print what was read, all parameters and the time that each stage took"
-    parser.add_argument("-v", "--verbose", action="store_true", help=text)
-    add = parser.under["output"].add_argument
-    text = "save the source of every pixel, for 'weftex replay' and 'weftex report'"
-    add("--save-source", metavar="F.npz", help=text)
-    text = "image to update during the run: a small preview at first, the result at the end"
-    add("--preview", metavar="FILE", help=text)
+    parser.share("--output", "--names", "--mtlx", "--verbose", "--save-source", "--preview")
     args, recipe = parse_task(task, parser, argv, options_of(task), usual=usual)
     if task == "synth" and _is_plane(recipe, args):
         from weftex.cli.planes import synthesize

@@ -6,9 +6,10 @@ import os
 import re
 from typing import TYPE_CHECKING, Any
 
+from weftex.cli.shared import BLOCKS, HUGE
 from weftex.errors import InvalidInputError
 from weftex.recipe import TASKS, Recipe
-from weftex.recipe.options import SIZE, Option
+from weftex.recipe.options import SIZE
 from weftex.recipe.words import json_of
 
 if TYPE_CHECKING:
@@ -17,68 +18,12 @@ if TYPE_CHECKING:
 
     from weftex.cli.parser import Parser
     from weftex.method import Method
-
-HUGE = 2**28  # pixels
-#: The options of images that are written block by block.
-BLOCKS = ("part", "workers", "cluster", "restart", "block")
-METHOD_HELP = "synthesis method; 'weftex methods' lists them"
-
-
-def add_huge(parser: Parser, heading: str = "") -> None:
-    """Add the option of every command that reads images."""
-    text = f"accept images larger than {HUGE // 10**6} megapixels"
-    group = parser.under[heading] if heading else parser
-    group.add_argument("--allow-huge", action="store_true", help=text)
-
-
-def add_output(parser: Parser) -> None:
-    """Add the option of every command that writes an image or a map set."""
-    text = "file to write; a folder for a map set"
-    parser.add_argument("-o", "--output", metavar="OUT", required=True, help=text)
-
-
-def add_threads(parser: Parser) -> None:
-    """Add the option of every command that works on several threads."""
-    text = "maximum number of threads; default: one per processor"
-    parser.add_argument("--threads", type=int, metavar="N", help=text)
-
-
-def add_quiet(parser: Parser) -> None:
-    """Add the option of every command that prints a line about its result."""
-    parser.add_argument("--quiet", action="store_true", help="print errors only")
-
-
-def add_names(parser: Parser) -> None:
-    """Add the options about the files of a set that is written."""
-    names = ("ambientcg", "polyhaven", "substance", "gltf")
-    text = f"how to name the written maps: {', '.join(names)}; default: as in the sample"
-    add = parser.under["map sets"].add_argument
-    add("--names", choices=names, metavar="STYLE", help=text)
-    text = "also write a MaterialX file (.mtlx), which renderers can open"
-    add("--mtlx", action="store_true", help=text)
-
-
-def add_blocks(parser: Parser) -> None:
-    """Add the options of every command that can write an image block by block."""
-    group = parser.under["large outputs"]
-    group.description = (
-        "OUT.zarr and OUT.dzi, and OUT.tif of more than 268 megapixels, are written\n"
-        "block by block. The same command resumes an interrupted run."
-    )
-    add = group.add_argument
-    text = "side of the blocks, a power of two; the image does not depend on it; default: 2048"
-    add("--block", type=int, metavar="PX", help=text)
-    add("--restart", action="store_true", help="delete what was written before and start again")
-    text = "write part K of N, on any machine that shares the folder; needs --seed"
-    add("--part", metavar="K/N", help=text)
-    add("--workers", type=int, metavar="N", help="number of worker processes on this machine")
-    text = "use the workers of a Dask scheduler that share the folder; needs weftex[dask]"
-    add("--cluster", metavar="tcp://HOST:PORT", help=text)
+    from weftex.recipe.options import Option
 
 
 def given_blocks(args: argparse.Namespace) -> list[str]:
     """Return the names of the options that ask for blocks; a 0 is given, and refused later."""
-    values = {name: getattr(args, name) for name in BLOCKS}
+    values = {flag[2:]: getattr(args, flag[2:]) for flag in BLOCKS}
     return [name for name, value in values.items() if value is not None and value is not False]
 
 
@@ -98,11 +43,9 @@ def parse_task(
     """
     own = method or TASKS[task].parameters_of
     parser.take(*options)
-    text = f"{METHOD_HELP}; default: {usual}"
+    text = f"synthesis method; 'weftex methods' lists them; default: {usual}"
     parser.add_argument("--method", metavar="NAME", help=text)
-    add_threads(parser)
-    add_quiet(parser)
-    add_huge(parser, "output")
+    parser.share("--threads", "--quiet", "--allow-huge")
     name = _named(parser.filled(argv))
     wanted = own if name in ("", "auto") else name
     fields = _add_parameters(parser, argv, wanted)

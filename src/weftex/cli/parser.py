@@ -6,6 +6,7 @@ import argparse
 import re
 from typing import TYPE_CHECKING, ClassVar, NoReturn
 
+from weftex.cli.shared import ABOUT, SHARED, SHORT
 from weftex.errors import InvalidInputError, did_you_mean
 from weftex.recipe.declared import tasks_with
 
@@ -70,6 +71,15 @@ class Parser(argparse.ArgumentParser):
         #: Groups of options by heading; a group without options is not printed.
         self.under = {heading: self.add_argument_group(heading) for heading in HEADINGS}
         self._bare: dict[str, tuple[str, str]] = {}
+
+    def share(self, *flags: str) -> None:
+        """Add options that several commands have."""
+        for flag in flags:
+            heading, how = SHARED[flag]
+            group = self.under[heading] if heading else self
+            group.add_argument(*([SHORT[flag]] if flag in SHORT else []), flag, **how)
+            if heading in ABOUT:
+                self.under[heading].description = ABOUT[heading]
 
     def take(self, *options: Option, **changes: str | bool) -> None:
         """Add declared options; `changes` are arguments of argparse, such as another help."""

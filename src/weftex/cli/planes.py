@@ -9,7 +9,8 @@ from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
 from weftex.canvas import MAX_PIXELS
-from weftex.cli.options import HUGE, given_blocks
+from weftex.cli.options import given_blocks
+from weftex.cli.shared import HUGE
 from weftex.cli.terminal import finish, say
 from weftex.errors import InvalidInputError
 from weftex.planes.files import ALWAYS, SUFFIXES, check_target, suffix_of

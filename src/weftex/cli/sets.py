@@ -23,24 +23,12 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Plan:
-    """What will be written.
+    """What will be written."""
 
-    Attributes
-    ----------
-    pictures : dict of str to Picture
-        By the names of maps, what the files that are written are like; the main one first.
-    targets : dict of str to str
-        Paths by the names of its maps.
-    documents : dict of str to str
-        Texts by their paths.
-    told : str
-        What was taken for what, a line each.
-    """
-
-    pictures: dict[str, Picture]
-    targets: dict[str, str]
-    documents: dict[str, str]
-    told: str
+    pictures: dict[str, Picture]  # by maps, what files are like; the main one first
+    targets: dict[str, str]  # paths by maps
+    documents: dict[str, str]  # texts by paths
+    told: str  # what was taken for what, a line each
 
     @property
     def main(self) -> str:
@@ -77,15 +65,8 @@ def plan(
 ) -> Plan:
     """Say where everything goes; whatever can be wrong with it is found here, before any work.
 
-    Parameters
-    ----------
-    materials : sequence of Material
-        Each map is stored as the first of them that has it.
-    made : Exemplar
-        A sample with the maps that are written, and pixels of their kinds.
-    args : Namespace
-    notes : sequence of str
-        Lines to print after those about maps.
+    `made` is a sample with the maps to write; each is stored as the first material that has it.
+    `notes` are further lines to print.
     """
     from weftex.io.pictures import check_output
 

@@ -80,22 +80,10 @@ def open_closed_streams() -> None:
 class Bar(progress.Bar):
     """Progress on a terminal, drawn by the main thread, which has nothing else to do.
 
-    Parameters
-    ----------
-    quiet : bool
-        Show nothing.
-    preview : str, optional
-        Where to write the picture so far, now and then, in a twentieth of the time at most.
-
-    Attributes
-    ----------
-    left : str
-        What is there if the work is stopped now.
-    stopped : bool
-        Whether `stop` was called.
+    The picture so far is written to `preview`, now and then, in a twentieth of the time at most.
     """
 
-    left = "nothing was written"
+    left = "nothing was written"  # what is there if the work is stopped now
 
     def __init__(self, quiet: bool, preview: str | None = None) -> None:
         super().__init__(_BAR_AFTER)
@@ -199,28 +187,8 @@ def run(
 
     Python delivers signals between two steps of the main thread, and a step of the compiled part
     may take long; so the work is done beside it. Its outputs appear when it ends well; a signal
-    that comes then or later is ignored.
-
-    Parameters
-    ----------
-    work : callable
-        Takes the progress callback and the outputs.
-    quiet : bool
-        No progress bar.
-    preview : str, optional
-        See `Bar`.
-
-    Returns
-    -------
-    result
-        What the work returned.
-    bar : Bar
-        Which knows what its stages took.
-
-    Raises
-    ------
-    Stopped
-        When the work was stopped in time; if it does not stop, the process ends here.
+    that comes then or later is ignored. Returns what `work` returned, and the bar with the times of
+    its stages; raises `Stopped`, or ends the process if the work does not stop.
     """
     outputs = Outputs()
     bar, ended = Bar(quiet, preview), threading.Event()

@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from weftex.cli.files import load
-from weftex.cli.options import add_huge
 from weftex.cli.parser import Parser
 from weftex.errors import InvalidInputError
 from weftex.recipe import MATERIAL
@@ -60,7 +59,7 @@ def run(argv: list[str]) -> None:
     add("--significant", type=float, metavar="N", help=text)
     text = "write the autocorrelation (GNCC) of the sample; white is 1"
     add("--correlation", metavar="FILE", help=text)
-    add_huge(parser)
+    parser.share("--allow-huge")
     args = parser.parse(argv)
     from weftex.io.pictures import check_output, write_image
     from weftex.tasks.analyze import analyze

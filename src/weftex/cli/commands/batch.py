@@ -6,7 +6,7 @@ import os
 from time import perf_counter
 from typing import TYPE_CHECKING
 
-from weftex.cli.options import add_names, parse_task
+from weftex.cli.options import parse_task
 from weftex.cli.parser import Parser
 from weftex.cli.terminal import finish, say
 from weftex.errors import CancelledError, FileError, InvalidInputError
@@ -50,7 +50,7 @@ def run(argv: list[str]) -> None:
     add("--score", action="store_true", help="write the score of each output to the manifest")
     add("--skip-existing", action="store_true", help="make only the outputs that are missing")
     add("--force", action="store_true", help="overwrite existing outputs")
-    add_names(parser)
+    parser.share("--names", "--mtlx")
     args, recipe = parse_task(
         "synth", parser, argv, [OUTPUT_SIZE, TILEABLE, SEED, MATERIAL["turn"]]
     )

@@ -6,7 +6,7 @@ from dataclasses import replace
 from time import perf_counter
 from typing import TYPE_CHECKING
 
-from weftex.cli.options import add_huge, add_quiet, add_threads, check_numbers, check_size
+from weftex.cli.options import check_numbers, check_size
 from weftex.cli.parser import Parser
 from weftex.cli.terminal import finish
 from weftex.errors import InvalidInputError
@@ -44,10 +44,8 @@ def run(argv: list[str]) -> None:
     parser.take(TILEABLE, help=text)
     own = ("maps", "map_weights", "repeats", "turn")
     parser.take(*(MATERIAL[name] for name in own))
-    add_threads(parser)
     add("--json", action="store_true", help="print the scores and times as JSON")
-    add_quiet(parser)
-    add_huge(parser)
+    parser.share("--threads", "--quiet", "--allow-huge")
     args = parser.parse(argv)
     if args.output is None and not args.json:
         raise InvalidInputError("nothing to do; give -o compare.html, --json, or both")

@@ -7,7 +7,6 @@ from time import perf_counter
 from typing import TYPE_CHECKING
 
 from weftex.cli.files import read
-from weftex.cli.options import add_huge, add_quiet
 from weftex.cli.parser import Parser
 from weftex.cli.terminal import finish
 
@@ -38,8 +37,7 @@ def run(argv: list[str]) -> None:
     add("--invert", action="store_true", help="bright pixels lie deeper")
     text = "the photo is tileable, and the maps will be"
     add("--tileable-sample", action="store_true", help=text)
-    add_quiet(parser)
-    add_huge(parser)
+    parser.share("--quiet", "--allow-huge")
     args = parser.parse(argv)
 
     def work(bar: Bar, outputs: Outputs) -> str:

@@ -5,7 +5,6 @@ from __future__ import annotations
 from time import perf_counter
 from typing import TYPE_CHECKING
 
-from weftex.cli.options import add_huge, add_names, add_output, add_quiet
 from weftex.cli.parser import Parser
 from weftex.cli.terminal import finish
 from weftex.errors import InvalidInputError
@@ -34,12 +33,9 @@ def run(argv: list[str]) -> None:
     start = perf_counter()
     parser = Parser("prepare", _ABOUT, _EXAMPLES)
     parser.add_argument("sample", metavar="PHOTO", help="image, folder of maps, or sample:NAME")
-    add_names(parser)
-    add_output(parser)
+    parser.share("--output", "--names", "--mtlx", "--quiet", "--allow-huge")
     names = ("maps", *MENDING)
     parser.take(*(MATERIAL[name] for name in names))
-    add_quiet(parser)
-    add_huge(parser)
     args = parser.parse(argv)
     spec = material_of(args.sample, vars(args), names)
     if not spec.keys() & MENDING:

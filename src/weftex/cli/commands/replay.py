@@ -7,8 +7,8 @@ from dataclasses import replace
 from time import perf_counter
 from typing import TYPE_CHECKING
 
-from weftex.cli.options import add_blocks, add_huge, add_names, add_output, add_quiet
 from weftex.cli.parser import Parser
+from weftex.cli.shared import BLOCKS
 from weftex.cli.terminal import finish
 from weftex.roles import role_of
 
@@ -42,13 +42,9 @@ def run(argv: list[str]) -> None:
     )
     text += "such maps; for 'weftex fuse', one for each sample"
     add("maps", metavar="MAP", nargs="+", help=text)
-    add_output(parser)
     text = "same map, or folder of maps, of the photo, if it was filled from another sample"
     add("--background", metavar="PHOTO", help=text)
-    add_names(parser)
-    add_quiet(parser)
-    add_huge(parser)
-    add_blocks(parser)
+    parser.share("--output", "--names", "--mtlx", "--quiet", "--allow-huge", *BLOCKS)
     args = parser.parse(argv)
     from weftex.cli.files import make_room, read
     from weftex.cli.planes import definition_of_replay, is_source, refuse_options

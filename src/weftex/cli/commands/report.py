@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from weftex.cli.files import load
-from weftex.cli.options import add_huge
 from weftex.cli.parser import Parser
 from weftex.errors import InvalidInputError
 from weftex.recipe import MATERIAL
@@ -42,7 +41,7 @@ def run(argv: list[str]) -> None:
     parser.take(TILEABLE, help=text, dest="tileable")
     add("-o", "--output", metavar="OUT.html", help="page to write")
     add("--json", action="store_true", help="print the scores as JSON")
-    add_huge(parser)
+    parser.share("--allow-huge")
     args = parser.parse(argv)
     if args.output is None and not args.json:
         raise InvalidInputError("nothing to do; give -o report.html, --json, or both")

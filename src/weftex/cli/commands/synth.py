@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from weftex.cli.making import run_task
-from weftex.cli.options import add_blocks
 from weftex.cli.parser import Parser
+from weftex.cli.shared import BLOCKS
 
 _ABOUT = """\
 Synthesize an image of any size from a sample of a material.\
@@ -34,5 +34,5 @@ def run(argv: list[str]) -> None:
     parser.add_argument("materials", metavar="SAMPLE", nargs="+", help=text)
     text = "folder for images that show how the result is put together: sources, patches, seams"
     parser.under["output"].add_argument("--debug", metavar="DIR", help=text)
-    add_blocks(parser)
+    parser.share(*BLOCKS)
     run_task("synth", parser, argv, "chosen for the sample")
