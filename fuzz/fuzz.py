@@ -109,7 +109,7 @@ def studio(data: bytes, folder: Path) -> None:
     """A recipe that a page sends, and what a session has on disk."""
     from weftex.errors import InvalidInputError
     from weftex.studio.limits import Limits, Memory
-    from weftex.studio.recipes import Recipe
+    from weftex.recipe import Recipe
     from weftex.studio.sessions import Session, key_of
     from weftex.studio.store import Store
 
@@ -124,8 +124,8 @@ def studio(data: bytes, folder: Path) -> None:
     except (ValueError, RecursionError):  # which the server refuses before, as it does what is deep
         return
     try:
-        recipe = Recipe.of(given)
-        assert Recipe.of(recipe.as_json()).id == recipe.id and recipe.uploads is not None
+        recipe = Recipe.from_json(given)
+        assert Recipe.from_json(recipe.as_json()) == recipe and recipe.pictures is not None
     except InvalidInputError as error:
         check_line(error)
 
@@ -269,7 +269,7 @@ def fuzz(name: str, seconds: int) -> None:
     with atheris.instrument_imports(include=["weftex"], enable_loader_override=False):
         for one in ("weftex", "weftex.tasks.fuse", "weftex.planes.definition", "weftex.naming",
                     "weftex.io.manifest", "weftex.planes.record",
-                    "weftex.studio.recipes", "weftex.studio.sessions"):  # fmt: skip
+                    "weftex.recipe", "weftex.studio.sessions"):  # fmt: skip
             import_module(one)
     left = LEFT / name
     left.mkdir(parents=True, exist_ok=True)

@@ -10,7 +10,7 @@ import pytest
 
 from weftex.cli import main
 from weftex.io.pictures import read_image, write_image
-from weftex.studio.recipes import Recipe
+from weftex.recipe import Recipe
 
 BRICKS, WEAVE, WALL = {"sample": "bricks"}, {"sample": "weave"}, {"sample": "stone_wall"}
 
@@ -76,7 +76,7 @@ NAMES = ["auto", "method", "lattice", "mended", "straight", "set", "several", "b
 def test_page_command_and_python_make_the_same(page, photo, name):
     recipe = {"seed": 7, **recipes(photo)[name]}
     result = page.made(recipe)
-    assert Recipe.of(result["recipe"]).as_json() == result["recipe"]
+    assert Recipe.from_json(result["recipe"]).as_json() == result["recipe"]
     content, file = page.taken(result, name="mine")
     with open(file, "wb") as out:
         out.write(content)

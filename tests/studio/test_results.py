@@ -17,7 +17,7 @@ from weftex.parameters import parameter
 from weftex.roles import ROLES
 from weftex.studio.about import about
 from weftex.studio.pictures import shown, shown_smaller, smaller, times_smaller
-from weftex.studio.recipes import Recipe
+from weftex.recipe import Recipe
 from weftex.studio.requests import as_plain
 
 BRICKS, WALL = {"sample": "bricks"}, {"sample": "stone_wall"}
@@ -203,7 +203,7 @@ def test_a_batch(page, tmp_path):
     lines = zipfile.ZipFile(BytesIO(content)).read("manifest.jsonl").splitlines()
     told = [json.loads(line) for line in lines]
     assert sorted(file for one in told for file in one["files"]) == sorted(names[:-1])
-    assert Recipe.of(told[0]["recipe"]).as_json() == told[0]["recipe"]
+    assert Recipe.from_json(told[0]["recipe"]).as_json() == told[0]["recipe"]
     for wrong in ({"seeds": []}, {"seeds": [1, 1]}, {"keep": 9}, {"materials": []}):
         assert page.refused("batches", {**given, **wrong})["parameter"] == next(iter(wrong))
 

@@ -19,14 +19,14 @@ knows its help, default and range, and how its value is read, checked and writte
 methods are declared by the methods, and checked by them.
 
 Pictures have names: paths on the command line, ids of uploads in the studio. Whoever keeps them
-elsewhere than in files opens them: `recipe.make(open_material=..., open_picture=...)`, where
-`open_material` returns a `Loaded`, as `making.loaded(description, material, open_picture)` does.
+elsewhere than in files opens them: `recipe.make(open_picture=...)`, and, to keep materials too,
+`open_material`, which returns a `Loaded`, as `making.loaded(description, material, open_picture)`.
 To look at what was opened before it is made, its size for one, there is `opened`:
 
 >>> from weftex.recipe.making import opened
 >>> job = opened(recipe.changed(size=None))
 >>> job.shape, list(job.pictures)
-((512, 512), ['sample:bricks'])
+((512, 512), ['color'])
 
 Who works on this machine may also name paths and windows: `Recipe.from_json(..., local=True)`.
 """

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -9,8 +10,9 @@ from typing import TYPE_CHECKING, Any
 
 from weftex.canvas import as_canvas
 from weftex.exemplar import Exemplar
-from weftex.material import Material, read_material
+from weftex.material import Material, read_material, role_of_picture
 from weftex.recipe.fields import Fields, gradient
+from weftex.roles import COLOR, Role, role_of
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -23,6 +25,8 @@ if TYPE_CHECKING:
     from weftex.results.synthesis import Synthesis
 
     OpenPicture = Callable[[str], Picture]
+
+__all__ = ["Loaded", "Opened", "loaded", "material_of", "opened"]
 
 
 @dataclass(frozen=True)
@@ -47,6 +51,28 @@ class Loaded:
     def sample(self) -> Exemplar:
         """The exemplar with its mirrored and turned copies, if there are to be any."""
         return with_turns(self.exemplar, self.spec)
+
+
+def material_of(spec: Mapping[str, Any], open_picture: OpenPicture) -> Material:
+    """Read what a description says that a material is; a single picture is called by its role."""
+    if "path" in spec:
+        return read_material(spec["path"], spec.get("maps"))
+    if "sample" in spec:
+        found = read_material(f"sample:{spec['sample']}")
+        if found.folder:
+            return found
+        (picture,), (role,) = found.pictures.values(), found.roles.values()
+        return Material(spec["sample"], {role.name: picture}, {role.name: role})
+    pictures = {name: open_picture(picture) for name, picture in spec["maps"].items()}
+    if len(pictures) == 1:
+        ((name, picture),) = pictures.items()
+        role = role_of_picture(picture.path) if name == COLOR.name else role_of(name) or Role(name)
+        return Material(picture.path, {role.name: picture}, {role.name: role})
+    # In the order of a folder that has them.
+    order = sorted(pictures, key=lambda name: os.path.splitext(pictures[name].path)[0])
+    roles = {name: role_of(name) or Role(name) for name in order}
+    pictures = {name: pictures[name] for name in order}
+    return Material(spec.get("name") or "material", pictures, roles, folder=True)
 
 
 def loaded(spec: Mapping[str, Any], material: Material, open_picture: OpenPicture) -> Loaded:
@@ -117,11 +143,10 @@ def opened(
 
     look = open_picture or read_image
 
-    def from_files(spec: dict[str, Any]) -> Loaded:
-        place = f"sample:{spec['sample']}" if "sample" in spec else spec["path"]
-        return loaded(spec, read_material(place, spec.get("maps")), look)
+    def read(spec: dict[str, Any]) -> Loaded:
+        return loaded(spec, material_of(spec, look), look)
 
-    open_one = open_material or from_files
+    open_one = open_material or read
     return Opened(recipe, tuple(open_one(spec) for spec in recipe.materials), look)
 
 

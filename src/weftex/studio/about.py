@@ -11,11 +11,18 @@ from weftex.io.map_files import SCHEMES
 from weftex.io.pictures import sample_names
 from weftex.naming import kind_of
 from weftex.quality.figures import FIGURES
+from weftex.recipe import TASKS
 from weftex.results.drawing import DRAWINGS
 
 if TYPE_CHECKING:
     from weftex import Method
 
+#: The options of tasks that the page asks for in a form.
+_FORMS = {
+    "tile": ("border",),
+    "fill": ("overlap", "match_tone"),
+    "fuse": ("boundary", "belt_width"),
+}
 _KINDS = {int: "int", float: "float", str: "text"}
 
 
@@ -30,7 +37,7 @@ def about() -> dict[str, Any]:
             {"name": name, "title": one.title, "limit": one.limit, "meaning": one.meaning}
             for name, one in FIGURES.items()
         ],
-        "tasks": _TASKS,
+        "tasks": {k: [TASKS[k].options[n].as_json() for n in names] for k, names in _FORMS.items()},
     }
 
 
@@ -48,43 +55,6 @@ def _method(method: type[Method]) -> dict[str, Any]:
 def _parameter(field: dataclasses.Field[Any]) -> dict[str, Any]:
     found = {"name": field.name, "type": _KINDS[kind_of(field)], "default": field.default}
     return found | dict(field.metadata)
-
-
-def _number(name: str, help: str, low: int, default_text: str = "", default: Any = None) -> Any:
-    return _own(name, "int", help, default, low=low, unit="px", default_text=default_text)
-
-
-def _own(name: str, kind: str, help: str, default: Any, **more: Any) -> dict[str, Any]:
-    plain: dict[str, Any] = {
-        "low": None, "high": None, "unit": "", "choices": [], "default_text": "", "needs": None,
-        "needs_canvas": "", "idle_canvas": "", "count": 0, "parity": "",
-    }  # fmt: skip
-    return {"name": name, "type": kind, "default": default, "help": help, **plain, **more}
-
-
-#: What tasks take beside a method; the words are those of the command line.
-_TASKS = {
-    "synth": [
-        _own("best_of", "int", "make so many, with the seeds from this one on, and keep the best",
-             1, low=1, high=16),
-    ],
-    "tile": [
-        _number("border", "so many pixels at each side may change", 1,
-                "an eighth of the shorter side"),
-    ],
-    "fill": [
-        _number("overlap", "so many pixels around the holes may change, to hide the seam", 0,
-                default=0),
-        _own("match_tone", "bool", "shift tones inside the holes to those around", None,
-             default_text="where no method is named"),
-    ],
-    "fuse": [
-        _own("boundary", "text", "cut: where it shows least; merged: and belts there from merged "
-             "samples", "cut", choices=["cut", "merged"]),
-        _number("belt_width", "within how many pixels a boundary may wander", 2,
-                "by the samples' scales"),
-    ],
-}  # fmt: skip
 
 
 @cache

@@ -8,13 +8,14 @@ from typing import TYPE_CHECKING, Any
 import weftex
 from weftex.analysis.drawn import LatticeRating, draw
 from weftex.errors import InvalidInputError
+from weftex.studio.materials import id_of
 from weftex.studio.refusals import Refusal
 
 if TYPE_CHECKING:
     from weftex import Exemplar
     from weftex.analysis.lattice import Lattice, Rated
     from weftex.choice import Choice
-    from weftex.studio.materials import Loaded
+    from weftex.recipe.making import Loaded
     from weftex.studio.sessions import Session
 
 _LARGEST = 2**21  # pixels of a sample that is analyzed as a whole; a drag must be quick
@@ -28,7 +29,7 @@ def look(loaded: Loaded, session: Session) -> dict[str, Any]:
     def find() -> tuple[dict[str, Any], int]:
         return _look(loaded), 2**14
 
-    found: dict[str, Any] = session.find(find, "look", loaded.id)
+    found: dict[str, Any] = session.find(find, "look", id_of(loaded.spec))
     return found
 
 
@@ -88,7 +89,7 @@ def rate(loaded: Loaded, vectors: str, session: Session) -> dict[str, Any]:
     def see() -> tuple[LatticeRating, int]:
         return LatticeRating(exemplar), 64 * exemplar.shape[0] * exemplar.shape[1]
 
-    return vars(session.find(see, "rating", loaded.id).rate(vectors))
+    return vars(session.find(see, "rating", id_of(loaded.spec)).rate(vectors))
 
 
 def _own(exemplar: Exemplar, lattice: Lattice | None, rated: Rated | None) -> Any:

@@ -1,29 +1,25 @@
-"""From a recipe to a result, by the library's own tasks."""
+"""From a recipe to a result."""
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
+from functools import partial
+from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
-import weftex
-from weftex.canvas import as_canvas
-from weftex.errors import InvalidInputError
-from weftex.io.pictures import mask_of
-from weftex.results.scales import check_size
-from weftex.studio import materials
-from weftex.studio.materials import Loaded, map_of, size_of
-from weftex.studio.recipes import fields_of_gradient
+from weftex.recipe.making import opened
+from weftex.studio.materials import id_of, load, map_of, size_of
 from weftex.studio.refusals import Refusal
 from weftex.studio.uploads import picture_of
 
 if TYPE_CHECKING:
     from weftex import Exemplar, Synthesis
     from weftex.io.pictures import Picture
-    from weftex.material import Material
     from weftex.method import Model
     from weftex.progress import ProgressCallback
-    from weftex.studio.recipes import Recipe
+    from weftex.recipe import Recipe
+    from weftex.recipe.making import Opened
     from weftex.studio.sessions import Session
 
 
@@ -33,11 +29,21 @@ class Made:
 
     recipe: Recipe  # with its size
     result: Synthesis
-    main: str  # the name of the picture among its maps
+    name: str  # of the first material
+    folder: bool  # whether it is a set of maps
     # By the maps' names: what the files of the material are like, of which only the pixels differ.
     pictures: dict[str, Picture]
-    materials: tuple[Material, ...]
-    seconds: float = 0.0  # that it took
+    seconds: float
+
+    @property
+    def id(self) -> str:
+        """The name of a result: the same for the same recipe."""
+        return id_of(self.recipe.as_json())
+
+    @property
+    def main(self) -> str:
+        """The name of the picture itself among its maps."""
+        return next(iter(self.pictures))
 
     def map(self, name: str | None) -> Exemplar:
         """Return the sample's map of this name, the picture itself by default."""
@@ -49,144 +55,49 @@ class Made:
         return self.result.image if own is self.result.sample else self.result.render(own)
 
     @property
+    def output(self) -> str:
+        """What commands write: a folder for a set."""
+        floats = self.pictures[self.main].pixels.dtype.kind == "f"
+        return "out/" if self.folder else "out.exr" if floats else "out.png"
+
+    @property
     def bytes(self) -> int:
         """What it takes in memory."""
         arrays = sum(array.nbytes for array in self.result.arrays().values())
         return int(self.result.image.nbytes + arrays)
 
 
-def fitted(recipe: Recipe, session: Session) -> tuple[list[Loaded], Model]:
-    """Return a recipe's materials, and its method fitted to them."""
-    loaded = [materials.load(spec, session) for spec in recipe.materials]
+def open_job(recipe: Recipe, session: Session) -> Opened:
+    """Read what a recipe needs, and fill its size in; raise `Refusal` if that is too large."""
+    for upload in recipe.pictures:
+        session.upload(upload)
+    picture = partial(picture_of, session=session)
+    job = opened(recipe, partial(load, session=session), picture)
+    height, width = job.shape
+    if recipe.task == "synth":
+        job = replace(job, recipe=recipe.changed(size=[height, width]))
+    if math.prod(job.shape) > session.limits.output_pixels:
+        most = session.limits.output_pixels / 2**20
+        line = f"size is {width}x{height}; the studio makes at most {most:g} megapixels at"
+        raise Refusal(413, f"{line} once, weftex on the command line more", "size")
+    return job
+
+
+def fitted(job: Opened, session: Session, sample: Exemplar) -> Model:
+    """Return a recipe's method, fitted to its sample."""
+    method, names = job.recipe.method, [id_of(spec) for spec in job.recipe.materials]
 
     def fit() -> tuple[Model, int]:
-        exemplar = _sample(loaded)
-        return recipe.method.fit(exemplar), 8 * size_of(exemplar)
+        return method.fit(sample), 8 * size_of(sample)
 
-    model: Model = session.find(fit, "model", *(one.id for one in loaded), recipe.method)
-    return loaded, model
-
-
-def sized(recipe: Recipe, session: Session) -> Recipe:
-    """Return a recipe with the size of what it makes, or raise `Refusal`."""
-    options = recipe.options
-    if recipe.task in ("tile", "fill"):
-        size = materials.load(recipe.materials[0], session).exemplar.shape
-    elif options["size"] is not None:
-        size = options["size"]
-    elif recipe.task == "fuse" and isinstance(options["map"], str):
-        size = picture_of(options["map"], session).pixels.shape[:2]
-    elif recipe.task == "fuse":
-        raise InvalidInputError("size is missing; a gradient needs one")
-    elif options["guide"] is not None:
-        size = picture_of(options["guide"], session).pixels.shape[:2]
-    else:
-        sample = materials.load(recipe.materials[0], session).exemplar
-        size = sample.shape[0] * 2, sample.shape[1] * 2
-    if math.prod(size) > session.limits.output_pixels:
-        most = session.limits.output_pixels / 2**20
-        line = f"size is {size[1]}x{size[0]}; the studio makes at most {most:g} megapixels at"
-        raise Refusal(413, f"{line} once, weftex on the command line more", "size")
-    if "size" in options and options["size"] is None:
-        return recipe.changed(size=list(size))
-    return recipe
+    model: Model = session.find(fit, "model", *names, method)
+    return model
 
 
-def make(recipe: Recipe, session: Session, progress: ProgressCallback) -> Made:
+def make(job: Opened, session: Session, progress: ProgressCallback) -> Made:
     """Make what a recipe says."""
-    how: dict[str, Any] = {"seed": recipe.seed, "progress": progress}
-    task = {"synth": _synth, "tile": _tile, "fill": _fill, "fuse": _fuse}
-    return task[recipe.task](recipe, session, how)
-
-
-def _synth(recipe: Recipe, session: Session, how: dict[str, Any]) -> Made:
-    options = recipe.options
-    canvas = as_canvas(options["size"], options["tileable"])
-    guide, own, several = (options[k] for k in ("guide", "sample_guide", "best_of"))
-    if guide is None:
-        recipe.method.require(canvas)
-    if guide is None and own is None and several == 1:
-        loaded, model = fitted(recipe, session)
-        check_size(model.exemplar, canvas.shape)
-        return _made(recipe, model.sample(canvas, **how), loaded)
-    loaded = [materials.load(spec, session) for spec in recipe.materials]
-    sample = _sample(loaded)
-    check_size(sample, canvas.shape)
-    guides: dict[str, Any] = {
-        "guide": None if guide is None else _exemplar(picture_of(guide, session)),
-        "sample_guide": None if own is None else _exemplar(picture_of(own, session)),
-    }
-    made = weftex.synthesize(sample, canvas, method=recipe.method, best_of=several, **guides, **how)
-    return _made(recipe, made, loaded)
-
-
-def _tile(recipe: Recipe, session: Session, how: dict[str, Any]) -> Made:
-    loaded = materials.load(recipe.materials[0], session)
-    made = weftex.tile(loaded.sample, **recipe.options, **_method(recipe), **how)
-    return _made(recipe, made, [loaded])
-
-
-def _fill(recipe: Recipe, session: Session, how: dict[str, Any]) -> Made:
-    loaded = [materials.load(spec, session) for spec in recipe.materials]
-    photo, options = loaded[0].exemplar, dict(recipe.options)
-    mask = options.pop("mask")
-    hole: Any = None if mask == "alpha" else picture_of(mask, session)
-    if hole is not None:
-        hole = mask_of(hole.pixels, alpha=hole.alpha)
-    sample = loaded[1].sample if len(loaded) > 1 else None
-    made = weftex.fill(photo, hole, sample=sample, **options, **_method(recipe), **how)
-    return _made(recipe, made, loaded[:1])
-
-
-def _fuse(recipe: Recipe, session: Session, how: dict[str, Any]) -> Made:
-    options = dict(recipe.options)
-    given, colors = options.pop("map"), options.pop("colors")
-    label_map: Any
-    if given is None:
-        raise InvalidInputError("map is missing; paint one, or take a gradient")
-    if isinstance(given, str):
-        label_map = picture_of(given, session).pixels
-    else:
-        label_map = weftex.Gradient(**fields_of_gradient(given))
-    if colors is not None:
-        options["colors"] = [tuple(one) if isinstance(one, list) else one for one in colors]
-    loaded = [materials.load(spec, session) for spec in recipe.materials]
-    samples = [one.sample for one in loaded]
-    made = weftex.fuse(samples, label_map, method=recipe.method, **options, **how)
-    return _made(recipe, made, loaded)
-
-
-def _method(recipe: Recipe) -> dict[str, Any]:
-    """The method by its name, so that tasks see which parameters were chosen."""
-    asked = recipe.as_json()
-    return {"method": asked["method"], **asked["parameters"]}
-
-
-def _sample(loaded: list[Loaded]) -> Exemplar:
-    """One sample of all materials, as the command line makes it of several photos."""
-    if len(loaded) == 1:
-        return loaded[0].sample
-    for one in loaded:
-        for name in ("mask", "map_weights", "repeats", "turn"):
-            if name in one.spec:
-                raise InvalidInputError(f"{name} needs one material, not several")
-    return weftex.together([one.exemplar for one in loaded])
-
-
-def _exemplar(picture: Picture) -> Exemplar:
-    from weftex.material import Material
-    from weftex.roles import COLOR
-
-    return Material(picture.path, {"color": picture}, {"color": COLOR}).exemplar()
-
-
-def _made(recipe: Recipe, result: Synthesis, loaded: list[Loaded]) -> Made:
-    """A result with what its pictures are stored like: the first material that has each."""
+    start = perf_counter()
+    result = job.make(fit=partial(fitted, job, session), progress=progress)
     result.image  # rendering is part of the work  # noqa: B018
-    own = [one.material for one in loaded]
-    main, sample = own[0].main, result.sample
-    pictures = {}
-    for name, one in {main: sample, **{k: sample.map(k) for k in sample.maps}}.items():
-        like = next(m.pictures[name] for m in own if name in m.pictures)
-        pictures[name] = replace(like, pixels=one.pixels)
-    return Made(recipe, result, main, pictures, tuple(own))
+    seconds, folder = perf_counter() - start, any(one.folder for one in job.materials)
+    return Made(job.recipe, result, job.materials[0].name, folder, job.pictures, seconds)

@@ -5,10 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from weftex.studio.making import fitted
+from weftex.recipe import Recipe
+from weftex.studio.making import fitted, open_job
 from weftex.studio.materials import id_of, map_of, maps_of
 from weftex.studio.pictures import shown, whole_number
-from weftex.studio.recipes import Recipe
 from weftex.studio.refusals import Refusal
 
 if TYPE_CHECKING:
@@ -35,12 +35,12 @@ class Plane:
 
 def begin(given: Any, session: Session) -> dict[str, Any]:
     """Fit the method of a recipe to its material; what the page is told of the plane."""
-    recipe = Recipe.of(given)
-    name = id_of({"plane": recipe.changed(size=None, tileable=False).as_json()})
+    recipe = Recipe.from_json(given)
+    job = open_job(recipe.changed(size=None, tileable=False), session)
+    name = id_of({"plane": job.recipe.as_json()})
 
     def fit() -> tuple[Plane, int]:
-        loaded, model = fitted(recipe, session)
-        return Plane(model, loaded[0].material.main, recipe.seed), 2**20
+        return Plane(fitted(job, session, job.sample), next(iter(job.pictures)), recipe.seed), 2**20
 
     plane: Plane = session.find(fit, "plane", name)
     return {"id": name, "maps": maps_of(plane.model.exemplar, plane.main)}

@@ -6,15 +6,11 @@ import errno
 import re
 
 from weftex.errors import WeftexError
+from weftex.recipe import FIELDS
 
 #: Fields of requests beside recipes, and of `auto`.
 _OWN = {"height", "width", "effort", "recipe", "count", "methods", "lane", "leave", "seeds", "keep"}
 _OWN |= {"format", "names"}
-_OWN |= {"sample", "name", "maps", "mask", "straighten", "even_light", "turn", "repeats"}
-_OWN |= {"map_weights", "task", "materials", "seed", "method", "parameters", "size", "tileable"}
-_OWN |= {"guide", "sample_guide", "best_of", "axes", "border", "overlap", "match_tone", "map"}
-_OWN |= {"colors", "boundary", "belt_width", "missing"}
-_OWN |= {"direction", "center", "radii", "circles"}
 #: What the library calls what a recipe calls otherwise.
 _ALIASES = {"degree": "even_light"}
 
@@ -65,4 +61,4 @@ def _names() -> frozenset[str]:
     from weftex.methods import METHODS
 
     own = {field.name for slug in METHODS for field in fields(METHODS[slug])}
-    return frozenset(own | _OWN)
+    return FIELDS | own | _OWN

@@ -14,7 +14,6 @@ from weftex.results.drawing import DRAWINGS
 from weftex.studio.materials import maps_of
 from weftex.studio.pictures import shown
 from weftex.studio.refusals import Refusal
-from weftex.studio.words import command_of, python_of
 
 if TYPE_CHECKING:
     from weftex import Assessment, Exemplar
@@ -36,9 +35,9 @@ def result_of(name: str, session: Session) -> Made:
 def described(made: Made, session: Session) -> dict[str, Any]:
     """Return what the page is told of a result."""
     result, used = made.result, made.result.provenance
-    names = {id_: session.upload(id_)["name"] for id_ in made.recipe.uploads}
+    names = {id_: session.upload(id_)["name"] for id_ in made.recipe.pictures}
     return {
-        "id": made.recipe.id,
+        "id": made.id,
         "recipe": made.recipe.as_json(),
         "width": result.shape[1],
         "height": result.shape[0],
@@ -49,8 +48,8 @@ def described(made: Made, session: Session) -> dict[str, Any]:
         "reason": used.get("reason"),
         "warnings": list(used.get("warnings", ())),
         "formats": {name: formats_of(picture) for name, picture in made.pictures.items()},
-        "command": command_of(made, names),
-        "python": python_of(made, names),
+        "command": made.recipe.command(made.output, names),
+        "python": made.recipe.python(made.output, names),
     }
 
 
@@ -79,7 +78,7 @@ def picture_of(made: Made, map_name: str | None, drawing: str | None, session: S
             found = shown(like, made.pixels(map_name))
         return found, found.nbytes
 
-    picture: Bytes = session.find(draw, "picture", made.recipe.id, map_name, drawing)
+    picture: Bytes = session.find(draw, "picture", made.id, map_name, drawing)
     return picture
 
 
@@ -89,7 +88,7 @@ def assessed(made: Made, session: Session) -> Assessment:
     def measure() -> tuple[Assessment, int]:
         return weftex.assess(made.result.sample, made.result), 4096
 
-    found: Assessment = session.find(measure, "figures", made.recipe.id)
+    found: Assessment = session.find(measure, "figures", made.id)
     return found
 
 
@@ -111,7 +110,7 @@ def seams_of(made: Made, session: Session) -> Bytes:
             raise Refusal(422, "the result is too small for a map of its seams")
         return found, found.nbytes
 
-    found: Bytes = session.find(look, "seams", made.recipe.id)
+    found: Bytes = session.find(look, "seams", made.id)
     return found
 
 

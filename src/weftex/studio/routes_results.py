@@ -9,11 +9,11 @@ from typing import TYPE_CHECKING, Any
 from starlette.responses import FileResponse
 
 from weftex.errors import InvalidInputError, shown
+from weftex.recipe import Recipe
 from weftex.studio import exports, results
 from weftex.studio.jobs import ENDED, Job
-from weftex.studio.making import sized
+from weftex.studio.making import open_job
 from weftex.studio.pictures import smaller, source_of, times_smaller, whole_number
-from weftex.studio.recipes import Recipe
 from weftex.studio.refusals import Refusal
 from weftex.studio.requests import route
 from weftex.studio.work import Batch, compared, plain, several
@@ -38,12 +38,9 @@ async def add_job(call: Call) -> Any:
     """Queue a job; its end, if that comes within so many milliseconds."""
     given = await call.object("recipe", "count", "methods", "lane", "leave")
     within = whole_number(call.query, "within", 0, 0, 1000)
-    session, recipe = call.session, Recipe.of(given.get("recipe"))
+    recipe = Recipe.from_json(given.get("recipe"))
     recipes = several(recipe, given.get("count"), given.get("methods"))
-    for upload in recipe.uploads:
-        session.upload(upload)
-    first = recipes[0] if given.get("methods") is None else recipe
-    await call.work(sized, first, session)  # what is too large never waits
+    await call.work(open_job, recipe, call.session)  # what is too large never waits
     work = plain(recipes) if given.get("methods") is None else compared(recipes)
     job = _queued(call, work, given, recipe)
     return await _told(call, job, within / 1000, lambda: job.state in ENDED)
@@ -54,9 +51,9 @@ async def add_batch(call: Call) -> Any:
     """Queue a batch."""
     fields = ("recipe", "materials", "seeds", "keep", "format", "names", "mtlx", "leave")
     given = await call.object(*fields)
-    batch = Batch.of(Recipe.of(given.get("recipe")), given)
+    batch = Batch.of(Recipe.from_json(given.get("recipe")), given)
     for recipes in batch.recipes:
-        for upload in recipes[0].uploads:
+        for upload in recipes[0].pictures:
             call.session.upload(upload)
     job = _queued(call, batch.work(call.studio.downloads), given, None)
     return job.as_json(call.studio.jobs.ahead(job))
@@ -167,7 +164,7 @@ async def export(call: Call) -> Any:
     """Write files of a result, ready to be downloaded."""
     given = await call.object(*exports.FIELDS)
     made = _made(call)
-    wanted = exports.Wanted.of(given, made.materials[0].name.removeprefix("sample:"))
+    wanted = exports.Wanted.of(given, made.name)
     return await call.work(exports.export, made, wanted, call.studio.downloads, call.session.key)
 
 
@@ -183,9 +180,9 @@ async def keep(call: Call) -> Any:
     """Write the recipe of a result to the disk."""
     given = await call.object("title")
     made = _made(call)
-    title = str(given.get("title") or made.materials[0].name)[:_LONGEST_TEXT]
+    title = str(given.get("title") or made.name)[:_LONGEST_TEXT]
     entry = {
-        "result": made.recipe.id,
+        "result": made.id,
         "title": title,
         "recipe": made.recipe.as_json(),
         "time": round(time.time()),

@@ -11,7 +11,7 @@ from weftex.errors import InvalidInputError, shown
 from weftex.io.pictures import sample_names
 from weftex.studio import looks, materials, planes
 from weftex.studio.about import about
-from weftex.studio.materials import map_of
+from weftex.studio.materials import id_of, map_of
 from weftex.studio.pictures import shown_smaller, smaller, times_smaller
 from weftex.studio.refusals import Refusal, answer_of
 from weftex.studio.requests import route
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from starlette.responses import Response
 
     from weftex import Exemplar
-    from weftex.studio.materials import Loaded
+    from weftex.recipe.making import Loaded
     from weftex.studio.requests import Call
 
 
@@ -120,7 +120,7 @@ async def material(call: Call) -> Any:
     """Read a material, and say what it is."""
     spec, session = await call.json(), call.session
     loaded = await call.work(materials.load, spec, session)
-    session.remember(loaded.spec, 2**10, "spec", loaded.id)
+    session.remember(loaded.spec, 2**10, "spec", id_of(loaded.spec))
     return materials.described(loaded)
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import os
 import zipfile
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
@@ -13,8 +13,8 @@ import weftex
 from weftex.errors import CancelledError, InvalidInputError, WeftexError, shown
 from weftex.studio import results
 from weftex.studio.exports import DATE, Wanted, pack, write
-from weftex.studio.making import make, sized
-from weftex.studio.materials import load
+from weftex.studio.making import make, open_job
+from weftex.studio.materials import id_of
 from weftex.studio.refusals import answer_of
 from weftex.studio.uploads import label_of
 
@@ -22,10 +22,10 @@ if TYPE_CHECKING:
     from collections.abc import Callable
     from pathlib import Path
 
+    from weftex.recipe import Recipe
     from weftex.studio.downloads import Downloads
     from weftex.studio.jobs import Job
     from weftex.studio.making import Made
-    from weftex.studio.recipes import Recipe
 
 MOST_SEEDS = 16
 _MOST_IN_BATCH = 1000
@@ -64,16 +64,16 @@ def compared(recipes: list[Recipe]) -> Callable[[Job], None]:
 
 def made_of(recipe: Recipe, job: Job) -> Made:
     """Make a recipe, or remember it; progress goes to the job."""
-    session, recipe = job.session, sized(recipe, job.session)
-    job.to_show = results.preview_of(load(recipe.materials[0], session).exemplar)
+    session = job.session
+    ready = open_job(recipe, session)
+    job.to_show = results.preview_of(ready.loaded[0].exemplar)
 
     def make_it() -> tuple[Made, int]:
-        start = perf_counter()
-        made = make(recipe, session, job)
-        return replace(made, seconds=perf_counter() - start), 2 * made.bytes
+        made = make(ready, session, job)
+        return made, 2 * made.bytes
 
-    made: Made = session.find(make_it, "result", recipe.id)
-    return made
+    found: Made = session.find(make_it, "result", id_of(ready.recipe.as_json()))
+    return found
 
 
 def several(recipe: Recipe, count: Any, methods: Any) -> list[Recipe]:
@@ -142,7 +142,7 @@ class Batch:
         for number, recipes in enumerate(self.recipes, 1):
             best: list[tuple[float, Made]] = []
             for recipe in recipes:
-                made = make(sized(recipe, job.session), job.session, within)
+                made = make(open_job(recipe, job.session), job.session, within)
                 done += 1
                 job(done, total, "outputs", lambda: None)
                 job.check()
@@ -159,7 +159,7 @@ class Batch:
         """Put the files of one output into the zip; its line of the manifest."""
         own = folder / "one"
         own.mkdir()
-        stem = os.path.splitext(label_of(made.materials[0].name))[0]
+        stem = os.path.splitext(label_of(made.name))[0]
         inner = f"{number:03}_{stem}/" if len(self.recipes) > 1 else ""
         names = []
         for file in write(made, self.wanted.named(f"{stem}_{made.recipe.seed}"), own):
