@@ -108,8 +108,8 @@ def manifest(data: bytes, folder: Path) -> None:
 def studio(data: bytes, folder: Path) -> None:
     """A recipe that a page sends, and what a session has on disk."""
     from weftex.errors import InvalidInputError
-    from weftex.studio.limits import Limits, Memory
     from weftex.recipe import Recipe
+    from weftex.studio.limits import Limits, Memory
     from weftex.studio.sessions import Session, key_of
     from weftex.studio.store import Store
 

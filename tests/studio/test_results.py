@@ -14,10 +14,10 @@ import weftex
 from weftex.io.pictures import read_image, write_image
 from weftex.io.png import SIGNATURE
 from weftex.parameters import parameter
+from weftex.recipe import Recipe
 from weftex.roles import ROLES
 from weftex.studio.about import about
 from weftex.studio.pictures import shown, shown_smaller, smaller, times_smaller
-from weftex.recipe import Recipe
 from weftex.studio.requests import as_plain
 
 BRICKS, WALL = {"sample": "bricks"}, {"sample": "stone_wall"}
