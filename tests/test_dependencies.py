@@ -14,6 +14,8 @@ from pathlib import Path
 
 import pytest
 
+import weftex
+
 ROOT = Path(__file__).parent.parent / "src" / "weftex"
 
 #: Rooms from the top down; a module imports from its own room and from those below.
@@ -46,8 +48,9 @@ LEVELS = [
     ["dispatch"],
 ]
 LEVEL = {room: level for level, rooms in enumerate(reversed(LEVELS)) for room in rooms}
-#: Rooms that use the library by its public names.
+#: Rooms that use the library by its public names, and those of them that use nothing else.
 GUESTS = ("studio", "planes", "pages")
+PUBLIC_ONLY = ("planes", "pages")
 MOST_METHOD_ROOMS = 14
 #: Strings that read like modules: the group of entry points by which packages add methods.
 NO_MODULES = {("registry", "weftex.methods")}
@@ -188,6 +191,29 @@ def test_arrows_point_down():
     )
 
 
+def faces():
+    """{module: its public names}, of each module that states them in a list."""
+    found = {"": {*weftex.__all__, "__version__"}}
+    for module, path in FILES.items():
+        stated = re.search(r"^__all__ = (\[.*?\])$", (ROOT / path).read_text("utf-8"), re.M | re.S)
+        if stated:
+            found[module] = set(ast.literal_eval(stated[1]))
+    return found
+
+
+def test_planes_and_pages_are_guests():
+    """What a user could write: they import only names that a module states as public."""
+    public, offences = faces(), []
+    for module, path in FILES.items():
+        for node in ast.walk(ast.parse((ROOT / path).read_text("utf-8"))):
+            if room(module) in PUBLIC_ONLY and isinstance(node, ast.ImportFrom):
+                other = module_of(node.module)
+                if other is not None and room(other) != room(module):
+                    names = {name.name for name in node.names} - public.get(other, set())
+                    offences += [f"{module} -> {node.module}.{name}" for name in sorted(names)]
+    none_of(offences)
+
+
 def test_references_stand_alone():
     """They are read without the package: arrays, errors and random numbers."""
     none_of(
@@ -310,8 +336,6 @@ def test_a_command_with_a_method_neither_chooses_nor_measures(tmp_path):
 
 
 def test_public_names_are_all_there():
-    import weftex
-
     assert set(weftex.__all__) == set(weftex._HOME)
     assert len(dir(weftex)) == len(set(dir(weftex)))
     for name in weftex.__all__:

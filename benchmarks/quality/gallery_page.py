@@ -14,7 +14,8 @@ import numpy as np
 from PIL import Image
 
 import weftex
-from weftex.pages.html import as_shown, document
+from weftex.pages.html import document
+from weftex.quality.faults import as_shown
 from weftex.quality.figures import FIGURES
 from weftex.tasks.method_names import AUTO, method_class
 

@@ -16,6 +16,8 @@ from weftex.exemplar import Exemplar, as_mask, check_guide, check_pixels
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+__all__ = ["Canvas", "as_canvas"]
+
 #: The most pixels that a canvas may have; more is taken for a mistake.
 MAX_PIXELS = 2**30
 #: How far from its own origin a window of an endless plane may begin, in pixels.

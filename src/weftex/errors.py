@@ -8,6 +8,16 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
+__all__ = [
+    "CancelledError",
+    "FileError",
+    "InvalidInputError",
+    "UnsupportedError",
+    "WeftexError",
+    "did_you_mean",
+    "shown",
+]
+
 _LONGEST = 80  # characters of a value in a message
 
 

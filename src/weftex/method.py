@@ -31,6 +31,8 @@ if TYPE_CHECKING:
     from weftex.progress import ProgressCallback
     from weftex.results.synthesis import Synthesis
 
+__all__ = ["Method", "Model"]
+
 #: Canvas kinds that a method may declare in `supports`, in words for messages.
 CANVAS_KINDS = {
     "wrap": "tileable output",

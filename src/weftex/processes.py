@@ -14,6 +14,8 @@ from typing import Any
 
 from weftex.errors import WeftexError
 
+__all__ = ["LostError", "Workers"]
+
 _CHILD = "from weftex.processes import serve; serve()"
 
 

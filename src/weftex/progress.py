@@ -9,6 +9,8 @@ from typing import Any, Literal
 
 from weftex.errors import CancelledError, InvalidInputError, shown
 
+__all__ = ["Bar", "Progress", "ProgressCallback"]
+
 #: Called as ``callback(done, total, stage, preview)``; ``preview()`` renders the picture so far.
 #: Returning False cancels, anything else goes on. True stands for a `Bar`.
 ProgressCallback = Callable[[int, int, str, Callable[[], Any]], object] | Literal[True]

@@ -21,6 +21,8 @@ if TYPE_CHECKING:
 
     Seed = int | np.random.Generator | None
 
+__all__ = ["draw", "seed_number"]
+
 _GAMMA = np.uint64(0x9E3779B97F4A7C15)
 _MIX1 = np.uint64(0xBF58476D1CE4E5B9)
 _MIX2 = np.uint64(0x94D049BB133111EB)

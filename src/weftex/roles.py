@@ -16,6 +16,8 @@ from typing import Any
 
 from weftex.errors import InvalidInputError, did_you_mean, shown
 
+__all__ = ["ROLES", "Role"]
+
 #: What the values of a map are, which decides how they are blended: light, vectors, a surface,
 #: names without an order, or plain numbers.
 KINDS = ("color", "normal", "height", "labels", "data")

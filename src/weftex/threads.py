@@ -11,6 +11,8 @@ from typing import Any
 
 from weftex.errors import InvalidInputError, shown
 
+__all__ = ["in_turn", "thread_count"]
+
 
 def thread_count(threads: int | None) -> int:
     """The number of threads: `threads`, which must be 1 or more, or one per usable processor."""

@@ -59,6 +59,8 @@ if TYPE_CHECKING:
 
     StrPath = str | os.PathLike[str]
 
+__all__ = ["atomic", "check_output", "read_image", "write_image", "write_text"]
+
 MAX_PIXELS = 2**28
 """The default limit on the width times height of a picture that is read."""
 

@@ -18,6 +18,8 @@ from weftex.threads import in_turn
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+__all__ = ["png_bytes"]
+
 SIGNATURE = b"\x89PNG\r\n\x1a\n"
 _BAND = 2**20  # bytes, about, of the rows that are compressed together
 # One filter, the average, at level 1 takes less than half the time of Paeth's at 3, a third of a

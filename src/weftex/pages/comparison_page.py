@@ -6,14 +6,14 @@ from dataclasses import dataclass
 from html import escape
 from typing import TYPE_CHECKING, Any
 
-from weftex.pages.html import Page, as_shown, document, number, parameters, show
-from weftex.quality.figures import FIGURES, SCORE
+from weftex.pages.html import Page, document, number, parameters, pictures, show, small, table
+from weftex.quality import FIGURES, SCORE, as_shown
 
 if TYPE_CHECKING:
+    from weftex import Assessment, Exemplar, Synthesis
     from weftex.choice import Choice
-    from weftex.exemplar import Exemplar
-    from weftex.quality.assess import Assessment
-    from weftex.results.synthesis import Synthesis
+
+_COLORS = "false colors by place in the sample: more red to the right, more green downwards"
 
 
 @dataclass(frozen=True, eq=False)
@@ -98,68 +98,52 @@ class Comparison(Page):
 
     def html(self) -> str:
         """Return the whole page as one file."""
-        return _page(self)
+        name, (height, width) = self.exemplar.name, self.shape
+        limited = {name: figure for name, figure in FIGURES.items() if figure.limit is not None}
+        head = ("Method", "Score", "Seconds", *(figure.title for figure in limited.values()))
+        limits = "; ".join(f"{figure.title} {figure.within()}" for figure in limited.values())
+        parts = [
+            f'<p class="verdict">Auto: {escape(self.choice.reason)}</p>',
+            *map(small, self.choice.warnings),
+            f"<p>All made {width}x{height} pixels from this sample, with seed {self.seed}.</p>",
+            show(as_shown(self.exemplar, self.exemplar.pixels), "Sample", name),
+            "<h2>Figures</h2>",
+            table((self._row(entry, [*limited]) for entry in self.entries), head),
+            small(
+                f"Score: {SCORE} Figures beyond their limits are in color. Limits: {limits}. A "
+                "dash: cannot be measured."
+            ),
+        ]
+        for entry in self.entries:
+            parts += self._section(entry)
+        return document(f"{len(self.entries)} methods on {name}", parts)
 
-
-def _page(found: Comparison) -> str:
-    """Return the whole page."""
-    name, (height, width) = found.exemplar.name, found.shape
-    title = f"{len(found.entries)} methods on {name}"
-    parts = [
-        f"<h1>{escape(title)}</h1>",
-        f'<p class="verdict">Auto: {escape(found.choice.reason)}</p>',
-        *(f'<p class="small">{escape(warning)}</p>' for warning in found.choice.warnings),
-        f"<p>All made {width}x{height} pixels from this sample, with seed {found.seed}.</p>",
-        show(as_shown(found.exemplar, found.exemplar.pixels), "Sample", name),
-        "<h2>Figures</h2>",
-        _table(found),
-    ]
-    for entry in found.entries:
-        parts += _section(found, entry)
-    return document(title, parts)
-
-
-def _table(found: Comparison) -> str:
-    """Return a row for each method, with the figures beyond their limits marked."""
-    limited = {name: figure for name, figure in FIGURES.items() if figure.limit is not None}
-    head = ("Method", "Score", "Seconds", *(figure.title for figure in limited.values()))
-    rows = ["".join(f'<th scope="col">{escape(text)}</th>' for text in head)]
-    for entry in found.entries:
+    def _row(self, entry: Entry, names: list[str]) -> str:
+        """A method and its figures, those beyond their limits marked."""
         link = f'<a href="#{entry.method}">{entry.method}</a>'
-        link += " (auto)" if entry.method == found.choice.method else ""
-        row = f'<th scope="row">{link}</th>'
-        if entry.assessment is None:
-            rows.append(f'{row}<td colspan="{len(head) - 1}">{escape(entry.note)}</td>')
-            continue
-        score, flags = entry.assessment.score, entry.assessment.flags
-        cells = [("", "–" if score is None else f"{score:.2f}"), ("", f"{entry.seconds:.2f}")]
-        for name, figure in limited.items():
-            value = getattr(entry.assessment, name)
-            cells.append(("over" if name in flags else "", number(value, figure)))
-        rows.append(row + "".join(f'<td class="number {kind}">{text}</td>' for kind, text in cells))
-    limits = "; ".join(f"{figure.title} {figure.within()}" for figure in limited.values())
-    body = "\n".join(f"<tr>{row}</tr>" for row in rows)
-    return (
-        f'<div class="table"><table>\n{body}\n</table></div>\n<p class="small">Score: '
-        f"{SCORE} Figures beyond their limits are in color. Limits: {escape(limits)}. A dash: "
-        "cannot be measured.</p>"
-    )
+        link += " (auto)" if entry.method == self.choice.method else ""
+        row, found = f'<th scope="row">{link}</th>', entry.assessment
+        if found is None:
+            return f'{row}<td colspan="{2 + len(names)}">{escape(entry.note)}</td>'
+        cells = [("", number(found.score)), ("", number(entry.seconds))]
+        for name in names:
+            over = "over" if name in found.flags else ""
+            cells.append((over, number(getattr(found, name), FIGURES[name])))
+        return row + "".join(f'<td class="number {kind}">{text}</td>' for kind, text in cells)
 
-
-def _section(found: Comparison, entry: Entry) -> list[str]:
-    head = f'<h2 id="{entry.method}">{entry.method}</h2>'
-    if entry.result is None or entry.assessment is None:
-        return [head, f"<p>It cannot make this: {escape(entry.note)}.</p>"]
-    told = f"{entry.assessment.verdict()} {entry.seconds:.2f} s."
-    colors = "false colors by place in the sample: more red to the right, more green downwards"
-    return [
-        head,
-        f"<p>{escape(told)}</p>",
-        '<div class="pictures">',
-        show(as_shown(found.exemplar, entry.result.image), entry.method, "the result"),
-        show(entry.result.draw(), "Source", colors),
-        "</div>",
-        "<details><summary>Parameters</summary>",
-        parameters(entry.result.provenance),
-        "</details>",
-    ]
+    def _section(self, entry: Entry) -> list[str]:
+        """The result of a method, and its parameters."""
+        head = f'<h2 id="{entry.method}">{entry.method}</h2>'
+        if entry.result is None or entry.assessment is None:
+            return [head, f"<p>It cannot make this: {escape(entry.note)}.</p>"]
+        image = as_shown(self.exemplar, entry.result.image)
+        return [
+            head,
+            f"<p>{escape(entry.assessment.verdict())} {entry.seconds:.2f} s.</p>",
+            pictures(
+                [(image, entry.method, "the result"), (entry.result.draw(), "Source", _COLORS)]
+            ),
+            "<details><summary>Parameters</summary>",
+            parameters(entry.result.provenance),
+            "</details>",
+        ]

@@ -6,33 +6,30 @@ from dataclasses import replace
 from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
+from weftex import METHODS, Auto, InvalidInputError, UnsupportedError, assess, load_exemplar
 from weftex.canvas import as_canvas
-from weftex.errors import InvalidInputError, UnsupportedError, shown
-from weftex.loading import load_exemplar
-from weftex.methods import METHODS
+from weftex.errors import shown
 from weftex.pages.comparison_page import Comparison, Entry
 from weftex.progress import Progress
-from weftex.quality.assess import assess
 from weftex.random import seed_number
-from weftex.tasks.auto import Auto, AutoModel
-from weftex.tasks.method_names import AUTO, make_method, method_class
+from weftex.tasks.method_names import AUTO, make_method
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from weftex.loading import Sample
+    import numpy as np
+
     from weftex.progress import ProgressCallback
-    from weftex.random import Seed
 
 _USUAL = 512  # pixels a side of the output, at most, where no size is given
 
 
 def compare(
-    sample: Sample,
+    sample: Any,
     size: int | tuple[int, int] | None = None,
     *,
     methods: Sequence[str] | None = None,
-    seed: Seed = None,
+    seed: int | np.random.Generator | None = None,
     tileable: bool | str = False,
     threads: int | None = None,
     progress: ProgressCallback | None = None,
@@ -73,9 +70,8 @@ def compare(
     if methods is not None and not isinstance(methods, (list, tuple)):
         raise InvalidInputError(f"methods is {shown(methods)}; it must be a list of names")
     names = list(METHODS) if methods is None else list(methods)
-    for name in names:
-        method_class(name)  # raises for an unknown one
-    if not names or len(set(names)) < len(names):
+    made = {name: make_method(name, {}) for name in names}  # raises for an unknown one
+    if not names or len(made) < len(names):
         raise InvalidInputError(f"methods is {', '.join(names)!r}; name each once, at least one")
     exemplar = load_exemplar(sample)
     if size is None:
@@ -84,10 +80,9 @@ def compare(
     done: list[Entry] = []
     count = Progress(progress, len(names), "methods", lambda: done and _last(done))
     options: dict[str, Any] = {"seed": number, "threads": threads, "progress": count.within()}
-    for name in names:
+    for name, method in made.items():
         start = perf_counter()
         try:
-            method = make_method(name, {})
             method.require(canvas)
             result = method.fit(exemplar).sample(canvas, **options)
             result.image  # rendering is part of the work  # noqa: B018
@@ -97,7 +92,7 @@ def compare(
             took = perf_counter() - start
             done.append(Entry(name, result, took, assess(exemplar, result), ""))
         count.advance(1)
-    choice = AutoModel(Auto(), exemplar).choose(canvas)
+    choice = Auto().fit(exemplar).choose(canvas)
     for entry in done:
         if entry.method == AUTO and entry.result is not None:  # which may have tried more than one
             used = entry.result.provenance

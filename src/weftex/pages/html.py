@@ -9,17 +9,16 @@ from abc import ABC, abstractmethod
 from html import escape
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
+from weftex.io.pictures import check_output, write_text
 from weftex.io.png import png_bytes
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Iterable, Sequence
 
+    import numpy as np
     from numpy.typing import NDArray
 
-    from weftex.exemplar import Exemplar
-    from weftex.quality.figures import Figure
+    from weftex.quality import Figure
 
 _LARGEST_PICTURE = 1024  # pixels a side of a picture in the page
 
@@ -55,19 +54,17 @@ class Page(ABC):
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write the page."""
-        from weftex.io.pictures import check_output, write_text
-
         check_output(path, suffixes=(".html",))
         write_text(path, self.html())
 
 
 def document(title: str, parts: Iterable[str]) -> str:
-    """Return a whole page as one file."""
+    """Return a whole page as one file, with the title as its heading."""
     return (
         '<!DOCTYPE html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n'
         '<meta name="viewport" content="width=device-width, initial-scale=1">\n'
         f"<title>{escape(title)}</title>\n<style>{_STYLE}</style>\n</head>\n<body>\n"
-        + "\n".join(parts)
+        + "\n".join([f"<h1>{escape(title)}</h1>", *parts])
         + "\n</body>\n</html>\n"
     )
 
@@ -85,29 +82,38 @@ def show(picture: NDArray[np.uint8], title: str, text: str) -> str:
     )
 
 
-def number(value: float | None, figure: Figure) -> str:
+def pictures(shown: Iterable[tuple[NDArray[np.uint8], str, str]]) -> str:
+    """Return figures side by side."""
+    return "\n".join(['<div class="pictures">', *(show(*one) for one in shown), "</div>"])
+
+
+def table(rows: Iterable[str], head: Sequence[str] = ()) -> str:
+    """Return a table; rows are cells as HTML."""
+    top = ["".join(f'<th scope="col">{escape(text)}</th>' for text in head)] if head else []
+    body = "\n".join(f"<tr>{row}</tr>" for row in [*top, *rows])
+    return f'<div class="table"><table>\n{body}\n</table></div>'
+
+
+def small(text: str) -> str:
+    """Return a note."""
+    return f'<p class="small">{escape(text)}</p>'
+
+
+def number(value: float | None, figure: Figure | None = None) -> str:
     """Return a figure's value as text, or a dash where it could not be measured."""
     if value is None:
         return "–"
-    return f"{value:.0f}" if figure.unit == "pixels" else f"{value:.2f}"
+    return f"{value:.0f}" if figure is not None and figure.unit == "pixels" else f"{value:.2f}"
 
 
 def parameters(provenance: dict[str, Any]) -> str:
     """Return a table of parameters."""
-    rows = [
-        f'<tr><th scope="row">{escape(str(name))}</th><td>{escape(_plain(value))}</td></tr>'
+    return table(
+        f'<th scope="row">{escape(str(name))}</th><td>{escape(_plain(value))}</td>'
         for name, value in provenance.items()
-    ]
-    return '<div class="table"><table>\n' + "\n".join(rows) + "\n</table></div>"
+    )
 
 
 def _plain(value: Any) -> str:
     text = value if isinstance(value, str) else json.dumps(value, default=str)
     return text if len(text) <= 400 else text[:400] + " …"
-
-
-def as_shown(exemplar: Exemplar, pixels: NDArray[Any]) -> NDArray[np.uint8]:
-    """Return three channels of bytes, for display."""
-    pixel_bytes = exemplar.as_matching(pixels)
-    colors = pixel_bytes.shape[2] - exemplar.alpha
-    return pixel_bytes[..., :3] if colors >= 3 else np.repeat(pixel_bytes[..., :1], 3, axis=2)

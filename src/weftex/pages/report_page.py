@@ -6,14 +6,14 @@ from dataclasses import dataclass
 from html import escape
 from typing import TYPE_CHECKING, Any
 
-from weftex.pages.html import Page, document, number, parameters, show
-from weftex.quality.figures import FIGURES, SCORE
+from weftex.pages.html import Page, document, number, parameters, pictures, small, table
+from weftex.quality import FIGURES, SCORE
 
 if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-    from weftex.quality.assess import Assessment
+    from weftex import Assessment
 
     Bytes = NDArray[np.uint8]
 
@@ -31,6 +31,12 @@ _CAPTIONS = {
         "The sample: orange where it was used more often than average, blue where seldom or never.",
     ),
 }
+_HEAD = ("Figure", "Result", "Real", "Limit", "", "Judges", "Meaning")
+_LEGEND = (
+    "Real: the halves of the sample, each measured as if it had been made from the other. Judges: "
+    "the share of judged pairs of pictures that the figure alone orders as a judge did; 50% is a "
+    "coin. A dash: cannot be measured."
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,15 +56,12 @@ class Report(Page):
     ----------
     sample, result : uint8 array (H, W, 3)
         Both pictures as shown on the page.
-    name : str
-        Of the sample.
-    result_name : str
-        Of the result.
+    name, result_name : str
+        Of the sample, and of the result.
     assessment : Assessment
         All figures of the result.
     real : dict of str to float or None
-        The same figures of real pictures of this surface; see
-        `weftex.quality.assess.real_crops`.
+        The same figures of real pictures of this surface; see `weftex.quality.real_crops`.
     maps : dict of str to uint8 array (H, W, 3)
         "seams" and, with a source, "source" and "use" (of the sample), as far as they can be
         made.
@@ -104,63 +107,44 @@ class Report(Page):
 
     def html(self) -> str:
         """Return the whole page as one file."""
-        return _page(self)
+        score, verdict = self.assessment.score, escape(self.assessment.verdict())
+        kind = "" if score is None else "bad" if self.assessment.flags else "good"
+        about = "" if score is None else f" Score {score:.2f}: {SCORE}"
+        parts = [
+            f'<p class="verdict {kind}">{verdict}<br><span class="small">{about}</span></p>',
+            *map(small, self.notes),
+            "<h2>Pictures</h2>",
+            pictures(
+                [(self.sample, "Sample", self.name), (self.result, "Result", self.result_name)]
+            ),
+        ]
+        for name, one in self.of_maps.items():
+            parts += [
+                f"<h2>{escape(name)}</h2>",
+                f"<p>{escape(one.assessment.verdict())}</p>",
+                pictures([(one.sample, "Sample", name), (one.result, "Result", name)]),
+            ]
+        if self.maps:
+            shown = ((picture, *_CAPTIONS[name]) for name, picture in self.maps.items())
+            parts += ["<h2>Where it fails</h2>", pictures(shown)]
+        rows = (_figure_row(self, name) for name in FIGURES)
+        parts += ["<h2>Figures</h2>", table(rows, _HEAD), small(_LEGEND)]
+        if self.provenance:
+            parts += ["<h2>How it was made</h2>", parameters(self.provenance)]
+        return document(f"{self.result_name} from {self.name}", parts)
 
 
-def _page(found: Report) -> str:
-    """Return the whole page."""
-    title = f"{found.result_name} from {found.name}"
-    score = found.assessment.score
-    shown = "" if score is None else f" Score {score:.2f}: {SCORE}"
-    kind = "" if score is None else "bad" if found.assessment.flags else "good"
-    verdict = f'{escape(found.assessment.verdict())}<br><span class="small">{shown}</span>'
-    parts = [
-        f"<h1>{escape(title)}</h1>",
-        f'<p class="verdict {kind}">{verdict}</p>',
-        *(f'<p class="small">{escape(note)}</p>' for note in found.notes),
-        "<h2>Pictures</h2>",
-        '<div class="pictures">',
-        show(found.sample, "Sample", found.name),
-        show(found.result, "Result", found.result_name),
-        "</div>",
-    ]
-    for name, one in found.of_maps.items():
-        parts += [f"<h2>{escape(name)}</h2>", f"<p>{escape(one.assessment.verdict())}</p>"]
-        parts += ['<div class="pictures">', show(one.sample, "Sample", name)]
-        parts += [show(one.result, "Result", name), "</div>"]
-    if found.maps:
-        parts += ["<h2>Where it fails</h2>", '<div class="pictures">']
-        parts += [show(picture, *_CAPTIONS[name]) for name, picture in found.maps.items()]
-        parts.append("</div>")
-    parts += ["<h2>Figures</h2>", _figures(found)]
-    if found.provenance:
-        parts += ["<h2>How it was made</h2>", parameters(found.provenance)]
-    return document(title, parts)
-
-
-def _figures(found: Report) -> str:
-    head = ("Figure", "Result", "Real", "Limit", "", "Judges", "Meaning")
-    rows = ["".join(f'<th scope="col">{text}</th>' for text in head)]
-    for name, figure in FIGURES.items():
-        value = getattr(found.assessment, name)
-        limit, over = figure.within(), name in found.assessment.flags
-        mark = "" if value is None or not limit else "over" if over else "within"
-        about = (
-            f'{escape(figure.meaning)} <span class="small">Blind to {escape(figure.blind)}.</span>'
-        )
-        agrees = "–" if figure.agrees is None else f"{figure.agrees:.0%}"
-        rows.append(
-            f'<th scope="row">{escape(figure.title)}<br>'
-            f'<span class="small">{escape(figure.unit)}</span></th>'
-            f'<td class="number">{number(value, figure)}</td>'
-            f'<td class="number">{number(found.real.get(name), figure)}</td>'
-            f'<td class="number">{escape(limit)}</td><td class="{mark}">{mark}</td>'
-            f'<td class="number">{agrees}</td><td>{about}</td>'
-        )
-    body = "\n".join(f"<tr>{row}</tr>" for row in rows)
+def _figure_row(found: Report, name: str) -> str:
+    figure, value = FIGURES[name], getattr(found.assessment, name)
+    limit, over = figure.within(), name in found.assessment.flags
+    mark = "" if value is None or not limit else "over" if over else "within"
+    agrees = "–" if figure.agrees is None else f"{figure.agrees:.0%}"
     return (
-        f'<div class="table"><table>\n{body}\n</table></div>\n<p class="small">Real: the halves of '
-        "the sample, each measured as if it had been made from the other. Judges: the share of "
-        "judged pairs of pictures that the figure alone orders as a judge did; 50% is a coin. A "
-        "dash: cannot be measured.</p>"
+        f'<th scope="row">{escape(figure.title)}<br>'
+        f'<span class="small">{escape(figure.unit)}</span></th>'
+        f'<td class="number">{number(value, figure)}</td>'
+        f'<td class="number">{number(found.real.get(name), figure)}</td>'
+        f'<td class="number">{escape(limit)}</td><td class="{mark}">{mark}</td>'
+        f'<td class="number">{agrees}</td><td>{escape(figure.meaning)} '
+        f'<span class="small">Blind to {escape(figure.blind)}.</span></td>'
     )

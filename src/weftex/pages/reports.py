@@ -7,34 +7,22 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from weftex.errors import InvalidInputError, shown
-from weftex.exemplar import Exemplar, check_pixels
-from weftex.loading import load_exemplar
-from weftex.pages.html import as_shown
+from weftex import Exemplar, Synthesis, assess, load_exemplar
 from weftex.pages.report_page import MapReport, Report
-from weftex.quality.assess import LARGEST_MEASURED, assess, made_from, measured, real_crops
-from weftex.quality.copying import check_source
-from weftex.quality.seams import StepModel, seam_map
-from weftex.quality.view import middle, views
-from weftex.results.synthesis import Synthesis
-from weftex.turns import as_made_from
+from weftex.quality import LARGEST_MEASURED, as_shown, fault_maps, real_crops
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Mapping
 
     from numpy.typing import NDArray
 
-    from weftex.loading import Sample
 
-    Bytes = NDArray[np.uint8]
-
-_SEAM = 0.5  # surprise beyond the usual that is drawn at full strength
 _SAME = 2.0  # levels; a picture further than this from that of its source is another one
 
 
 def report(
-    sample: Sample,
-    result: Sample | Synthesis,
+    sample: Any,
+    result: Any,
     source: Synthesis | NDArray[Any] | str | os.PathLike[str] | None = None,
     *,
     tileable: bool | tuple[bool, bool] | None = None,
@@ -67,17 +55,9 @@ def report(
     >>> found.assessment.flags, sorted(found.maps), "<img" in found.html()
     ((), ['seams', 'source', 'use'], True)
     """
-    pair = isinstance(tileable, tuple) and [*map(type, tileable)] == [bool, bool]
-    if not (tileable is None or isinstance(tileable, bool) or pair):
-        raise InvalidInputError(
-            f"tileable is {shown(tileable)}; it must be True, False or two of them"
-        )
     exemplar = load_exemplar(sample)
     if isinstance(source, (str, os.PathLike)):
         source = Synthesis.load(source)
-    origin = source if isinstance(source, Synthesis) else result
-    turn = origin.turn if isinstance(origin, Synthesis) else None
-    pictured = as_made_from(exemplar, turn)
     named = "result"
     made_maps: Mapping[str, NDArray[Any]] = {}
     if isinstance(result, Synthesis):
@@ -86,22 +66,13 @@ def report(
         made_maps = {} if result.exemplar is None else result.maps
     else:
         made = load_exemplar(result)
-        pixels, named, made_maps = made.pixels, made.name, made.maps
-    pixels = check_pixels(pixels, "result")
-    provenance: dict[str, Any] = {}
+        result = pixels = made.pixels
+        named, made_maps = made.name, made.maps
+    found = assess(exemplar, result, source, tileable=tileable)
     notes: list[str] = []
     if isinstance(source, Synthesis):
-        provenance = source.provenance
+        notes += _another(source, exemplar, pixels)
         tileable = source.canvas.wrap if tileable is None else tileable
-        if source.sample_shape != pictured.shape or source.shape != pixels.shape[:2]:
-            raise InvalidInputError(
-                f"the source makes {_size(source.shape)} from {_size(source.sample_shape)}, but "
-                f"result and sample are {_size(pixels.shape)} and {_size(pictured.shape)}"
-            )
-        notes += _another(source, pictured, pixels)
-        source = made_from(source)
-    wraps = False if tileable is None else tileable
-    found = measured(exemplar, pixels, source, pictured, wraps)
     same = {name: _same_map(name, made_maps) for name in exemplar.maps}
     if source is None:
         notes.append("Without a source, the figures of copying cannot be measured.")
@@ -120,11 +91,11 @@ def report(
         result_name=named,
         assessment=found,
         real=real_crops(exemplar),
-        maps=fault_maps(exemplar, pixels, source, pictured),
-        provenance=provenance,
+        maps=fault_maps(exemplar, result, source),
+        provenance=source.provenance if isinstance(source, Synthesis) else {},
         notes=tuple(notes),
         of_maps={
-            name: _of_map(exemplar.map(name), made_maps[other], wraps)
+            name: _of_map(exemplar.map(name), made_maps[other], tileable)
             for name, other in same.items()
             if other is not None
         },
@@ -137,77 +108,22 @@ def _same_map(name: str, made: Collection[str]) -> str | None:
     return name if name in made else next(iter(normals), None)
 
 
-def _of_map(own: Exemplar, made: NDArray[Any], tileable: bool | tuple[bool, bool]) -> MapReport:
+def _of_map(
+    own: Exemplar, made: NDArray[Any], tileable: bool | tuple[bool, bool] | None
+) -> MapReport:
     """Measure a map of the result; the figures of copying are those of the picture."""
     found = assess(own, made, tileable=tileable)
     return MapReport(as_shown(own, own.pixels), as_shown(own, made), found)
-
-
-def _size(shape: tuple[int, ...]) -> str:
-    return f"{shape[1]}x{shape[0]}"
 
 
 def _another(source: Synthesis, exemplar: Exemplar, pixels: NDArray[Any]) -> list[str]:
     """Return a note if the picture differs from that of its source."""
     if source.canvas.hole is not None:
         return []
-    given = source.render(exemplar)
-    if given.shape != pixels.shape or given.dtype != pixels.dtype:
-        return []  # refused later, in other words
-    levels = (exemplar.as_matching(part).astype(np.int16) for part in (given, pixels))
+    both = source.render(exemplar), pixels
+    levels = (exemplar.as_matching(one).astype(np.int16) for one in both)
     apart = float(abs(np.subtract(*levels)).mean())
     if apart <= _SAME:
         return []
     text = f"The result differs from the picture of its source by {apart:.1f} levels on average"
     return [f"{text}, so the figures of copying may not hold."]
-
-
-def fault_maps(
-    exemplar: Exemplar,
-    pixels: NDArray[Any],
-    source: NDArray[Any] | None,
-    pictured: Exemplar | None = None,
-) -> dict[str, Bytes]:
-    """Return pictures of where a result fails, uint8 (h, w, 3), by name; see `Report.maps`.
-
-    `pictured` is what the source refers to, if that is a picture of the sample's oriented copies.
-    Of large results the middle is drawn.
-    """
-    shape = (min(pixels.shape[0], LARGEST_MEASURED), min(pixels.shape[1], LARGEST_MEASURED))
-    pictured = exemplar if pictured is None else pictured
-    if source is not None:
-        source = middle(check_source(source, pictured.shape, pixels.shape[:2]), shape)
-    pixels = middle(pixels, shape)
-    own, made = views(exemplar, pixels)
-    picture = as_shown(exemplar, pixels)
-    maps = {}
-    seams = seam_map(StepModel(own), made)
-    if seams is not None:
-        maps["seams"] = _marked(picture, np.minimum(seams / _SEAM, 1), (255, 40, 0))
-    if source is not None:
-        known = source[..., 0] >= 0
-        scale = 255 / np.maximum(np.array(pictured.shape) - 1, 1)
-        color = np.full((*made.shape, 3), 96, np.uint8)
-        color[..., 1::-1] = np.rint(np.maximum(source, 0) * scale)
-        color[~known] = 0
-        maps["source"] = color
-        count = np.zeros(pictured.shape)
-        np.add.at(count, (source[known][:, 0], source[known][:, 1]), 1)
-        usual = max(float(count.mean()), 1e-9)
-        often = np.clip(np.log2((count + usual / 8) / usual) / 3, -1, 1)
-        shown = as_shown(pictured, pictured.pixels)
-        seldom = _marked(shown, np.maximum(-often, 0), (0, 90, 255))
-        maps["use"] = _marked(seldom, np.maximum(often, 0), (255, 150, 0), 1.0)
-    return maps
-
-
-def _marked(
-    picture: Bytes, strength: NDArray[Any], color: tuple[int, int, int], keep: float = 0.6
-) -> Bytes:
-    """Return the picture, in gray for `keep` below 1, with a color blended in by strength."""
-    base = picture.astype(np.float64)
-    if keep < 1:
-        base = np.repeat(255 - (255 - base.mean(axis=2, keepdims=True)) * keep, 3, axis=2)
-    share = 0.85 * strength[..., None]
-    marked: Bytes = np.rint(base * (1 - share) + np.array(color) * share).astype(np.uint8)
-    return marked

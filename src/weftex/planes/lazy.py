@@ -15,7 +15,6 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from weftex import Method
-    from weftex.loading import Sample
     from weftex.planes.definition import Definition
 
 _BLOCK = 1024
@@ -23,7 +22,7 @@ _MOST_BLOCKS = 10**6  # along a side
 
 
 def plane(
-    sample: Sample,
+    sample: Any,
     size: int | tuple[int, int],
     *,
     method: str | Method = AUTO,

@@ -7,10 +7,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from weftex.errors import FileError
-from weftex.exemplar import Exemplar
+from weftex import Exemplar, FileError
 from weftex.io.npz import opened
-from weftex.io.pictures import MAX_PIXELS, atomic
+from weftex.io.pictures import atomic
 from weftex.roles import Role
 
 if TYPE_CHECKING:
@@ -19,7 +18,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 _FORMAT = "weftex plane 1"
-_MOST_BYTES = 64 * MAX_PIXELS
+_MOST_BYTES = 2**34
 _FLAGS = ("tileable", "alpha", "name", "turn", "pieces")
 
 

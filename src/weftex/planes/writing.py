@@ -23,7 +23,6 @@ if TYPE_CHECKING:
     import numpy as np
 
     from weftex import Method
-    from weftex.loading import Sample
     from weftex.planes.runners import Runner
     from weftex.progress import ProgressCallback
 
@@ -46,7 +45,7 @@ class Written:
 
 
 def stream(
-    sample: Sample,
+    sample: Any,
     path: str | os.PathLike[str],
     size: int | tuple[int, int],
     *,

@@ -9,22 +9,20 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from weftex.errors import InvalidInputError
 from weftex.exemplar import Exemplar
 from weftex.quality.appearance import color_distance, patch_distance, sharpness
-from weftex.quality.copying import check_source, copying
+from weftex.quality.copying import copying
 from weftex.quality.figures import FIGURES
+from weftex.quality.pair import LARGEST_MEASURED, pair_of
 from weftex.quality.score import Scorer, weigh
 from weftex.quality.seams import wrap_seam
 from weftex.quality.view import middle, view_of
-from weftex.results.synthesis import Synthesis
-from weftex.turns import as_it_was, as_made_from
+from weftex.turns import as_it_was
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-LARGEST_MEASURED = 2048
-"""Pixels a side: of a larger result the middle is measured, except for the wrap."""
+    from weftex.results.synthesis import Synthesis
 
 _DIGITS = 3
 _SCORED = "uneven", "autocorrelation", "lattice", "seams"  # terms of the score shown by themselves
@@ -109,7 +107,7 @@ class Assessment:
 def assess(
     sample: Exemplar | NDArray[Any],
     result: Synthesis | NDArray[Any],
-    source: NDArray[Any] | None = None,
+    source: Synthesis | NDArray[Any] | None = None,
     *,
     tileable: bool | tuple[bool, bool] | None = None,
 ) -> Assessment:
@@ -125,8 +123,9 @@ def assess(
         What the result was made from. Pixels that its mask leaves out do not count.
     result : Synthesis or array (H, W) or (H, W, C)
         The result, of the sample's dtype and channels.
-    source : int array (H, W, 2), optional
-        Row and column in the sample of each pixel, negative for none; a Synthesis brings its own.
+    source : int array (H, W, 2) or Synthesis, optional
+        Row and column in the sample of each pixel, negative for none, or the Synthesis that the
+        result is a picture of; a result that is a Synthesis brings its own.
     tileable : bool or (bool, bool), optional
         Whether the vertical and the horizontal axis wrap around; by default as the Synthesis
         says, otherwise not.
@@ -150,41 +149,12 @@ def assess(
     >>> good.score < bad.score, bad.patches > 5 * good.patches
     (True, True)
     """
-    exemplar = sample if isinstance(sample, Exemplar) else Exemplar(sample)
-    axes = tileable if isinstance(tileable, tuple) and len(tileable) == 2 else (tileable or False,)
-    if not all(isinstance(axis, (bool, np.bool_)) for axis in axes):
-        raise InvalidInputError(f"tileable is {tileable!r}; it must be True, False or two of them")
-    pictured = exemplar
-    if isinstance(result, Synthesis):
-        pictured = as_made_from(exemplar, result.turn)
-        if result.sample_shape != pictured.shape:
-            raise InvalidInputError(
-                f"the result was made from a sample of {result.sample_shape[1]}x"
-                f"{result.sample_shape[0]}, not {pictured.shape[1]}x{pictured.shape[0]}"
-            )
-        if source is None:
-            source = made_from(result)
-        if tileable is None:
-            tileable = result.canvas.wrap
-        result = result.image if result.exemplar is not None else result.render(exemplar)
-    return measured(exemplar, result, source, pictured, tileable)
-
-
-def measured(
-    exemplar: Exemplar,
-    result: NDArray[Any],
-    source: NDArray[Any] | None,
-    pictured: Exemplar,
-    tileable: bool | tuple[bool, bool] | None,
-) -> Assessment:
-    """See `assess`; `pictured` is what the source refers to: the sample or its oriented copies."""
-    wrap = tileable if isinstance(tileable, tuple) else (bool(tileable),) * 2
+    exemplar, pixels, source, pictured, wrap = pair_of(sample, result, source, tileable)
     exemplar = as_it_was(exemplar)
     scorer, used = Scorer(exemplar), None
-    own, whole = scorer.own, scorer.view(result)
+    own, whole = scorer.own, scorer.view(pixels)
     made = whole.center(LARGEST_MEASURED)
     if source is not None:
-        source = check_source(source, pictured.shape, whole.shape)
         copied = own if pictured is exemplar else view_of(pictured)
         used = copying(copied, made, middle(source, made.shape))
     patches, scales = patch_distance(own, made)
@@ -204,14 +174,6 @@ def measured(
         figures |= dataclasses.asdict(used)
     figures = {name: _rounded(value) for name, value in figures.items()}
     return Assessment(**figures, flags=_flags(figures))
-
-
-def made_from(result: Synthesis) -> NDArray[np.int32]:
-    """Return the source of a result, -1 where pixels were known before."""
-    source = result.pictured_source()
-    if result.canvas.hole is not None:
-        source[~result.canvas.hole] = -1
-    return source
 
 
 def real_crops(sample: Exemplar) -> dict[str, float | None]:

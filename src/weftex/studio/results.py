@@ -8,8 +8,7 @@ import numpy as np
 
 import weftex
 from weftex.io.formats import FORMATS
-from weftex.pages import fault_maps
-from weftex.quality.figures import FIGURES
+from weftex.quality import FIGURES, fault_maps
 from weftex.results.drawing import DRAWINGS
 from weftex.studio.materials import maps_of
 from weftex.studio.pictures import shown

@@ -10,6 +10,8 @@ from weftex import methods
 from weftex.errors import InvalidInputError
 from weftex.method import Method
 
+__all__ = ["AUTO", "make_method"]
+
 #: The name that stands for the method that suits the sample best.
 AUTO = "auto"
 
