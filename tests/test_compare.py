@@ -111,7 +111,7 @@ def test_the_command(tmp_path, monkeypatch, capsys):
     for wrong, message in (
         (words, "nothing to do"),
         ([*words, "-o", "c.png"], "cannot write '.png'"),
-        ([*words, "--json", "--seed", "-1"], "--seed is -1"),
+        ([*words, "--json", "--seed", "-1"], "--seed is"),
         ([*words, "--json", "--methods", "quiltin"], "did you mean"),
     ):
         assert main(wrong) == 2

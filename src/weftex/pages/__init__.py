@@ -3,6 +3,6 @@
 from weftex.pages.comparison_page import Comparison
 from weftex.pages.comparisons import compare
 from weftex.pages.report_page import Report
-from weftex.pages.reports import fault_maps, report
+from weftex.pages.reports import report
 
-__all__ = ["Comparison", "Report", "compare", "fault_maps", "report"]
+__all__ = ["Comparison", "Report", "compare", "report"]
