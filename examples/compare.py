@@ -16,7 +16,7 @@ folder.mkdir(parents=True, exist_ok=True)
 sample = weftex.load_exemplar("sample:weave")
 small = weftex.Exemplar(sample.pixels[:96, :96], name="weave")
 methods = ["quilting", "near-regular", "ashikhmin"]
-found = weftex.compare(small, 128, methods=methods, seed=7)
+found = weftex.pages.compare(small, 128, methods=methods, seed=7)
 print(f"auto: {found.choice.reason}")
 for entry in found.entries:
     print(f"{entry.method:16} {entry.seconds:6.2f} s  {entry.assessment.verdict()}")

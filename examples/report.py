@@ -18,7 +18,7 @@ for patch_size in (None, 8):
     made = weftex.synthesize(
         "sample:pebbles", 256, method="quilting", patch_size=patch_size, seed=1, tileable=True
     )
-    found = weftex.report("sample:pebbles", made)
+    found = weftex.pages.report("sample:pebbles", made)
     figures = found.assessment
     print(f"patch size {patch_size or 'by sample'}: score {figures.score:.2f}")
     print(f"  {figures.verdict()}")

@@ -40,7 +40,7 @@ def picture(data: bytes, folder: Path) -> None:
     """A picture, as a sample and as a label map."""
     import weftex
     from weftex.io.pictures import read_image
-    from weftex.tasks.fuse import labels_of
+    from weftex.label_maps import labels_of
 
     file = folder / "picture"
     file.write_bytes(_mended(data))
@@ -267,7 +267,7 @@ def fuzz(name: str, seconds: int) -> None:
     import atheris
 
     with atheris.instrument_imports(include=["weftex"], enable_loader_override=False):
-        for one in ("weftex", "weftex.tasks.fuse", "weftex.planes.definition", "weftex.naming",
+        for one in ("weftex", "weftex.label_maps", "weftex.planes.definition", "weftex.naming",
                     "weftex.io.manifest", "weftex.planes.record",
                     "weftex.recipe", "weftex.studio.sessions"):  # fmt: skip
             import_module(one)

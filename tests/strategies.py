@@ -133,7 +133,7 @@ def exemplars(draw: Any, shape: tuple[int, int] | None = None, like: Any = None)
         about["alpha"] = draw(st.sampled_from([None, True, False]))
     exemplar = weftex.Exemplar(pixels, **about)
     if draw(st.integers(0, 7)) == 0:
-        return weftex.turned(exemplar, draw(st.sampled_from(list(TURNS))))
+        return weftex.prepare.turned(exemplar, draw(st.sampled_from(list(TURNS))))
     return exemplar
 
 

@@ -31,12 +31,12 @@ LEVELS = [
     ["naming"],
     ["method"],
     ["endless"],
-    ["quality"],
+    ["quality", "prepare"],
     ["analysis"],
     ["repeats"],
     ["search", "seams"],
     ["results"],
-    ["canvas", "turns"],
+    ["canvas", "turns", "label_maps"],
     ["loading"],
     ["material"],
     ["exemplar"],
@@ -52,8 +52,9 @@ LEVEL = {room: level for level, rooms in enumerate(reversed(LEVELS)) for room in
 GUESTS = ("studio", "planes", "pages")
 PUBLIC_ONLY = ("planes", "pages")
 MOST_METHOD_ROOMS = 14
-#: Strings that read like modules: the group of entry points by which packages add methods.
-NO_MODULES = {("registry", "weftex.methods")}
+#: Strings that read like modules: the group of entry points by which packages add methods, and
+#: the folder of the page's files.
+NO_MODULES = {("registry", "weftex.methods"), ("studio.bundled", "weftex.studio")}
 
 
 def dotted(path):
@@ -335,11 +336,39 @@ def test_a_command_with_a_method_neither_chooses_nor_measures(tmp_path):
     assert [m for m in modules_after(code) if m.startswith(needless)] == []
 
 
-def test_public_names_are_all_there():
-    assert set(weftex.__all__) == set(weftex._HOME)
+#: All names of `weftex`; whatever else is public is in a public module.
+NAMES = """
+synthesize fill fuse tile analyze assess load_exemplar read_image write_image
+Exemplar Canvas Synthesis Assessment
+Auto Ashikhmin BestTile EfrosLeung ExactMatching GraphCut NearRegular PatchSampling Quilting
+Refinement WeiLevoy Method METHODS
+WeftexError CancelledError FileError InvalidInputError UnsupportedError
+"""
+MODULES = {
+    "explanation": "explain Explanation Stage",
+    "label_maps": "Gradient",
+    "pages": "compare Comparison report Report",
+    "planes": "check open_plane plane PlaneFile repair stream Written",
+    "prepare": "estimate_maps even_light straighten together turned",
+    "reference": None,
+    "studio": "view",
+}
+
+
+def test_the_public_names_are_these():
+    assert weftex.__all__ == sorted(NAMES.split())
     assert len(dir(weftex)) == len(set(dir(weftex)))
-    for name in weftex.__all__:
-        assert getattr(weftex, name) is not None
-        assert name in dir(weftex)
+    assert {*weftex.__all__, *MODULES} <= {*dir(weftex)}
+    assert all(getattr(weftex, name) is not None for name in weftex.__all__)
     with pytest.raises(AttributeError, match="no attribute 'nothing'"):
         weftex.nothing  # noqa: B018
+
+
+@pytest.mark.parametrize("name", MODULES)
+def test_a_public_module_says_what_it_is_for_and_names_what_it_has(name):
+    module = getattr(weftex, name)
+    assert module.__doc__
+    if MODULES[name] is not None:
+        assert sorted(module.__all__) == sorted(MODULES[name].split())
+    for each in module.__all__:
+        assert getattr(module, each) is not None and each not in weftex.__all__

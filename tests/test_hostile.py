@@ -12,6 +12,7 @@ import pytest
 import weftex
 from families import noise
 from strategies import is_one_line
+from weftex.pages import compare, report
 
 PICTURE = noise((12, 13, 3))
 SMALL = noise((12, 12))
@@ -109,13 +110,13 @@ CALLS = {
     "analyze": (weftex.analyze, ()),
     "assess sample": (lambda v: weftex.assess(v, PICTURE), ()),
     "assess result": (lambda v: weftex.assess(weftex.Exemplar(PICTURE), v), ()),
-    "report sample": (lambda v: weftex.report(v, PICTURE), ()),
-    "report result": (lambda v: weftex.report(PICTURE, v), ()),
-    "report source": (lambda v: weftex.report(PICTURE, PICTURE, v), ("None",)),
-    "report tileable": (lambda v: weftex.report(PICTURE, PICTURE, tileable=v), ("None", "True")),
-    "compare sample": (lambda v: weftex.compare(v, 9), ()),
-    "compare size": (lambda v: weftex.compare(PICTURE, v, methods=[WEFT]), ("None", "7")),
-    "compare methods": (lambda v: weftex.compare(PICTURE[:3], 3, methods=v), ("None",)),
+    "report sample": (lambda v: report(v, PICTURE), ()),
+    "report result": (lambda v: report(PICTURE, v), ()),
+    "report source": (lambda v: report(PICTURE, PICTURE, v), ("None",)),
+    "report tileable": (lambda v: report(PICTURE, PICTURE, tileable=v), ("None", "True")),
+    "compare sample": (lambda v: compare(v, 9), ()),
+    "compare size": (lambda v: compare(PICTURE, v, methods=[WEFT]), ("None", "7")),
+    "compare methods": (lambda v: compare(PICTURE[:3], 3, methods=v), ("None",)),
     "load_exemplar": (weftex.load_exemplar, ()),
     "load_exemplar files": (
         lambda v: weftex.load_exemplar("sample:stone_wall", files=v),
@@ -161,7 +162,7 @@ CALLS = {
     "render window": (lambda v: result().render(window=v), ("None", "tuple")),
     "layers": (lambda v: result().layers(v), ("None", "tuple")),
     "draw": (lambda v: result().draw(v), ()),
-    "Report.save": (lambda v: weftex.report(PICTURE, PICTURE).save(v), ()),
+    "Report.save": (lambda v: report(PICTURE, PICTURE).save(v), ()),
 }
 CALLS |= {
     f"{slug} {field.name}": (
@@ -253,7 +254,7 @@ def test_what_nobody_listed(work, said):
 
 
 def test_a_transition_narrower_than_numbers_is_a_step():
-    ways = [weftex.Gradient(width=width) for width in (1e-300, 1e-9)]
+    ways = [weftex.label_maps.Gradient(width=width) for width in (1e-300, 1e-9)]
     first, second = (way.label_map((20, 20), [3, 3], 1)[0] for way in ways)
     assert np.array_equal(first, second)
     assert (first[:5] == 0).all() and (first[-5:] == 1).all()

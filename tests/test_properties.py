@@ -164,4 +164,4 @@ def test_assess_and_report(data):
     made = data.draw(
         drawn_pictures(data.draw(st.tuples(*[st.integers(1, 40)] * 2)), exemplar.pixels)
     )
-    assert allowed(lambda: weftex.report(exemplar, made).html()) != ""
+    assert allowed(lambda: weftex.pages.report(exemplar, made).html()) != ""

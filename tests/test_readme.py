@@ -16,6 +16,7 @@ import pytest
 
 import weftex
 from commands import weft_run
+from test_dependencies import MODULES
 from weftex.methods import METHODS
 from weftex.quality.figures import FIGURES
 
@@ -207,8 +208,9 @@ def test_the_page_of_measures_lists_every_figure_as_it_is():
 def test_the_page_of_python_lists_every_public_name():
     page = (ROOT / "docs" / "reference" / "python.md").read_text("utf-8")
     listed = re.findall(r"^::: (\S+)\.(\w+)$", page, re.M)
-    top = {name for module, name in listed if not module.startswith("weftex.reference.")}
-    assert top == {*weftex.__all__} - {"METHODS", "reference"} | {"Model"}
+    modules = {module: importlib.import_module(f"weftex.{module}") for module in MODULES}
+    wanted = {name for module in (weftex, *modules.values()) for name in module.__all__}
+    assert {name for _, name in listed} == wanted - {"METHODS"} | {"Model"}
     for module, name in listed:
         assert hasattr(importlib.import_module(module), name)
 

@@ -65,7 +65,7 @@ def test_what_is_printed_is_short(result):
     sample = weftex.Exemplar(SAMPLE, maps={"height": SAMPLE[..., 0]}, name="wall")
     assert repr(sample) == "<Exemplar 'wall': 48x40, 3 x uint8, maps: height>"
     model = weftex.Quilting().fit(sample)
-    report = weftex.report(weftex.Exemplar(SAMPLE), result)
+    report = weftex.pages.report(weftex.Exemplar(SAMPLE), result)
     hole = np.eye(40, dtype=bool)
     things = (result, model, weftex.METHODS, weftex.analyze(sample), report)
     things += (weftex.Canvas(40, 40, known=SAMPLE[:, :40], hole=hole),)

@@ -15,7 +15,7 @@ from weftex.turns import copies_in
 def copies(shape, turn):
     """For each pixel of the picture of copies the flat index of the sample's; -1 between them."""
     index = np.arange(shape[0] * shape[1], dtype=np.float64).reshape(shape)
-    found = weftex.turned(weftex.Exemplar(index), turn)
+    found = weftex.prepare.turned(weftex.Exemplar(index), turn)
     return np.where(found.mask, found.pixels, -1).astype(int)
 
 
@@ -36,7 +36,7 @@ def test_every_copy_is_there_once(turn, shape):
 def test_the_first_copy_is_the_sample(rng):
     pixels = rng.integers(0, 256, (9, 14, 3)).astype(np.uint8)
     for turn in TURNS:
-        assert np.array_equal(weftex.turned(pixels, turn).pixels[:9, :14], pixels)
+        assert np.array_equal(weftex.prepare.turned(pixels, turn).pixels[:9, :14], pixels)
 
 
 @pytest.mark.parametrize("name", ["normal", "normal_dx"])
@@ -59,7 +59,7 @@ def test_vectors_are_turned_with_their_pixels(name, dtype):
     else:
         store, read = lambda v: ((v + 1) / 2).astype(dtype), lambda s: 2 * s - 1
     exemplar = weftex.Exemplar(heights, maps={name: store(normals(heights))})
-    found = weftex.turned(exemplar, "8")
+    found = weftex.prepare.turned(exemplar, "8")
     expected = normals(np.where(found.mask, found.pixels, np.nan))
     inside = np.isfinite(expected).all(axis=2)
     inside[1:-1, 1:-1] &= found.mask[2:, 1:-1] & found.mask[:-2, 1:-1]
@@ -75,7 +75,7 @@ def test_every_method_takes_from_copies_and_replays_maps_of_the_sample(slug, rng
     exemplar = weftex.Exemplar(pixels, maps=maps)
     small = {} if slug == "near-regular" else TRIALS[slug].small  # which has a lattice
     method = weftex.METHODS[slug](**small)
-    result = method.fit(weftex.turned(exemplar, "4")).sample(weftex.Canvas(40, 44), seed=1)
+    result = method.fit(weftex.prepare.turned(exemplar, "4")).sample(weftex.Canvas(40, 44), seed=1)
     y, x = np.moveaxis(result.pictured_source(), -1, 0)
     own = copies((24, 30), "4")[y, x]  # of the sample, whichever copy is shown
     assert (own >= 0).all()
@@ -99,7 +99,7 @@ def test_sources_are_of_the_sample_itself(turn, shape, rng):
     sample = rng.integers(0, 256, shape).astype(np.uint8)
     way = {"orientations": "half-turns"} if turn == "half" else {}
     method = weftex.GraphCut(placement="entire", tone_reach=0.0, **way)
-    given = sample if way else weftex.turned(sample, turn)
+    given = sample if way else weftex.prepare.turned(sample, turn)
     result = weftex.synthesize(given, (20, 23), method=method, seed=1)
     assert result.turn == turn
     assert (result.source < shape).all()
@@ -110,7 +110,7 @@ def test_sources_are_of_the_sample_itself(turn, shape, rng):
 def test_drawings_of_copies(rng):
     """Sources have the sample's colors; a piece that lies upside down is one piece."""
     sample = rng.integers(0, 256, (30, 40)).astype(np.uint8)
-    result = weftex.synthesize(weftex.turned(sample, "half"), 60, method="graphcut", seed=1)
+    result = weftex.synthesize(weftex.prepare.turned(sample, "half"), 60, method="graphcut", seed=1)
     colors, shape = result.draw("sources"), np.array(sample.shape)
     assert np.array_equal(colors[..., 1::-1], np.rint(result.source * (255 / (shape - 1))))
     y, x = np.moveaxis(result.pictured_source() - np.indices((60, 60)).transpose(1, 2, 0), -1, 0)
@@ -120,7 +120,7 @@ def test_drawings_of_copies(rng):
 
 def test_a_map_of_fewer_pixels_is_rendered_in_fewer(rng):
     sample, small = rng.random((20, 24)), rng.random((10, 12))
-    result = weftex.synthesize(weftex.turned(sample, "flip"), 40, method="quilting", seed=1)
+    result = weftex.synthesize(weftex.prepare.turned(sample, "flip"), 40, method="quilting", seed=1)
     large = result.render(small.repeat(2, axis=0).repeat(2, axis=1))
     means = large.reshape(20, 2, 20, 2).mean(axis=(1, 3))
     assert np.allclose(result.render(small), means)
@@ -142,7 +142,7 @@ def test_a_mask_of_few_pixels_does_not_hide_which_side_is_which(shape, rng):
     mask[2, 0] = True
     sample = weftex.Exemplar(rng.integers(1, 256, shape).astype(np.uint8), mask=mask)
     for turn in TURNS:
-        found = weftex.turned(sample, turn)
+        found = weftex.prepare.turned(sample, turn)
         assert found.copy_shape == shape
         for top, left, height, width in copies_in(found):
             assert found.mask[top : top + height, left : left + width].sum() == 1
@@ -163,7 +163,7 @@ def test_the_size_of_copies_goes_with_their_picture():
 
 
 def test_damaged_copies(rng, tmp_path):
-    sample = weftex.turned(rng.random((8, 9)), "half")
+    sample = weftex.prepare.turned(rng.random((8, 9)), "half")
     result = weftex.synthesize(sample, 12, method="quilting", seed=1)
     result.save(tmp_path / "whole.npz")
     with np.load(tmp_path / "whole.npz") as file:
@@ -180,7 +180,7 @@ def test_mask_guide_and_labels_come_along(rng):
     mask = np.ones((8, 8), bool)
     mask[0, 0] = False
     exemplar = weftex.Exemplar(rng.random((8, 8)), mask=mask, guide=mask.astype(np.uint8))
-    found = weftex.turned(exemplar, "flip")
+    found = weftex.prepare.turned(exemplar, "flip")
     assert found.mask[0].tolist() == [False, *[True] * 7, False, *[True] * 7, False]
     assert np.array_equal(found.guide[:, 9:], exemplar.guide[:, ::-1])
 
@@ -188,13 +188,13 @@ def test_mask_guide_and_labels_come_along(rng):
 @pytest.mark.parametrize("turn", ["2", None, 4, ["flip"]])
 def test_there_is_no_such_turn(turn):
     with pytest.raises(weftex.InvalidInputError, match="turn is .* must be one of flip, half"):
-        weftex.turned(np.zeros((8, 8), np.uint8), turn)
+        weftex.prepare.turned(np.zeros((8, 8), np.uint8), turn)
 
 
 def test_copies_of_copies_and_lattices_are_refused(rng):
-    found = weftex.turned(rng.integers(0, 256, (32, 32)).astype(np.uint8), "flip")
+    found = weftex.prepare.turned(rng.integers(0, 256, (32, 32)).astype(np.uint8), "flip")
     with pytest.raises(weftex.InvalidInputError, match="is of turned copies already"):
-        weftex.turned(found, "4")
+        weftex.prepare.turned(found, "4")
     for method in (weftex.NearRegular(lattice=(8, 0, 0, 8)), weftex.BestTile(lattice=(8, 0, 0, 8))):
         with pytest.raises(weftex.UnsupportedError, match="goes by one lattice"):
             method.fit(found)
@@ -202,5 +202,5 @@ def test_copies_of_copies_and_lattices_are_refused(rng):
 
 def test_auto_finds_no_lattice_across_copies():
     tiles = np.kron(np.random.default_rng(1).integers(0, 256, (3, 3)), np.ones((8, 8)))
-    sample = weftex.turned(np.tile(tiles, (4, 4)).astype(np.uint8), "4")
+    sample = weftex.prepare.turned(np.tile(tiles, (4, 4)).astype(np.uint8), "4")
     assert weftex.synthesize(sample, (64, 64), seed=1).provenance["method"] != "near-regular"

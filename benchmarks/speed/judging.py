@@ -43,7 +43,7 @@ def judging() -> Table:
             "measures": lambda: weftex.assess(weftex.Exemplar(small), made[512]),
             "pictures": lambda: weftex.assess(weftex.Exemplar(small), made[512].image),
             "large": lambda: weftex.assess(weftex.Exemplar(small), made[2048]),
-            "report": lambda: weftex.report(small, made[512]).html(),
+            "report": lambda: weftex.pages.report(small, made[512]).html(),
             "wide": lambda: look(weftex.Exemplar(wide)),
             "three": lambda: weftex.synthesize(
                 large, sized(256), method="quilting", seed=1, best_of=3
@@ -53,7 +53,7 @@ def judging() -> Table:
     )
     choosing = medians({k: lambda s=s: look(weftex.Exemplar(s)) for k, s in enumerate(samples)}, 5)
     start = process_time()
-    weftex.compare(sample_of(_SIDE, "pebbles"), sized(_SIZE), seed=1)
+    weftex.pages.compare(sample_of(_SIDE, "pebbles"), sized(_SIZE), seed=1)
     compared = process_time() - start
     named, loaded = processes()
     rows = [

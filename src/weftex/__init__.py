@@ -1,5 +1,10 @@
 """weftex: example-based texture synthesis.
 
+Further functions lie in modules: `prepare` straightens, lights, turns and joins samples;
+`label_maps` has gradients for `fuse`; `pages` makes HTML reports; `planes` writes images larger
+than memory; `studio` shows results in notebooks; `explanation` shows a method at work, and
+`reference` the papers' algorithms as short NumPy functions.
+
 >>> import numpy as np, weftex
 >>> sample = np.random.default_rng(0).integers(0, 255, (64, 64, 3), np.uint8)
 >>> weftex.synthesize(sample, (96, 128), method="quilting", seed=7).image.shape
@@ -13,7 +18,13 @@ from typing import TYPE_CHECKING, Any
 from weftex.dispatch import prefer_fast_kernels
 
 if TYPE_CHECKING:
+    from weftex import explanation as explanation
+    from weftex import label_maps as label_maps
+    from weftex import pages as pages
+    from weftex import planes as planes
+    from weftex import prepare as prepare
     from weftex import reference as reference
+    from weftex import studio as studio
     from weftex.canvas import Canvas as Canvas
     from weftex.errors import CancelledError as CancelledError
     from weftex.errors import FileError as FileError
@@ -21,8 +32,6 @@ if TYPE_CHECKING:
     from weftex.errors import UnsupportedError as UnsupportedError
     from weftex.errors import WeftexError as WeftexError
     from weftex.exemplar import Exemplar as Exemplar
-    from weftex.explanation import Explanation as Explanation
-    from weftex.explanation import explain as explain
     from weftex.io.pictures import read_image as read_image
     from weftex.io.pictures import write_image as write_image
     from weftex.loading import load_exemplar as load_exemplar
@@ -38,27 +47,15 @@ if TYPE_CHECKING:
     from weftex.methods.quilting import Quilting as Quilting
     from weftex.methods.refinement import Refinement as Refinement
     from weftex.methods.wei_levoy import WeiLevoy as WeiLevoy
-    from weftex.pages import Report as Report
-    from weftex.pages import compare as compare
-    from weftex.pages import report as report
-    from weftex.planes import plane as plane
-    from weftex.planes import stream as stream
     from weftex.quality.assess import Assessment as Assessment
     from weftex.quality.assess import assess as assess
     from weftex.results.synthesis import Synthesis as Synthesis
-    from weftex.studio.notebook import view as view
     from weftex.tasks.analyze import analyze as analyze
     from weftex.tasks.auto import Auto as Auto
-    from weftex.tasks.combined import together as together
-    from weftex.tasks.estimate_maps import estimate_maps as estimate_maps
-    from weftex.tasks.even_light import even_light as even_light
     from weftex.tasks.fill import fill as fill
     from weftex.tasks.fuse import fuse as fuse
-    from weftex.tasks.gradient import Gradient as Gradient
-    from weftex.tasks.straighten import straighten as straighten
     from weftex.tasks.synthesize import synthesize as synthesize
     from weftex.tasks.tile import tile as tile
-    from weftex.turns import turned as turned
 
 __version__ = "0.2.0"
 
@@ -75,7 +72,6 @@ _PUBLIC = {
         "WeftexError",
     ],
     "exemplar": ["Exemplar"],
-    "explanation": ["Explanation", "explain"],
     "io.pictures": ["read_image", "write_image"],
     "loading": ["load_exemplar"],
     "method": ["Method"],
@@ -90,25 +86,18 @@ _PUBLIC = {
     "methods.quilting": ["Quilting"],
     "methods.refinement": ["Refinement"],
     "methods.wei_levoy": ["WeiLevoy"],
-    "pages": ["Report", "compare", "report"],
-    "planes": ["plane", "stream"],
     "quality.assess": ["Assessment", "assess"],
     "results.synthesis": ["Synthesis"],
-    "studio.notebook": ["view"],
     "tasks.analyze": ["analyze"],
     "tasks.auto": ["Auto"],
-    "tasks.combined": ["together"],
-    "tasks.estimate_maps": ["estimate_maps"],
-    "tasks.even_light": ["even_light"],
     "tasks.fill": ["fill"],
     "tasks.fuse": ["fuse"],
-    "tasks.gradient": ["Gradient"],
-    "tasks.straighten": ["straighten"],
     "tasks.synthesize": ["synthesize"],
     "tasks.tile": ["tile"],
-    "turns": ["turned"],
 }
 _HOME = {name: module for module, names in _PUBLIC.items() for name in names}
+#: Public modules; the names of each are its `__all__`.
+_MODULES = ["explanation", "label_maps", "pages", "planes", "prepare", "reference", "studio"]
 
 __all__ = sorted(_HOME)
 
@@ -116,8 +105,8 @@ __all__ = sorted(_HOME)
 def __getattr__(name: str) -> Any:
     from importlib import import_module
 
-    if name == "reference":
-        return import_module("weftex.reference")
+    if name in _MODULES:
+        return import_module(f"weftex.{name}")
     if name not in _HOME:
         raise AttributeError(f"module 'weftex' has no attribute '{name}'")
     value = getattr(import_module("weftex." + _HOME[name]), name)
@@ -126,4 +115,4 @@ def __getattr__(name: str) -> Any:
 
 
 def __dir__() -> list[str]:
-    return sorted({*globals(), *__all__, "reference"})
+    return sorted({*globals(), *__all__, *_MODULES})

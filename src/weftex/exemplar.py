@@ -61,7 +61,7 @@ class Exemplar(Shown):
         What the pixels show, or its name in `weftex.roles.ROLES`; by default a normal map if its
         name says so and else a color.
     turn, copy_shape : str and (int, int), optional
-        Which copies of a smaller sample it is made of, of what size; see `weftex.turned`.
+        Which copies of a smaller sample it is made of, of what size; see `weftex.prepare.turned`.
     pieces : bool, optional
         It has pieces that lie apart, which share no lattice, as copies and several samples do.
     weights : mapping of str to float, optional

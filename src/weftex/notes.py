@@ -1,4 +1,4 @@
-"""Notes of a method while it runs, from which `weftex.explain` makes its stages.
+"""Notes of a method while it runs, from which `weftex.explanation.explain` makes its stages.
 
 A step of a method calls `note`; without a listener that costs nothing.
 """

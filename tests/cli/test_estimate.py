@@ -11,7 +11,7 @@ def test_the_command(here, capsys):
     assert weft_run("estimate", "sample.png", "-o", "out", "--depth", "9") == 0
     found = weftex.load_exemplar("out")
     assert sorted(found.maps) == ["height", "normal_gl"]
-    expected = weftex.estimate_maps("sample.png", depth=9)
+    expected = weftex.prepare.estimate_maps("sample.png", depth=9)
     assert np.array_equal(found.pixels, expected.pixels)
     assert all(np.array_equal(found.maps[k], expected.maps[k]) for k in found.maps)
     assert read_image(here / "out" / "height_estimated.png").pixels.dtype == np.uint16

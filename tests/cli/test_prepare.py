@@ -24,7 +24,7 @@ def photo(here):
 def test_prepare_writes_what_python_returns(photo):
     words = ["--straighten", "--even-light"]
     assert weft_run("prepare", "tiles.png", "-o", "p.png", *words) == 0
-    expected = weftex.even_light(weftex.straighten("tiles.png"))
+    expected = weftex.prepare.even_light(weftex.prepare.straighten("tiles.png"))
     assert np.array_equal(read_image("p.png").pixels, expected.pixels)
 
 

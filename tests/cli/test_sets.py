@@ -302,7 +302,7 @@ def test_report_of_a_set(sets, capsys):
     assert [line.split(":")[0] for line in told[1:]] == ["height", "normal_gl"]
     page = (sets / "page.html").read_text()
     assert "<h2>height</h2>" in page and "The result has no ao." in page
-    found = weftex.report("large", weftex.synthesize("large", 80, seed=1, method="quilting"))
+    found = weftex.pages.report("large", weftex.synthesize("large", 80, seed=1, method="quilting"))
     assert [*found.of_maps] == ["ao", "height", "normal_gl"]
     assert set(found.as_dict()["of_maps"]["ao"]) >= {"seams"}
 

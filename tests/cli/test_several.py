@@ -14,7 +14,7 @@ def test_several_samples(here):
     write_image("other.png", noise((50, 40, 3), seed=9))
     words = ["-o", "a.png", *WORDS, "--save-source", "a.npz"]
     assert weft_run("synth", "sample.png", "other.png", *words) == 0
-    whole = weftex.together(["sample.png", "other.png"])
+    whole = weftex.prepare.together(["sample.png", "other.png"])
     made = weftex.synthesize(whole, (60, 70), method=weftex.Quilting(patch_size=10), seed=2)
     assert np.array_equal(read_image("a.png").pixels, made.image)
     assert weft_run("replay", "a.npz", "sample.png", "other.png", "-o", "again.png") == 0

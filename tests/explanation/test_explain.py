@@ -5,7 +5,7 @@ import pytest
 
 import weftex
 from twins import boundary_zone as zones
-from weftex.explanation import RECORDERS
+from weftex.explanation import RECORDERS, explain
 from weftex.methods import METHODS
 from weftex.notes import pixel_asked
 
@@ -39,7 +39,7 @@ def shown(sample):
 
     def of(slug):
         if slug not in made:
-            made[slug] = weftex.explain(sample, (40, 44), method=slug, seed=5, **SMALL[slug])
+            made[slug] = explain(sample, (40, 44), method=slug, seed=5, **SMALL[slug])
         return made[slug]
 
     return of
@@ -157,4 +157,4 @@ def test_it_shows_and_saves_itself(shown, tmp_path):
 )
 def test_bad_input_is_one_line(words, said, sample):
     with pytest.raises(weftex.WeftexError, match=said.replace("(", r"\(").replace(")", r"\)")):
-        weftex.explain(sample, (40, 44), **words)
+        explain(sample, (40, 44), **words)

@@ -58,7 +58,7 @@ def test_the_kernel_equals_its_twin(seed):
 @pytest.mark.parametrize("shape", [(20, 20), (20, 31), (31, 20)])
 def test_copies_are_found_in_a_picture_of_them(rng, turn, shape):
     sample = weftex.Exemplar(rng.integers(0, 256, shape).astype(np.uint8))
-    found = weftex.turned(sample, turn)
+    found = weftex.prepare.turned(sample, turn)
     copies = [copy for row in TURNS[turn] for copy in row]
     boxes = copies_in(found)
     assert boxes[0] == (0, 0, *shape)
@@ -73,7 +73,7 @@ def test_copies_are_found_in_a_picture_of_them(rng, turn, shape):
 def test_every_patch_is_of_one_copy(turn, shape):
     """The joint line between two copies, which are beside each other, is never shown."""
     pebbles = weftex.read_image("sample:pebbles").pixels
-    sample = weftex.turned(pebbles[: shape[0], : shape[1]], turn)
+    sample = weftex.prepare.turned(pebbles[: shape[0], : shape[1]], turn)
     result = laid(sample)
     y, x = np.moveaxis(result.pictured_source(), -1, 0)
     assert sample.mask[y, x].all()
@@ -86,7 +86,7 @@ def test_every_patch_is_of_one_copy(turn, shape):
 
 def test_nothing_meets_its_mirror_image():
     """What lies across a seam from a thing is not that thing in a mirror."""
-    sample = weftex.turned("sample:pebbles", "flip")
+    sample = weftex.prepare.turned("sample:pebbles", "flip")
     height, width = weftex.read_image("sample:pebbles").pixels.shape[:2]
     own = np.arange(height * width).reshape(height, width)
     result = laid(sample, size=(400, 400))
@@ -143,7 +143,7 @@ def test_what_cannot_be_turned_is_refused():
         turned = {"placement": "entire", "orientations": "half-turns"}
         weftex.fill(pebbles, hole, method="graphcut", seed=1, **turned)
     with pytest.raises(weftex.InvalidInputError, match="turned copies already"):
-        laid(weftex.turned("sample:pebbles", "4"), orientations="half-turns")
+        laid(weftex.prepare.turned("sample:pebbles", "4"), orientations="half-turns")
 
 
 def test_auto_turns_what_has_no_way_up_and_all_else_goes_on(tmp_path):
@@ -155,6 +155,6 @@ def test_auto_turns_what_has_no_way_up_and_all_else_goes_on(tmp_path):
     again = weftex.synthesize("sample:leaves", 300, **{k: made.provenance[k] for k in names})
     np.testing.assert_array_equal(again.image, made.image)
     leaves = weftex.load_exemplar("sample:leaves")
-    assert weftex.assess(leaves, made).score == weftex.report(leaves, made).assessment.score
+    assert weftex.assess(leaves, made).score == weftex.pages.report(leaves, made).assessment.score
     upright = weftex.synthesize("sample:pebbles", 300, seed=3)
     assert upright.provenance.get("orientations", "upright") == "upright"

@@ -12,8 +12,7 @@ import weftex
 import weftex.methods.patches.orders
 from families import noise
 from twins import patch_sampling as reference
-from weftex.methods.patches.orders import patch_starts, patches_around, wavefronts
-from weftex.methods.patches.orders import spiral
+from weftex.methods.patches.orders import patch_starts, patches_around, spiral, wavefronts
 
 
 @given(st.integers(1, 300), st.integers(2, 60), st.booleans(), st.data())

@@ -74,7 +74,7 @@ def test_a_task_of_an_older_run_writes_nothing(tmp_path):
     with at_work(old) as record:
         late = block_maker(old)
         late((record.run, (0, 0, 0)))
-    weftex.stream(SAMPLE, target, SIZE, restart=True, **HOW)
+    weftex.planes.stream(SAMPLE, target, SIZE, restart=True, **HOW)
     before = listing(tmp_path)
     with pytest.raises(FileError, match="it was begun again, or removed"):
         late((record.run, (0, 0, 1)))
@@ -84,7 +84,7 @@ def test_a_task_of_an_older_run_writes_nothing(tmp_path):
 def test_a_restart_waits_for_a_block_that_is_being_written(tmp_path, monkeypatch):
     """Else it would be written into the file of the new run, after the check."""
     target = tmp_path / "p.tif"
-    weftex.stream(SAMPLE, tmp_path / "whole.tif", SIZE, **HOW)
+    weftex.planes.stream(SAMPLE, tmp_path / "whole.tif", SIZE, **HOW)
     old = plane_of(target, 9)
     with at_work(old) as record:
         block_maker(old)((record.run, (0, 0, 0)))
@@ -106,7 +106,7 @@ def test_a_restart_waits_for_a_block_that_is_being_written(tmp_path, monkeypatch
     assert writing.wait(20)
     monkeypatch.undo()
     again = threading.Thread(
-        target=weftex.stream, args=(SAMPLE, target, SIZE), kwargs={"restart": True, **HOW}
+        target=weftex.planes.stream, args=(SAMPLE, target, SIZE), kwargs={"restart": True, **HOW}
     )
     again.start()
     again.join(0.3)
@@ -144,19 +144,19 @@ def test_folders_of_others_are_kept(tmp_path, monkeypatch):
         before = listing(tmp_path)
         for restart in (False, True):
             with pytest.raises(FileError, match="is there already|has files of others"):
-                weftex.stream(SAMPLE, tmp_path / "p.dzi", SIZE, restart=restart, **HOW)
+                weftex.planes.stream(SAMPLE, tmp_path / "p.dzi", SIZE, restart=restart, **HOW)
             assert listing(tmp_path) == before
         shutil.rmtree(tmp_path / name)
-    weftex.stream(SAMPLE, tmp_path / "p.dzi", SIZE, **HOW)
+    weftex.planes.stream(SAMPLE, tmp_path / "p.dzi", SIZE, **HOW)
     (tmp_path / "p_files" / "mine").write_bytes(b"mine")
-    weftex.stream(SAMPLE, tmp_path / "p.dzi", 100, restart=True, **HOW)
+    weftex.planes.stream(SAMPLE, tmp_path / "p.dzi", 100, restart=True, **HOW)
     assert (tmp_path / "p_files" / "mine").exists() and is_whole(tmp_path / "p.dzi")
     monkeypatch.setattr(
         "weftex.planes.deep_zoom.DeepZoomStore.put",
         lambda *_: (_ for _ in ()).throw(OSError(5, "broken")),
     )
     with pytest.raises(FileError, match="broken"):
-        weftex.stream(SAMPLE, tmp_path / "p.dzi", SIZE, restart=True, **HOW)
+        weftex.planes.stream(SAMPLE, tmp_path / "p.dzi", SIZE, restart=True, **HOW)
     assert [p.name for p in tmp_path.rglob("*")] == ["p_files", "mine"]
 
 
@@ -170,14 +170,14 @@ def test_nothing_is_written_through_a_link(tmp_path):
             other.write_bytes(b"precious")
         for restart in (False, True):
             with pytest.raises(FileError, match="p.tif is a link; remove it"):
-                weftex.stream(SAMPLE, target, SIZE, restart=restart, **HOW)
+                weftex.planes.stream(SAMPLE, target, SIZE, restart=restart, **HOW)
         assert (other.read_bytes() if there else other.exists()) == (b"precious" if there else 0)
         target.unlink()
-    weftex.stream(SAMPLE, target, SIZE, **HOW)
+    weftex.planes.stream(SAMPLE, target, SIZE, **HOW)
     target.unlink()
     target.symlink_to(other)
     with pytest.raises(FileError, match="is a link"):
-        weftex.stream(SAMPLE, target, SIZE, restart=True, **HOW)
+        weftex.planes.stream(SAMPLE, target, SIZE, restart=True, **HOW)
     with pytest.raises(FileError, match="is a link"):
         repair(target)
     assert other.read_bytes() == b"precious"
@@ -186,13 +186,13 @@ def test_nothing_is_written_through_a_link(tmp_path):
 @pytest.mark.parametrize("target", [".dzi", ".zarr"], indirect=True)
 def test_files_outside_the_grid_are_kept(tmp_path, target):
     """Though they are called as files of a larger plane would be."""
-    weftex.stream(SAMPLE, target, SIZE, **HOW)
+    weftex.planes.stream(SAMPLE, target, SIZE, **HOW)
     folder = target if target.suffix == ".zarr" else tmp_path / "p_files"
     mine = {folder / name for name in ("5/c/0/0/0", "0/c/0/0/99", "12/0_0.png", "8/0_99.png")}
     for path in mine:
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_bytes(b"mine")
-    weftex.stream(SAMPLE, target, (70, 60), restart=True, **HOW)
+    weftex.planes.stream(SAMPLE, target, (70, 60), restart=True, **HOW)
     left = {path for path, data in listing(tmp_path).items() if data == b"mine"}
     assert left == mine and is_whole(target)
 
@@ -214,7 +214,7 @@ def test_killed_at_any_call_of_the_start(tmp_path, suffix, restart):
     tile = weftex.BestTile(lattice=(20, 0, 0, 20))
 
     def make(target, seed=4, **how):
-        weftex.stream(sample, target, 4, method=tile, seed=seed, block=64, threads=1, **how)
+        weftex.planes.stream(sample, target, 4, method=tile, seed=seed, block=64, threads=1, **how)
 
     def pixels(name):
         return {p.relative_to(folder / name): d for p, d in listing(folder / name).items() if d}
@@ -251,17 +251,17 @@ def test_killed_at_any_call_of_the_start(tmp_path, suffix, restart):
 
 def test_a_recipe_of_another_run_is_refused(tmp_path):
     target = tmp_path / "p.tif"
-    weftex.stream(SAMPLE, target, SIZE, **HOW)
+    weftex.planes.stream(SAMPLE, target, SIZE, **HOW)
     recipe = tmp_path / "p.tif.run" / "recipe.npz"
     data = recipe.read_bytes()
-    weftex.stream(SAMPLE, target, SIZE, restart=True, **HOW)
+    weftex.planes.stream(SAMPLE, target, SIZE, restart=True, **HOW)
     recipe.write_bytes(data)
     with pytest.raises(FileError, match="it belongs to another run"):
         open_plane(target)
 
 
 def test_what_is_missing_or_damaged_is_repaired(tmp_path, target):
-    weftex.stream(SAMPLE, target, (70, 60), **HOW)
+    weftex.planes.stream(SAMPLE, target, (70, 60), **HOW)
     whole = pixels_of(tmp_path)
     assert repair(target) == 0
     for path, data in whole.items():
@@ -286,18 +286,18 @@ def test_what_is_missing_or_damaged_is_repaired(tmp_path, target):
 
 def test_smaller_versions_are_made_of_whole_blocks_only(tmp_path, target):
     """Else damage would be in them, with the right check sum."""
-    weftex.stream(SAMPLE, target, 600, **HOW)
+    weftex.planes.stream(SAMPLE, target, 600, **HOW)
     whole = pixels_of(tmp_path)
 
     def stop(done, *_):
         return done < 100  # of level 0
 
     with pytest.raises(CancelledError):
-        weftex.stream(SAMPLE, target, 600, restart=True, progress=stop, **HOW)
+        weftex.planes.stream(SAMPLE, target, 600, restart=True, progress=stop, **HOW)
     store = open_plane(target).stores["color"]
     store.put((0, 2, 3), 255 - store.get(0, store.layout.window((0, 2, 3))))
     with pytest.raises(FileError, match="level 0, row 2, column 3 is damaged.*check --repair"):
-        weftex.stream(SAMPLE, target, 600, **HOW)
+        weftex.planes.stream(SAMPLE, target, 600, **HOW)
     repair(target)
     assert is_whole(target) and pixels_of(tmp_path) == whole
     store.put((0, 2, 3), 255 - store.get(0, store.layout.window((0, 2, 3))))
@@ -306,7 +306,7 @@ def test_smaller_versions_are_made_of_whole_blocks_only(tmp_path, target):
 
 @pytest.mark.parametrize("begun", [False, True])
 def test_files_that_are_not_of_the_plane_are_never_removed(tmp_path, target, begun):
-    weftex.stream(SAMPLE, target, 70, **HOW)
+    weftex.planes.stream(SAMPLE, target, 70, **HOW)
     path = tmp_path / f"{target.name}.run" / "run.json"
     said = json.loads(path.read_text())
     mine = tmp_path / "mine"
@@ -318,7 +318,7 @@ def test_files_that_are_not_of_the_plane_are_never_removed(tmp_path, target, beg
     for name in ("notes.txt", own, "mine", "mine/zarr.json", "mine/0"):
         path.write_text(json.dumps(said | {"begun": begun, "files": [*said["files"], name]}))
         try:
-            weftex.stream(SAMPLE, target, 70, restart=begun, **HOW)
+            weftex.planes.stream(SAMPLE, target, 70, restart=begun, **HOW)
         except FileError as error:
             assert f"lists {name}, which no plane" in str(error)
         else:
@@ -356,7 +356,7 @@ def _read_all(target):
 
 @pytest.mark.skipif(sys.platform != "linux", reason="memory is counted there")
 def test_pipes_devices_and_files_without_an_end_are_refused(tmp_path, target):
-    weftex.stream(SAMPLE, target, 70, **HOW)
+    weftex.planes.stream(SAMPLE, target, 70, **HOW)
     folder = tmp_path / f"{target.name}.run"
     files = [*pixels_of(tmp_path), *(folder / n for n in ("run.json", "recipe.npz", "done.txt"))]
     for path in files:
@@ -379,11 +379,11 @@ def test_pipes_devices_and_files_without_an_end_are_refused(tmp_path, target):
 
 def test_a_damaged_plane_is_not_continued(tmp_path, target):
     with pytest.raises(CancelledError):
-        weftex.stream(SAMPLE, target, SIZE, progress=lambda done, *_: done < 24, **HOW)
+        weftex.planes.stream(SAMPLE, target, SIZE, progress=lambda done, *_: done < 24, **HOW)
     for path, data in pixels_of(tmp_path).items():
         path.write_bytes(data[:100])
         try:
-            weftex.stream(SAMPLE, target, SIZE, **HOW)
+            weftex.planes.stream(SAMPLE, target, SIZE, **HOW)
         except FileError as error:
             assert "'weftex check --repair' makes it again" in str(error)
             assert "\n" not in str(error)
@@ -395,7 +395,7 @@ def test_a_damaged_plane_is_not_continued(tmp_path, target):
 def test_a_size_of_which_no_memory_holds_the_blocks(target):
     side = 10**9
     with pytest.raises(FileError, match="may take 4e"):
-        weftex.stream(SAMPLE, target, side, **HOW)
+        weftex.planes.stream(SAMPLE, target, side, **HOW)
     plane = plane_of(target, 4, side)
     with pytest.raises(CancelledError):
         write_plane(plane, check_disk=False, threads=1, progress=lambda done, *_: done < 3)
@@ -409,26 +409,26 @@ def test_a_size_of_which_no_memory_holds_the_blocks(target):
 
 def test_a_tiff_of_too_many_tiles(tmp_path):
     with pytest.raises(InvalidInputError, match="at most 4194304 tiles, not .* use a larger"):
-        weftex.stream(SAMPLE, tmp_path / "p.tif", 2**20, **HOW)
+        weftex.planes.stream(SAMPLE, tmp_path / "p.tif", 2**20, **HOW)
 
 
 def test_a_renamed_sample_is_the_same(tmp_path):
     for name in ("a", "b"):
         write_image(tmp_path / f"{name}.png", SAMPLE)
-    weftex.stream(tmp_path / "a.png", tmp_path / "p.tif", SIZE, **HOW)
-    assert weftex.stream(tmp_path / "b.png", tmp_path / "p.tif", SIZE, **HOW).made == 0
+    weftex.planes.stream(tmp_path / "a.png", tmp_path / "p.tif", SIZE, **HOW)
+    assert weftex.planes.stream(tmp_path / "b.png", tmp_path / "p.tif", SIZE, **HOW).made == 0
     changed = np.array(SAMPLE)
     changed[0, 0] ^= 1
     write_image(tmp_path / "b.png", changed)
     with pytest.raises(InvalidInputError, match="its sample is another"):
-        weftex.stream(tmp_path / "b.png", tmp_path / "p.tif", SIZE, **HOW)
+        weftex.planes.stream(tmp_path / "b.png", tmp_path / "p.tif", SIZE, **HOW)
 
 
 def test_another_version_is_refused(tmp_path, monkeypatch):
-    weftex.stream(SAMPLE, tmp_path / "p.tif", SIZE, **HOW)
+    weftex.planes.stream(SAMPLE, tmp_path / "p.tif", SIZE, **HOW)
     monkeypatch.setattr(weftex, "__version__", "99.0")
     with pytest.raises(InvalidInputError, match=r"its version of weftex is .*, here '99\.0'"):
-        weftex.stream(SAMPLE, tmp_path / "p.tif", SIZE, **HOW)
+        weftex.planes.stream(SAMPLE, tmp_path / "p.tif", SIZE, **HOW)
 
 
 def test_a_removed_plane_is_not_touched_by_the_run_that_made_it(tmp_path):
@@ -447,6 +447,6 @@ _STREAM = """
 import sys
 import numpy as np
 import weftex
-weftex.stream(np.arange(60 * 64).astype(np.uint8).reshape(60, 64), sys.argv[1], 100,
+weftex.planes.stream(np.arange(60 * 64).astype(np.uint8).reshape(60, 64), sys.argv[1], 100,
               method=weftex.BestTile(lattice=(20, 0, 0, 20)), seed=1, block=64)
 """

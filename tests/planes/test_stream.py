@@ -42,7 +42,7 @@ def plain(folder):
 @pytest.fixture(scope="module")
 def whole(sample, tmp_path_factory):
     folder = tmp_path_factory.mktemp("whole")
-    found = weftex.stream(sample, folder / "p.tif", SIZE, threads=1, **HOW)
+    found = weftex.planes.stream(sample, folder / "p.tif", SIZE, threads=1, **HOW)
     assert (found.blocks, found.made, found.pixels) == (39, 39, 300 * 333)
     return plain(folder)
 
@@ -56,22 +56,22 @@ def test_the_pixels_are_those_of_windows(sample, whole, tmp_path):
 
 
 def test_threads_and_a_second_run(sample, whole, tmp_path):
-    weftex.stream(sample, tmp_path / "p.tif", SIZE, threads=3, **HOW)
-    again = weftex.stream(sample, tmp_path / "p.tif", SIZE, **HOW | {"seed": None})
+    weftex.planes.stream(sample, tmp_path / "p.tif", SIZE, threads=3, **HOW)
+    again = weftex.planes.stream(sample, tmp_path / "p.tif", SIZE, **HOW | {"seed": None})
     assert (again.blocks, again.made) == (39, 0) and plain(tmp_path) == whole
     assert check(tmp_path / "p.tif", read=True).definition.seed == 4
 
 
 def test_a_run_that_was_cut_off_goes_on(sample, whole, tmp_path):
     with pytest.raises(CancelledError):
-        weftex.stream(
+        weftex.planes.stream(
             sample, tmp_path / "p.tif", SIZE, progress=lambda done, *_: done < 7, threads=1, **HOW
         )
     plane = open_plane(tmp_path / "p.tif")
     assert plane.missing() == 32
     with pytest.raises(FileError, match="is not whole: 32 blocks are missing"):
         plane.read((0, 0, 10, 10))
-    assert weftex.stream(sample, tmp_path / "p.tif", SIZE, **HOW).made == 32
+    assert weftex.planes.stream(sample, tmp_path / "p.tif", SIZE, **HOW).made == 32
     assert plain(tmp_path) == whole
 
 
@@ -91,7 +91,7 @@ def test_parts_are_the_whole(sample, whole, tmp_path):
 
 def test_other_runs_are_refused(sample, tmp_path):
     target = tmp_path / "p.tif"
-    weftex.stream(sample, target, 100, **HOW)
+    weftex.planes.stream(sample, target, 100, **HOW)
     before = listing(tmp_path)
     for change, why in [
         ({"seed": 5}, "its seed is 4, here 5"),
@@ -99,11 +99,11 @@ def test_other_runs_are_refused(sample, tmp_path):
         ({"method": weftex.BestTile(lattice=(30, 0, 0, 20))}, "its lattice is"),
     ]:
         with pytest.raises(InvalidInputError, match=why):
-            weftex.stream(sample, target, 100, **HOW | change)
+            weftex.planes.stream(sample, target, 100, **HOW | change)
     with pytest.raises(InvalidInputError, match="its sample is another"):
-        weftex.stream(noise((60, 64, 3)), target, 100, **HOW)
+        weftex.planes.stream(noise((60, 64, 3)), target, 100, **HOW)
     assert listing(tmp_path) == before
-    weftex.stream(sample, target, 100, restart=True, **HOW | {"seed": 5})
+    weftex.planes.stream(sample, target, 100, restart=True, **HOW | {"seed": 5})
     assert open_plane(target).definition.seed == 5
 
 
@@ -115,12 +115,12 @@ def test_other_files_are_kept(sample, tmp_path):
     one = weftex.Exemplar(sample.pixels)
     for name, restart in [("p.tif", False), ("p.tif", True), ("p.zarr", True)]:
         with pytest.raises(FileError, match="is there already"):
-            weftex.stream(one, tmp_path / name, 100, restart=restart, **HOW)
+            weftex.planes.stream(one, tmp_path / name, 100, restart=restart, **HOW)
     assert listing(tmp_path) == before
     (tmp_path / "p.tif").unlink()
-    weftex.stream(one, tmp_path / "p.tif", 100, restart=True, **HOW)
+    weftex.planes.stream(one, tmp_path / "p.tif", 100, restart=True, **HOW)
     (tmp_path / "p.tif").unlink()  # what is recorded as done is not believed then
-    assert weftex.stream(one, tmp_path / "p.tif", 100, **HOW).made == 4
+    assert weftex.planes.stream(one, tmp_path / "p.tif", 100, **HOW).made == 4
 
 
 def test_a_disk_that_fills(sample, whole, tmp_path, monkeypatch):
@@ -134,22 +134,22 @@ def test_a_disk_that_fills(sample, whole, tmp_path, monkeypatch):
 
     monkeypatch.setattr(TiffStore, "put", fill)
     with pytest.raises(FileError, match="No space left on device; blocks that are done are kept"):
-        weftex.stream(sample, tmp_path / "p.tif", SIZE, threads=1, **HOW)
+        weftex.planes.stream(sample, tmp_path / "p.tif", SIZE, threads=1, **HOW)
     monkeypatch.undo()
-    assert weftex.stream(sample, tmp_path / "p.tif", SIZE, **HOW).made == 33
+    assert weftex.planes.stream(sample, tmp_path / "p.tif", SIZE, **HOW).made == 33
     assert plain(tmp_path) == whole
 
 
 def test_a_run_that_fails_at_once_leaves_nothing(sample, tmp_path, monkeypatch):
     monkeypatch.setattr(TiffStore, "put", lambda *_: (_ for _ in ()).throw(OSError(5, "broken")))
     with pytest.raises(FileError, match="cannot write: broken"):
-        weftex.stream(sample, tmp_path / "p.tif", 100, **HOW)
+        weftex.planes.stream(sample, tmp_path / "p.tif", 100, **HOW)
     assert list(tmp_path.iterdir()) == []
 
 
 def test_recipes_on_disk(sample, tmp_path):
     plain = sample.changed(weights={"height": 2.0}, mask=np.ones((60, 64), bool), icc=b"i")
-    copies = weftex.turned(plain, "4")
+    copies = weftex.prepare.turned(plain, "4")
     patches = weftex.Quilting(patch_size=20)
     for weights, method in ((plain, TILE), (plain, patches), (copies, patches)):
         axes = "x" if method is not TILE else False
@@ -165,7 +165,7 @@ def test_recipes_on_disk(sample, tmp_path):
 
 
 def test_auto_is_the_method_that_it_names(tmp_path):
-    weftex.stream("sample:bricks", tmp_path / "a.tif", (70, 90), seed=1, block=64)
+    weftex.planes.stream("sample:bricks", tmp_path / "a.tif", (70, 90), seed=1, block=64)
     model = weftex.Auto().fit("sample:bricks")
     expected = model.window(0, 0, 70, 90, seed=1).image
     assert (weftex.read_image(tmp_path / "a.tif").pixels == expected).all()
@@ -175,7 +175,7 @@ def test_auto_is_the_method_that_it_names(tmp_path):
 
 def test_a_plane_that_repeats(sample, tmp_path):
     one = weftex.Exemplar(sample.pixels)
-    weftex.stream(
+    weftex.planes.stream(
         one, tmp_path / "a.tif", (128, 192), method="quilting", seed=1, tileable="x", block=64
     )
     pixels = weftex.read_image(tmp_path / "a.tif").pixels
@@ -192,10 +192,10 @@ def test_arguments_that_are_none(sample, tmp_path):
     ]:
         how = {"size": 100} | HOW | change
         with pytest.raises(InvalidInputError, match=why):
-            weftex.stream(sample, tmp_path / "p.tif", **how)
+            weftex.planes.stream(sample, tmp_path / "p.tif", **how)
     strained = HOW | {"method": weftex.BestTile(lattice=(12, 0, 0, 12))}
     with pytest.raises(InvalidInputError, match="strained by .* would do"):
-        weftex.stream(sample, tmp_path / "p.tif", 67, tileable=True, **strained)
+        weftex.planes.stream(sample, tmp_path / "p.tif", 67, tileable=True, **strained)
     assert not list(tmp_path.iterdir())
 
 

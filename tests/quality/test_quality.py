@@ -193,7 +193,7 @@ def test_what_was_known_is_not_called_copied():
     filled = weftex.fill(photo, hole, method="quilting", seed=1)
     found = assess(photo, filled)
     assert found.largest < 0.2 and found.copied > 0.5
-    assert weftex.report(photo, filled).assessment == found
+    assert weftex.pages.report(photo, filled).assessment == found
 
 
 def test_copying_by_hand():

@@ -22,7 +22,7 @@ def made():
 @pytest.fixture
 def ask(made, monkeypatch):
     """A question of the page, and the answer that it gets."""
-    view, said = weftex.view(made, height=200), []
+    view, said = weftex.studio.view(made, height=200), []
     monkeypatch.setattr(view, "send", lambda content, buffers=None: said.append((content, buffers)))
 
     def question(**wanted):
@@ -59,11 +59,11 @@ def test_it_refuses_in_one_line(ask, wanted):
 
 
 def test_what_it_is_told(made):
-    seen = weftex.view(made)._seen
+    seen = weftex.studio.view(made)._seen
     names = [one["name"] for one in seen["result"]["maps"]]
     assert names[0] == seen["result"]["main"] == "color" and "height" in names
     assert seen["result"]["method"] == "quilting" and "sources" in seen["drawings"]
-    alone = weftex.view(made.sample)._seen
+    alone = weftex.studio.view(made.sample)._seen
     assert alone["result"] is None and alone["drawings"] == []
 
 
@@ -80,16 +80,16 @@ def test_its_module_is_one_module_of_the_pages_own():
 
 def test_what_it_does_not_take(made, monkeypatch):
     with pytest.raises(InvalidInputError, match="height is 9; it must be from 160 to 4000"):
-        weftex.view(made, height=9)
+        weftex.studio.view(made, height=9)
     monkeypatch.setitem(sys.modules, "anywidget", None)
     monkeypatch.delitem(sys.modules, "weftex.studio.widget")
     with pytest.raises(UnsupportedError, match=r"pip install 'weftex\[notebook\]'"):
-        weftex.view(made)
+        weftex.studio.view(made)
 
 
 def test_it_needs_no_server():
     """The extra `notebook` brings none."""
     code = "import sys; sys.modules.update(starlette=None, uvicorn=None); import weftex; "
-    command = [sys.executable, "-c", code + "weftex.view('sample:bricks')"]
+    command = [sys.executable, "-c", code + "weftex.studio.view('sample:bricks')"]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr

@@ -9,8 +9,8 @@ from PIL import Image
 import weftex
 from weftex.cli import main
 from weftex.io.pictures import read_image
+from weftex.prepare.combining import combined
 from weftex.roles import ROLES
-from weftex.tasks.combined import combined
 
 SIZE = (70, 80)
 
@@ -120,7 +120,7 @@ def test_everything_may_be_mixed():
 
 
 def test_the_gradient_goes_over():
-    gradient = weftex.Gradient(radii=[0.385], width=0.77)  # sigma is 80
+    gradient = weftex.label_maps.Gradient(radii=[0.385], width=0.77)  # sigma is 80
     result = weftex.fuse([A, B], gradient, (260, 60), seed=1, **FAST)
     made = which(result, 2)
     assert made[:10].mean() < 0.35 and made[-40:].mean() > 0.9
@@ -191,7 +191,7 @@ def test_what_does_not_fit_is_refused():
     refused("the map is 80x70, the size 50x60", [A, B], HALVES, (60, 50))
     refused("needs the size", [A, B], "gradient")
     refused("a gradient has no colors", [A, B], "gradient", 50, colors=[0, 1])
-    refused("1 radii for 3 samples", [A, B, C], weftex.Gradient(radii=[0.5]), 50)
+    refused("1 radii for 3 samples", [A, B, C], weftex.label_maps.Gradient(radii=[0.5]), 50)
     refused("mixed is 3", [A, B], HALVES, mixed=3)
     refused("two numbers of samples", [A, B], HALVES, mixed={2: 1})
     refused("two numbers of samples", [A, B], HALVES, mixed={2: (0, 2)})
@@ -247,7 +247,7 @@ def test_the_command(tmp_path, capsys):
     rings = ["--map", "gradient", "--size", "80x70", "--center", "0.25,0.5", "--radii", "0.4"]
     rings += ["--width", "0.2", "--circles", "0.05", "--belt-width", "8", "--boundary", "merged"]
     assert main([*command, *rings]) == 0
-    gradient = weftex.Gradient(center=(0.5, 0.25), radii=[0.4], width=0.2, circles=0.05)
+    gradient = weftex.label_maps.Gradient(center=(0.5, 0.25), radii=[0.4], width=0.2, circles=0.05)
     expected = weftex.fuse(
         [A, B], gradient, (70, 80), seed=1, belt_width=8, boundary="merged", **FAST
     )

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from weftex.errors import InvalidInputError
-from weftex.tasks.gradient import Gradient
+from weftex.label_maps import Gradient
 
 
 def test_the_papers_map():

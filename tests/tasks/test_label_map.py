@@ -6,8 +6,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from weftex.errors import InvalidInputError
+from weftex.label_maps import labels_of, map_picture
 from weftex.raster.masks import squared_distance_to
-from weftex.tasks.fuse import labels_of, map_picture
 
 RED, BLUE, GREEN = (255, 0, 0), (0, 0, 255), (0, 255, 0)
 

@@ -88,8 +88,7 @@ def explain(
 
     Examples
     --------
-    >>> import weftex
-    >>> shown = weftex.explain("sample:pebbles", 64, method="quilting", patch_size=24, seed=7)
+    >>> shown = explain("sample:pebbles", 64, method="quilting", patch_size=24, seed=7)
     >>> [stage.title for stage in shown]
     ['canvas', 'boundary zone', 'error surface', 'candidates', 'patch', 'canvas after']
     >>> shown["error surface"].array.shape

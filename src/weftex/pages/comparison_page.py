@@ -59,7 +59,7 @@ class Entry:
 
 @dataclass(frozen=True, eq=False)
 class Comparison(Page):
-    """Results of several methods, as returned by `weftex.compare`.
+    """Results of several methods, as returned by `weftex.pages.compare`.
 
     Attributes
     ----------

@@ -50,7 +50,7 @@ class MapReport:
 
 @dataclass(frozen=True, eq=False)
 class Report(Page):
-    """The report on a result, as returned by `weftex.report`.
+    """The report on a result, as returned by `weftex.pages.report`.
 
     Attributes
     ----------

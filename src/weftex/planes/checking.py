@@ -23,7 +23,7 @@ _SHOWN = 8  # parts
 
 
 def check(path: str | os.PathLike[str], *, read: bool = False) -> PlaneFile:
-    """Return a plane that `weftex.stream` wrote, if it is whole.
+    """Return a plane that `weftex.planes.stream` wrote, if it is whole.
 
     Parameters
     ----------
@@ -69,7 +69,7 @@ def repair(
     Parameters
     ----------
     path, threads, progress
-        As for `weftex.stream`.
+        As for `weftex.planes.stream`.
 
     Raises
     ------

@@ -34,7 +34,7 @@ def plane(
 ) -> Any:
     """Return a picture of any size as a `dask.array.Array`, of which blocks are made when asked.
 
-    Needs the extra ``dask``. The pixels are those that `weftex.stream` writes.
+    Needs the extra ``dask``. The pixels are those that `weftex.planes.stream` writes.
 
     Parameters
     ----------
@@ -66,7 +66,7 @@ def plane(
     Examples
     --------
     >>> import weftex
-    >>> wall = weftex.plane("sample:bricks", (10**6, 10**6), seed=1, method="near-regular")
+    >>> wall = weftex.planes.plane("sample:bricks", (10**6, 10**6), seed=1, method="near-regular")
     >>> wall.shape, wall[123456:123466, 654321:654331].compute().shape
     ((1000000, 1000000, 3), (10, 10, 3))
     """

@@ -173,7 +173,7 @@ class PlaneFile:
 
 
 def open_plane(path: str | os.PathLike[str]) -> PlaneFile:
-    """Open a plane that `weftex.stream` wrote.
+    """Open a plane that `weftex.planes.stream` wrote.
 
     Parameters
     ----------

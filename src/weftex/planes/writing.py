@@ -98,7 +98,7 @@ def stream(
     --------
     >>> import tempfile, weftex
     >>> with tempfile.TemporaryDirectory() as folder:
-    ...     weftex.stream("sample:bricks", f"{folder}/wall.tif", (300, 500), seed=1,
+    ...     weftex.planes.stream("sample:bricks", f"{folder}/wall.tif", (300, 500), seed=1,
     ...                   method="near-regular", block=256)
     Written(blocks=4, made=4, pixels=150000)
     """

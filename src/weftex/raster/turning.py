@@ -1,4 +1,4 @@
-"""Pictures of copies of a picture, mirrored or turned; see `weftex.turned`."""
+"""Pictures of copies of a picture, mirrored or turned; see `weftex.prepare.turned`."""
 
 from __future__ import annotations
 

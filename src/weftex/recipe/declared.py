@@ -82,7 +82,7 @@ TILEABLE = Option(
     metavar="x|y",
 )  # fmt: skip
 
-#: What `weftex.Gradient` takes; a map of a fusion may be such a gradient.
+#: What `weftex.label_maps.Gradient` takes; a map of a fusion may be such a gradient.
 GRADIENT = {
     option.name: option
     for option in (

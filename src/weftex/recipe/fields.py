@@ -180,8 +180,8 @@ class Fields:
 
 
 def gradient(given: Mapping[str, Any]) -> Any:
-    """Return the `weftex.Gradient` of a recipe's map."""
-    from weftex.tasks.gradient import Gradient
+    """Return the `weftex.label_maps.Gradient` of a recipe's map."""
+    from weftex.label_maps import Gradient
 
     for name in given:
         if name not in GRADIENT:

@@ -88,11 +88,11 @@ def loaded(spec: Mapping[str, Any], material: Material, open_picture: OpenPictur
 def mended(exemplar: Exemplar, spec: Mapping[str, Any]) -> Exemplar:
     """Straighten a sample, and even its light, where its description says so."""
     if spec.get("straighten") is not None:
-        from weftex.tasks.straighten import straighten
+        from weftex.prepare.straightening import straighten
 
         exemplar = straighten(exemplar, **ways_to_straighten(spec["straighten"]))
     if spec.get("even_light") is not None:
-        from weftex.tasks.even_light import even_light
+        from weftex.prepare.lighting import even_light
 
         exemplar = even_light(exemplar, spec["even_light"])
     return exemplar
@@ -161,7 +161,7 @@ class Opened:
     @cached_property
     def _pairs(self) -> tuple[list[Exemplar], list[str]]:
         """The samples with the maps that all have, and notes about maps that are left out."""
-        from weftex.tasks.combined import of_one_kind, paired
+        from weftex.prepare.combining import of_one_kind, paired
 
         samples = of_one_kind([one.exemplar for one in self.loaded])
         return paired(samples, self.recipe.options.get("missing"))
@@ -195,7 +195,7 @@ class Opened:
         """The sample of synth: several as one, with its guide and its turned copies."""
         sample = self.like
         if not self._is_one:
-            from weftex.tasks.combined import combined
+            from weftex.prepare.combining import combined
 
             sample = combined(self._pairs[0], apart=True)
         if (own := self._guide("sample_guide")) is not None:

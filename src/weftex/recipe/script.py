@@ -33,7 +33,7 @@ def python_of(recipe: Fields, output: str, names: Names) -> str:
     for variable, spec in zip(variables, recipe.materials, strict=True):
         lines += _load_lines(variable, spec, names)
         if recipe.task != "synth" and "turn" in spec:
-            lines.append(f"{variable} = weftex.turned({variable}, {spec['turn']!r})")
+            lines.append(f"{variable} = weftex.prepare.turned({variable}, {spec['turn']!r})")
     lines += _SCRIPTS[recipe.task](recipe, variables, names)
     suffix = os.path.splitext(output)[1] or ".png"
     lines.append(f'{_PACKAGE}.write_image("out{suffix}", made.image, alpha=made.sample.alpha, '
@@ -62,9 +62,9 @@ def _load_lines(variable: str, spec: Mapping[str, Any], names: Names) -> list[st
     if "straighten" in spec:
         ways = ways_to_straighten(spec["straighten"])
         own = "".join(f", {name}={text!r}" for name, text in ways.items())
-        lines.append(f"{variable} = weftex.straighten({variable}{own})")
+        lines.append(f"{variable} = weftex.prepare.straighten({variable}{own})")
     if "even_light" in spec:
-        lines.append(f"{variable} = weftex.even_light({variable}, {spec['even_light']})")
+        lines.append(f"{variable} = weftex.prepare.even_light({variable}, {spec['even_light']})")
     return lines
 
 
@@ -78,13 +78,13 @@ def _synth(recipe: Fields, variables: list[str], names: Names) -> list[str]:
         guide = names.get(options["guide"], options["guide"])
         lines = [f"size = weftex.read_image({guide!r}).pixels.shape[:2]"]
     if len(variables) > 1:
-        lines.append(f"sample = weftex.together([{', '.join(variables)}])")
+        lines.append(f"sample = weftex.prepare.together([{', '.join(variables)}])")
     own = options.pop("sample_guide")
     if own is not None:
         own = names.get(own, own)
         lines.append(f"sample = sample.changed(guide=weftex.read_image({own!r}).pixels)")
     if "turn" in recipe.materials[0]:
-        lines.append(f"sample = weftex.turned(sample, {recipe.materials[0]['turn']!r})")
+        lines.append(f"sample = weftex.prepare.turned(sample, {recipe.materials[0]['turn']!r})")
     if window is None:
         return [*lines, _call(recipe, "synthesize", ["sample", "size"], options, names)]
     name = f"METHODS[{recipe.method.slug!r}]" if recipe.method.slug != AUTO else "Auto"
@@ -111,7 +111,7 @@ def _fuse(recipe: Fields, variables: list[str], names: Names) -> list[str]:
     if isinstance(given, str):
         label_map = repr(names.get(given, given))
     else:
-        label_map = f"{_PACKAGE}.Gradient({_arguments(given)})"
+        label_map = f"{_PACKAGE}.label_maps.Gradient({_arguments(given)})"
     first = [f"[{', '.join(variables)}]", label_map, repr(size)]
     return [_call(recipe, "fuse", first, options, names)]
 

@@ -25,7 +25,7 @@ _CLOSE, _SHARE, _NEVER = 0.15, 0.05, 1e6
 
 
 class OrientedPenalty:
-    """`SaliencePenalty` where the sample is a picture of oriented copies, see `weftex.turned`.
+    """`SaliencePenalty` where the sample is a picture of oriented copies, see `prepare.turned`.
 
     `boxes` are those of the copies; the first is the sample, of these pixels.
     """

@@ -61,7 +61,7 @@ class Synthesis(ShownResult, ABC):
         Pixels in which steps of tone between pieces are spread, see `weftex.results.joining`; 0
         leaves pixels as they are, as holes, drawings, vectors and colors with alpha always are.
     turn : str, optional
-        Which copies its sample is made of, see `weftex.turned`; as the exemplar says, if given.
+        Which copies its sample is made of, see `prepare.turned`; as the exemplar says, if given.
     copy_shape : (int, int), optional
         Height and width of the sample that was turned, likewise.
     is_window : bool

@@ -3,3 +3,7 @@
 `server` starts it, `app` has its routes, `guard` keeps others out; a tab is a session of
 `sessions`, what it makes is a job of `jobs`. The same recipe (`recipes`) makes the same bytes.
 """
+
+from weftex.studio.notebook import view
+
+__all__ = ["view"]

@@ -91,7 +91,7 @@ def write(made: Made, wanted: Wanted, folder: Path) -> list[Path]:
         made.result.save(files[-1])
     if "report" in wanted.beside:
         files.append(folder / f"{wanted.name}.html")
-        weftex.report(made.result.sample, made.result).save(files[-1])
+        weftex.pages.report(made.result.sample, made.result).save(files[-1])
     if "recipe" in wanted.beside:
         files.append(folder / f"{wanted.name}.weftex.json")
         write_text(files[-1], json.dumps(made.recipe.as_json(), indent=1) + "\n")

@@ -42,7 +42,7 @@ def view(thing: Synthesis | Any, *, height: int = 480) -> Any:
     --------
     >>> import weftex
     >>> made = weftex.synthesize("sample:bricks", 128, method="quilting", seed=1)
-    >>> weftex.view(made).height
+    >>> weftex.studio.view(made).height
     480
     """
     if type(height) is not int or not LOWEST <= height <= HIGHEST:

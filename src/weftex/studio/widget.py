@@ -1,4 +1,4 @@
-"""The widget that `weftex.view` returns, by anywidget."""
+"""The widget that `weftex.studio.view` returns, by anywidget."""
 
 from __future__ import annotations
 

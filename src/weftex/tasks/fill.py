@@ -13,12 +13,12 @@ from weftex.canvas import Canvas, as_canvas
 from weftex.errors import InvalidInputError, shown
 from weftex.exemplar import Exemplar
 from weftex.loading import load_exemplar
+from weftex.prepare.combining import paired
 from weftex.random import seed_number
 from weftex.raster.arrays import as_array
 from weftex.raster.masks import grown
 from weftex.results.pixels import PixelSynthesis
 from weftex.seams.around import cut_around
-from weftex.tasks.combined import paired
 from weftex.tasks.method_names import AUTO, is_auto, make_method
 from weftex.tasks.region import Region
 

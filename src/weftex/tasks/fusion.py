@@ -42,7 +42,7 @@ class Fusion:
     synthesized again from merged samples.
     """
 
-    whole: Exemplar  # the samples stacked, see `weftex.tasks.combined.combined`
+    whole: Exemplar  # the samples stacked, see `weftex.prepare.combining.combined`
     exemplars: Sequence[Exemplar]
     scales: Sequence[int]  # the window width by each sample's dominant scale, in pixels
     method: Method

@@ -57,7 +57,7 @@ def shown(tab: Any) -> Any:
 def test_the_views_of_a_result(shown: Any) -> None:
     """Repeated, beside the sample, its maps, under the light, with what is laid over it."""
     made = weftex.synthesize("sample:stone_wall", 96, method="quilting", seed=1)
-    one = shown(weftex.view(made, height=360))
+    one = shown(weftex.studio.view(made, height=360))
     page = one.page
     page.wait_for_selector(".weftex-view .about >> text=96 × 96")
     page.click("[data-key=repeat2]")

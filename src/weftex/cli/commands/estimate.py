@@ -42,7 +42,7 @@ def run(argv: list[str]) -> None:
 
     def work(bar: Bar, outputs: Outputs) -> str:
         from weftex.io.pictures import write_image
-        from weftex.tasks.estimate_maps import estimate_maps
+        from weftex.prepare.estimating import estimate_maps
 
         material = read(args.photo, args)
         exemplar = material.exemplar(tileable=args.tileable_sample)

@@ -62,9 +62,9 @@ def run(argv: list[str]) -> None:
     refuse_options(args)
 
     def work(bar: Bar, outputs: Outputs) -> str:
+        from weftex.prepare.combining import combined, of_one_kind, paired
         from weftex.raster.levels import scale_between
         from weftex.results.synthesis import Synthesis
-        from weftex.tasks.combined import combined, of_one_kind, paired
 
         make_room(args.maps, args, outputs)
         materials = [_as_map(read(one, args)) for one in args.maps]

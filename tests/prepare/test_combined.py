@@ -10,7 +10,7 @@ from materials import normal_map
 
 def test_nothing_is_taken_from_two_samples_at_once():
     one, other = noise((20, 30, 3)), noise((26, 24, 3), seed=5)
-    whole = weftex.together([one, other])
+    whole = weftex.prepare.together([one, other])
     assert whole.shape == (47, 30)
     assert np.array_equal(whole.pixels[:20], one) and np.array_equal(whole.pixels[21:, :24], other)
     assert not whole.mask[20].any() and not whole.mask[:, 24:][21:].any()
@@ -27,7 +27,7 @@ def test_maps_are_paired_by_role_at_any_scale(rng):
     other = weftex.Exemplar(
         noise((24, 30)), maps={"ao": rng.random((12, 15)), "height": rng.random((48, 60))}
     )
-    whole = weftex.together([one, other])
+    whole = weftex.prepare.together([one, other])
     assert whole.shape == (46, 30)  # two lines between: one pixel of the coarser map
     assert whole.maps["height"].shape == (92, 60) and whole.maps["ao"].shape == (23, 15)
     assert np.array_equal(whole.maps["height"][44:], other.maps["height"])
@@ -37,25 +37,25 @@ def test_maps_are_paired_by_role_at_any_scale(rng):
 def test_samples_share_no_lattice():
     tiles = np.tile(noise((8, 8)), (5, 5))
     with pytest.raises(weftex.UnsupportedError, match="goes by one lattice"):
-        weftex.NearRegular(lattice=(8, 0, 0, 8)).fit(weftex.together([tiles, tiles]))
+        weftex.NearRegular(lattice=(8, 0, 0, 8)).fit(weftex.prepare.together([tiles, tiles]))
 
 
 @pytest.mark.parametrize("samples", [[], "sample:pebbles", weftex.Exemplar(noise((9, 9)))])
 def test_it_must_be_a_list(samples):
     with pytest.raises(weftex.InvalidInputError, match="must be a list"):
-        weftex.together(samples)
+        weftex.prepare.together(samples)
 
 
 def test_samples_of_other_kinds_are_refused():
     with pytest.raises(weftex.InvalidInputError, match="sample 2 .* is uint16"):
-        weftex.together([noise((9, 9)), noise((9, 9), dtype=np.uint16)])
+        weftex.prepare.together([noise((9, 9)), noise((9, 9), dtype=np.uint16)])
 
 
 @pytest.mark.parametrize("store", [lambda v: v, lambda v: (v + 1) / 2])
 def test_normals_are_turned_to_the_first_convention_however_they_are_stored(rng, store):
     vectors = normal_map(rng, (12, 14))
     one, other = noise((12, 14)), noise((12, 14), seed=5)
-    whole = weftex.together(
+    whole = weftex.prepare.together(
         [
             weftex.Exemplar(one, maps={"normal_gl": store(vectors)}),
             weftex.Exemplar(other, maps={"normal_dx": store(vectors * [1, -1, 1])}),

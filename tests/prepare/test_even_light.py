@@ -5,7 +5,8 @@ import pytest
 
 import weftex
 from weftex.analysis.properties import evenness
-from weftex.tasks.even_light import _linear, _stored
+from weftex.prepare import even_light
+from weftex.prepare.lighting import _linear, _stored
 
 NAMES = ("pebbles", "bricks", "weave", "grass", "leaves")
 
@@ -29,9 +30,9 @@ def test_the_light_is_gone_and_the_material_is_as_before(name):
     sample = weftex.load_exemplar(f"sample:{name}")
     dark = lit(sample, lamp(sample.shape))
     assert evenness(dark).light > 2 * evenness(sample).light + 0.05
-    assert evenness(weftex.even_light(dark)).light <= 0.01
+    assert evenness(even_light(dark)).light <= 0.01
     # Both become the same, up to rounding of dark pixels and how bright the whole is.
-    own, other = (weftex.even_light(one).pixels.astype(float) for one in (sample, dark))
+    own, other = (even_light(one).pixels.astype(float) for one in (sample, dark))
     one = np.corrcoef(own.ravel(), other.ravel())[0, 1]
     assert one > 0.998
 
@@ -42,11 +43,11 @@ def test_every_type_alike(dtype):
     dark = lit(sample, lamp(sample.shape))
     if np.dtype(dtype).kind == "u":
         pixels = (dark.pixels.astype(dtype) * (np.iinfo(dtype).max // 255)).astype(dtype)
-        found = _linear(weftex.even_light(pixels).pixels)
+        found = _linear(even_light(pixels).pixels)
     else:
-        found = weftex.even_light(_linear(dark.pixels).astype(dtype)).pixels
+        found = even_light(_linear(dark.pixels).astype(dtype)).pixels
         assert found.dtype == dtype
-    wanted = _linear(weftex.even_light(dark).pixels)
+    wanted = _linear(even_light(dark).pixels)
     assert abs(found - wanted).mean() < 0.003 and abs(found.mean() - wanted.mean()) < 0.001
 
 
@@ -56,30 +57,30 @@ def test_what_does_not_show_says_nothing_of_the_light():
     pixels[..., 3] = 255
     pixels[:30, :20] = 0  # clear, and black
     sample = weftex.Exemplar(pixels, maps={"height": pixels[..., 0]})
-    even = weftex.even_light(sample)
+    even = even_light(sample)
     assert abs(even.pixels.astype(int) - pixels)[30:].max() <= 3
     assert np.array_equal(even.pixels[..., 3], pixels[..., 3])
     assert np.array_equal(even.maps["height"], sample.maps["height"])
     mask = np.ones((60, 80), bool)
     mask[:30, :20] = False
     masked = weftex.Exemplar(pixels[..., :3].copy(), mask=mask)
-    assert abs(weftex.even_light(masked).pixels.astype(int) - pixels[..., :3])[30:].max() <= 3
+    assert abs(even_light(masked).pixels.astype(int) - pixels[..., :3])[30:].max() <= 3
 
 
 @pytest.mark.parametrize("shape", [(1, 1), (1, 40), (40, 1), (3, 2), (2, 2, 3)])
 @pytest.mark.parametrize("value", [0, 7, 255])
 def test_tiny_and_flat_ones_stay(shape, value):
     pixels = np.full(shape, value, np.uint8)
-    assert np.array_equal(weftex.even_light(pixels, 8).pixels, pixels)
+    assert np.array_equal(even_light(pixels, 8).pixels, pixels)
 
 
 @pytest.mark.parametrize("value", [np.finfo(np.float32).max, -1.0, 1e-40])
 def test_numbers_of_every_size_stay_numbers(value):
     pixels = np.random.default_rng(0).choice([0, value, value / 3], (30, 30)).astype(np.float32)
-    assert np.isfinite(weftex.even_light(pixels).pixels).all()
+    assert np.isfinite(even_light(pixels).pixels).all()
 
 
 @pytest.mark.parametrize("degree", [0, 9, 1.5, True, None, "2"])
 def test_degrees_out_of_range_are_refused(degree):
     with pytest.raises(weftex.InvalidInputError, match="degree is"):
-        weftex.even_light(np.zeros((9, 9), np.uint8), degree)
+        even_light(np.zeros((9, 9), np.uint8), degree)

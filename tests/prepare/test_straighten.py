@@ -8,6 +8,7 @@ import pytest
 import weftex
 from materials import wall
 from weftex.analysis.lattice import Lattice, find_lattice
+from weftex.prepare import straighten
 from weftex.raster.lighting import lit
 
 
@@ -31,7 +32,7 @@ def turned(degrees):
 @pytest.mark.parametrize("shear", [0, 0.08])
 def test_by_the_lattice(degrees, shear):
     photo = drawn((240, 300), np.array([[1, 0], [shear, 1]]) @ turned(degrees))
-    straight = weftex.straighten(photo)
+    straight = straighten(photo)
     (a, b), (c, d) = find_lattice(straight).vectors
     found = sorted([(a, b), (c, d)], key=lambda v: abs(v[1]))
     high = 24 * math.hypot(1, shear)
@@ -42,8 +43,8 @@ def test_by_the_lattice(degrees, shear):
 def test_by_given_vectors():
     photo = drawn((240, 300), turned(5))
     vectors = np.array([(40, 0), (0, 24)]) @ turned(5)
-    one = weftex.straighten(photo, lattice=vectors.ravel())
-    other = weftex.straighten(photo, lattice=Lattice(tuple(map(tuple, vectors))))
+    one = straighten(photo, lattice=vectors.ravel())
+    other = straighten(photo, lattice=Lattice(tuple(map(tuple, vectors))))
     assert np.array_equal(one.pixels, other.pixels)
     middle = np.array(one.shape[::-1]) / 2
     expected = drawn(one.shape, np.eye(2), middle - np.array([150, 120]) @ turned(-5))
@@ -58,14 +59,14 @@ def test_rows_become_level_or_upright(down):
     y, x = np.indices((200, 240)) + 0.5
     across = (np.stack([x, y], axis=-1) @ np.linalg.inv(matrix))[..., 0 if down else 1]
     photo = np.where(across % 25 < 3, 20, 180) + rng.integers(0, 20, across.shape)
-    straight = weftex.straighten(photo.astype(np.uint8)).pixels
+    straight = straighten(photo.astype(np.uint8)).pixels
     dark = (straight < 100).mean(axis=0 if down else 1)  # lines are dark or bright as a whole
     assert ((dark < 0.1) | (dark > 0.9)).mean() > 0.85
 
 
 def test_a_straight_one_stays_as_it_is():
     photo = wall(120, 160)
-    straight = weftex.straighten(photo, lattice=(16, 0, 8, 12))
+    straight = straighten(photo, lattice=(16, 0, 8, 12))
     assert np.array_equal(straight.pixels, photo)
 
 
@@ -87,7 +88,7 @@ def test_by_the_corners_of_a_rectangle(seed):
     signs = np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)])
     there = np.pad(signs * sides / 2, ((0, 0), (0, 1))) @ turn.T + (0, 0, far)
     corners = there[:, :2] / there[:, 2:] * focus + (200, 150)
-    straight = weftex.straighten(photo, corners=corners.ravel()).pixels
+    straight = straighten(photo, corners=corners.ravel()).pixels
     assert straight.shape[1] / straight.shape[0] == pytest.approx(sides[0] / sides[1], rel=0.02)
     y, x = (np.indices(straight.shape) + 0.5) / np.reshape(straight.shape, (2, 1, 1))
     expected = ((x * sides[0]) % 40 < 2) | ((y * sides[1]) % 24 < 2)
@@ -103,7 +104,7 @@ def test_every_part_of_a_sample(dtype):
     mask = rng.random((60, 80)) < 0.8
     guide = rng.integers(0, 3, (60, 80)).astype(np.uint8)
     sample = weftex.Exemplar(pixels, maps={"h": pixels[..., 0]}, mask=mask, guide=guide)
-    found = weftex.straighten(sample, lattice=(20, 2, -1, 10))
+    found = straighten(sample, lattice=(20, 2, -1, 10))
     assert found.pixels.dtype == dtype and found.alpha and found.pixels.shape[2] == 4
     assert found.maps["h"].shape == found.mask.shape == found.guide.shape == found.shape
     assert set(np.unique(found.guide)) <= {0, 1, 2}
@@ -113,7 +114,7 @@ def test_every_part_of_a_sample(dtype):
 def test_clear_pixels_bleed_nothing():
     pixels = np.full((60, 80, 4), 200, np.uint8)
     pixels[:, 40:] = (255, 0, 255, 0)
-    found = weftex.straighten(pixels, lattice=(20, 2, -1, 10)).pixels
+    found = straighten(pixels, lattice=(20, 2, -1, 10)).pixels
     assert (abs(found[..., :3].astype(int) - 200)[found[..., 3] > 8] <= 2).all()
 
 
@@ -121,7 +122,7 @@ def test_clear_pixels_bleed_nothing():
 def test_numbers_of_every_size_stay_numbers(value):
     rng = np.random.default_rng(0)
     pixels = rng.choice([-1, 0, 1 / 3, 1], (30, 30)).astype(np.float32) * np.float32(value)
-    assert np.isfinite(weftex.straighten(pixels, lattice=(9, 1, 0, 9)).pixels).all()
+    assert np.isfinite(straighten(pixels, lattice=(9, 1, 0, 9)).pixels).all()
 
 
 @pytest.mark.parametrize(
@@ -141,7 +142,7 @@ def test_numbers_of_every_size_stay_numbers(value):
 def test_what_cannot_be_straightened_is_refused(given, words):
     noise = np.random.default_rng(0).integers(0, 255, (40, 40)).astype(np.uint8)
     with pytest.raises(weftex.InvalidInputError, match=words) as error:
-        weftex.straighten(noise, **given)
+        straighten(noise, **given)
     assert "\n" not in str(error.value)
 
 
@@ -171,14 +172,14 @@ def relief(shape):
 def test_normals_are_those_of_the_straightened_heights(how):
     """Under a light from aside both look alike; with the photo's own vectors they would not."""
     photo = relief((160, 200))
-    made = weftex.straighten(photo, **how)
+    made = straighten(photo, **how)
     gray = made.pixels
     by_height = lit(gray, height=made.maps["height"]).astype(float)
     for name in ("normal_gl", "normal_dx"):
         down = name == "normal_dx"
         shown = lit(gray, normal=made.maps[name], directx=down).astype(float)
         kept = photo.changed(maps={"vectors": photo.maps[name]})
-        as_numbers = weftex.straighten(kept, **how).maps["vectors"]
+        as_numbers = straighten(kept, **how).maps["vectors"]
         other = lit(gray, normal=as_numbers, directx=down).astype(float)
         inner = np.s_[4:-4, 4:-4, 0]
         off, before = (abs(one - by_height)[inner].mean() for one in (shown, other))

@@ -5,7 +5,7 @@ import pytest
 
 import weftex
 from families import noise
-from weftex.tasks.estimate_maps import estimate_maps
+from weftex.prepare.estimating import estimate_maps
 
 
 def hills():

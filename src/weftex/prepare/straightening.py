@@ -16,7 +16,7 @@ from weftex.errors import InvalidInputError
 from weftex.exemplar import Exemplar
 from weftex.loading import load_exemplar
 from weftex.parameters import numbers_of
-from weftex.tasks.warping import nearest, warped
+from weftex.prepare.warping import nearest, warped
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
