@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any
+from dataclasses import replace
+from typing import TYPE_CHECKING
 
 from weftex.analysis.canvas_lattice import VISIBLE_STRAIN, CanvasLattice, four_numbers
 from weftex.analysis.canvas_lattice import is_sure as lattice_is_sure
@@ -42,50 +43,74 @@ _FORMS = 0.45  # samples of many features have up to 0.33
 
 
 def choose(findings: Findings, canvas: Canvas) -> Choice:
-    """Return the method for a sample and a canvas without known pixels and without a guide."""
-    shorter, lattice = min(findings.shape), findings.lattice
-    warnings = _warnings(findings)
-    parameters: dict[str, Any] = {}
-    if shorter < SMALLEST_ANALYZED:
-        slug, because = "graphcut", f"the sample is too small to analyze ({_size(findings.shape)})"
-    elif lattice is not None and is_sure(lattice, findings.shape):
-        slug, because = "near-regular", f"the sample has {words(lattice)}"
-        vectors = four_numbers(lattice)
-        refused = _strained(vectors, canvas)
-        if refused:
-            slug = "quilting"
-            because = f"{because}, which do not fit a tileable {_size(canvas.shape)}"
-            warnings.append(refused)
-        elif findings.exact:
-            parameters["lattice"] = vectors
-            if _quickly_cut(canvas) and CanvasLattice(vectors, canvas).strain <= _STIFF:
-                slug, parameters = "graphcut", {**WHOLE, **parameters}
-    elif findings.scale <= _FINE * shorter:
-        slug = "patch-sampling"
-        because = f"the structure is fine ({findings.scale:.3g} px of {shorter})"
-        if findings.colors <= _FEW_COLORS:
-            slug = "quilting"
-            because = f"{because} and its few colors ({findings.colors}) must not be blended"
-        elif _quickly_cut(canvas):
-            slug = "graphcut"
-            parameters = {} if findings.scale <= _GRAIN * shorter else _whole(findings, canvas)
-    else:
-        slug = "graphcut"
-        because = f"the structure is irregular (features of {findings.scale:.3g} px)"
-        if _quickly_cut(canvas) or _is_small(findings.shape):
-            parameters = _whole(findings, canvas)
-        else:
-            megapixels = canvas.height * canvas.width / 1e6
-            because = f"{because} and the output is large ({megapixels:.3g} megapixels)"
-    if "orientations" in parameters:
-        because = f"{because} and looks the same upside down"
-    return Choice(slug, parameters, because, tuple(warnings))
+    """Return the method for a sample and a canvas without known pixels and without a guide.
+
+    It is that of the first rule that applies.
+    """
+    for rule in (_too_small, _regular, _fine, _irregular):
+        choice = rule(findings, canvas)
+        if choice is not None:
+            break
+    return replace(choice, warnings=(*_warnings(findings), *choice.warnings))
 
 
-def _whole(findings: Findings, canvas: Canvas) -> dict[str, Any]:
-    """Return the parameters for entire samples, also upside down where that looks the same."""
-    turned = findings.sidedness <= _SIDED and canvas.height * canvas.width <= _TURNED
-    return {**WHOLE, **({"orientations": "half-turns"} if turned else {})}
+def _too_small(findings: Findings, canvas: Canvas) -> Choice | None:
+    """Return graph cut where nothing can be analyzed."""
+    if min(findings.shape) >= SMALLEST_ANALYZED:
+        return None
+    because = f"the sample is too small to analyze ({_size(findings.shape)})"
+    return Choice("graphcut", {}, because)
+
+
+def _regular(findings: Findings, canvas: Canvas) -> Choice | None:
+    """Return what follows a sure lattice or rows; quilting where they do not fit the canvas."""
+    lattice = findings.lattice
+    if lattice is None or not is_sure(lattice, findings.shape):
+        return None
+    vectors, because = four_numbers(lattice), f"the sample has {words(lattice)}"
+    refused = _strained(vectors, canvas)
+    if refused:
+        because = f"{because}, which do not fit a tileable {_size(canvas.shape)}"
+        return Choice("quilting", {}, because, (refused,))
+    if not findings.exact:
+        return Choice("near-regular", {}, because)
+    if _quickly_cut(canvas) and CanvasLattice(vectors, canvas).strain <= _STIFF:
+        return Choice("graphcut", {**WHOLE, "lattice": vectors}, because)
+    return Choice("near-regular", {"lattice": vectors}, because)
+
+
+def _fine(findings: Findings, canvas: Canvas) -> Choice | None:
+    """Return patches where the structure is fine; quilting for drawings, graph cut if quick."""
+    scale, shorter = findings.scale, min(findings.shape)
+    if scale > _FINE * shorter:
+        return None
+    because = f"the structure is fine ({scale:.3g} px of {shorter})"
+    if findings.colors <= _FEW_COLORS:
+        because = f"{because} and its few colors ({findings.colors}) must not be blended"
+        return Choice("quilting", {}, because)
+    if not _quickly_cut(canvas):
+        return Choice("patch-sampling", {}, because)
+    if scale <= _GRAIN * shorter:
+        return Choice("graphcut", {}, because)
+    return _whole(findings, canvas, because)
+
+
+def _irregular(findings: Findings, canvas: Canvas) -> Choice:
+    """Return graph cut for anything else: entire samples where the output is not too large."""
+    because = f"the structure is irregular (features of {findings.scale:.3g} px)"
+    if _quickly_cut(canvas) or _is_small(findings.shape):
+        return _whole(findings, canvas, because)
+    megapixels = canvas.height * canvas.width / 1e6
+    because = f"{because} and the output is large ({megapixels:.3g} megapixels)"
+    return Choice("graphcut", {}, because)
+
+
+def _whole(findings: Findings, canvas: Canvas, because: str) -> Choice:
+    """Return graph cut with entire samples, also upside down where that looks the same."""
+    if findings.sidedness > _SIDED or canvas.height * canvas.width > _TURNED:
+        return Choice("graphcut", dict(WHOLE), because)
+    parameters = {**WHOLE, "orientations": "half-turns"}
+    return Choice("graphcut", parameters, f"{because} and looks the same upside down")
 
 
 def places_freely(choice: Choice) -> bool:
