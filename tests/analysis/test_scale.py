@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 import weftex
+from families import noise
 from weftex.analysis.relief import relief
 from weftex.analysis.scale import THICKNESS, _over_squares, _ring_power, dominant_scale
 from weftex.exemplar import Exemplar
@@ -145,13 +146,6 @@ def test_strewn_things(size, rng):
     assert size <= scale.scale <= 2 * size  # they are plainer than stones, which have grain
 
 
-def test_things_grow_with_the_picture(rng):
-    values = np.clip(strewn(160, 12, rng), -1, 1)
-    small = found(levels(values)).scale
-    large = found(levels(np.repeat(np.repeat(values, 3, axis=0), 3, axis=1))).scale
-    assert large == pytest.approx(3 * small, rel=0.1)
-
-
 def test_things_of_many_sizes_are_less_sure(rng):
     one = strewn(256, 12, rng)
     many = 0.5 * one + 0.4 * strewn(256, 100, rng) + 0.1 * rng.standard_normal((256, 256))
@@ -237,35 +231,15 @@ def test_what_the_mask_leaves_out_does_not_count():
     assert found(junk, mask=holes).scale == pytest.approx(8, rel=0.05)
 
 
-def test_of_equal_peaks_the_coarsest_is_taken():
-    both = grating(120, 120, 20) + grating(120, 120, 12, math.pi / 2)
-    swapped = both.T
-    assert found(levels(both / 2)).scale == found(levels(swapped / 2)).scale
-
-
-@pytest.mark.parametrize("shape", [(1, 1), (1, 7), (7, 7), (3, 3, 4), (2, 5)])
-def test_small_samples_have_no_curve(shape, rng):
-    scale = found(rng.integers(0, 256, shape, np.uint8))
+@pytest.mark.parametrize("pixels", [
+    *(np.full(shape, 77, np.uint8) for shape in ((40, 40), (8, 8, 3), (1, 300), (300, 1))),
+    *(noise(shape) for shape in ((1, 1), (1, 7), (7, 7), (3, 3, 4))),
+    np.add.outer(np.arange(60), np.arange(60)).astype(np.uint8),
+], ids=lambda pixels: str(pixels.shape))  # fmt: skip
+def test_constant_and_small_samples_and_lighting_alone(pixels):
+    scale = found(pixels)
     assert (scale.scale, scale.confidence, len(scale.power)) == (1, 0, 0)
     assert scale.window_width == 3
-
-
-@pytest.mark.parametrize("shape", [(40, 40), (8, 8, 3), (1, 300), (300, 1)])
-def test_constant_samples(shape):
-    for value in (0, 77, 255):
-        scale = found(np.full(shape, value, np.uint8))
-        assert (scale.scale, scale.confidence, len(scale.power)) == (1, 0, 0)
-
-
-def test_a_single_row():
-    wave = levels(grating(1, 200, 10))
-    for pixels in (wave, wave.T):
-        assert found(pixels).scale == pytest.approx(10, rel=0.03)
-
-
-def test_lighting_alone_is_a_constant_sample():
-    ramp = np.add.outer(np.arange(60), np.arange(60)).astype(np.uint8)
-    assert found(ramp).confidence == 0
 
 
 def test_few_usable_pixels():

@@ -115,20 +115,6 @@ def test_tiff_from_tifffile(tmp_path, options, dtype):
     np.testing.assert_array_equal(back, pixels if kept else pixels.astype("float32"))
 
 
-@pytest.mark.parametrize("packing", ["tiff_lzw", "tiff_adobe_deflate", "packbits", "raw"])
-def test_tiff_from_pillow(tmp_path, packing):
-    pixels = smooth(40, 30)
-    Image.fromarray(pixels).save(tmp_path / "a.tif", compression=packing)
-    np.testing.assert_array_equal(io.read_image(tmp_path / "a.tif").pixels, pixels)
-
-
-@pytest.mark.parametrize("packing", ["zstd", "lzw", "zip", "none"])
-def test_tiff_packings_read(tmp_path, packing):
-    pixels = noise((40, 30, 3), "uint16")
-    oiio_write(tmp_path / "a.tif", "tiff", pixels, compression=packing)
-    np.testing.assert_array_equal(io.read_image(tmp_path / "a.tif").pixels, pixels)
-
-
 def test_tiff_planes_pages_and_bilevel(tmp_path):
     pixels = noise((12, 10, 3))
     planes = np.ascontiguousarray(np.moveaxis(pixels, 2, 0))
@@ -275,10 +261,6 @@ def test_tifffile_reads_the_same(tmp_path, dtype, channels, alpha):
         assert page.dtype == dtype
         assert page.predictor == 1
     np.testing.assert_array_equal(tifffile.imread(tmp_path / "a.tif"), pixels)
-
-
-def test_picture_prints_without_its_pixels():
-    assert repr(io.read_image("sample:grass")) == "Picture(alpha=False, path='sample:grass')"
 
 
 def test_importing_does_not_load_the_library():

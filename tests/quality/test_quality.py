@@ -19,7 +19,6 @@ from weftex.quality.copying import copying, pieces
 from weftex.quality.figures import FIGURES
 from weftex.quality.seams import StepModel, seam_map, seams, wrap_seam
 from weftex.quality.view import views
-from weftex.raster.boxes import centered_sums
 
 SAMPLES = Path(__file__).parents[2] / "examples" / "samples"
 SURFACES = ["cobbles", "gingham", "shingles", "boards"]
@@ -212,12 +211,6 @@ def test_copying_by_hand():
     assert copying(own, made, np.full((8, 8, 2), -1)) is None
 
 
-def test_figures_are_the_same_every_time():
-    first, second = surface("cobbles")
-    again = assess(Exemplar(first.copy()), second.copy())
-    assert again == measured("cobbles", "real")
-
-
 @pytest.mark.parametrize(
     "dtype, channels",
     [(np.uint8, (2,)), (np.uint16, ()), (np.uint16, (4,)), (np.float32, (1,)), (np.float64, (9,))],
@@ -321,18 +314,3 @@ def test_every_figure_is_described():
     assert Assessment().verdict() == "Too small to be judged."
     assert FIGURES["sharpness"].fault(0.5) == "is blurred"
     assert FIGURES["sharpness"].fault(1.5).startswith("is noisier")
-
-
-def test_box_sums_by_definition(rng):
-    values = rng.random((7, 9))
-    for radius in (1, 3, 12):
-        expected = [
-            [
-                values[
-                    max(0, y - radius) : y + radius + 1, max(0, x - radius) : x + radius + 1
-                ].sum()
-                for x in range(9)
-            ]
-            for y in range(7)
-        ]
-        np.testing.assert_allclose(centered_sums(values, radius), expected)

@@ -68,13 +68,6 @@ def test_known_pixels_stay_for_any_kind(dtype, channels, wrap, corner, size, see
     assert (image[~hole] == photo[~hole]).all()
 
 
-def test_constant_stays_constant():
-    photo = np.full((60, 60, 3), 90, np.uint8)
-    hole = box((60, 60), (20, 20, 40, 40))
-    photo[hole] = 7
-    assert (weftex.fill(photo, hole, seed=1).image == 90).all()
-
-
 @pytest.mark.parametrize("method", METHODS)
 def test_the_same_seed_gives_the_same_bytes(method):
     photo, hole = noise((70, 90, 3)), HOLES["several"]
@@ -273,12 +266,6 @@ def test_windows_shrink_to_what_holes_leave(method, name):
     assert not hole[tuple(result.source[hole].T)].any()
 
 
-def test_single_pixels():
-    photo, hole = noise((40, 50, 3)), box((40, 50), (10, 10, 16, 20))
-    result = weftex.fill(photo, hole, seed=1, patch_size=1)
-    assert (result.image == photo[result.source[..., 0], result.source[..., 1]]).all()
-
-
 def test_progress_can_cancel():
     with pytest.raises(weftex.CancelledError):
         weftex.fill(noise((70, 90)), HOLES["several"], seed=1, progress=lambda *_: False)
@@ -299,17 +286,6 @@ def test_joints_of_a_sure_lattice_go_on():
     leaves = weftex.load_exemplar("sample:leaves").pixels[:180, :190]
     for photo, method in ((leaves, "graphcut"), (noise((180, 190)), "patch-sampling")):
         assert weftex.fill(photo, hole[:180, :190], seed=1).provenance["method"] == method
-
-
-def test_rows_go_on():
-    """Ribs keep their places, and their width, through a hole."""
-    ribs = np.where(np.arange(200) % 25 < 6, 60, 180)
-    photo = (ribs + noise((160, 200, 1))[..., 0] % 24).astype(np.uint8)
-    hole = np.zeros(photo.shape, bool)
-    hole[50:110, 60:130] = True
-    result = weftex.fill(photo, hole, seed=1)
-    assert result.provenance["method"] == "graphcut" and "rows 25 px" in result.provenance["reason"]
-    assert abs(result.image - (ribs + 12.0)).max() < 20
 
 
 def test_large_photos_are_filled_by_blocks_of_the_lattice():
