@@ -28,15 +28,6 @@ def test_prepare_writes_what_python_returns(photo):
     assert np.array_equal(read_image("p.png").pixels, expected.pixels)
 
 
-def test_synth_takes_the_same_options(photo):
-    words = ["--size", "80", "--seed", "3", "--method", "patch-sampling"]
-    mending = ["--straighten", "24,-1.2,0.8,16", "--even-light", "1"]
-    assert weft_run("prepare", "tiles.png", "-o", "p.png", *mending) == 0
-    assert weft_run("synth", "p.png", "-o", "a.png", *words) == 0
-    assert weft_run("synth", *mending, "tiles.png", "-o", "b.png", *words) == 0
-    assert (photo / "a.png").read_bytes() == (photo / "b.png").read_bytes()
-
-
 def test_maps_are_straightened_and_keep_their_light(here):
     rng = np.random.default_rng(1)
     (here / "set").mkdir()

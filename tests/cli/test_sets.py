@@ -73,6 +73,13 @@ def test_names_of_a_scheme_are_read_again(sets, capsys, scheme):
         assert again is not None and again.name.removesuffix("_gl") == role.name.removesuffix("_gl")
 
 
+def test_several_sets_of_one_material(sets):
+    write_set(sets / "more", {"a_color.png": noise((40, 40, 3)), "a_rough.png": noise((20, 20))})
+    words = ["--size", 40, "--method", "quilting", "--patch-size", 10]
+    assert weft_run("synth", "rock", "more", "-o", "out", *words) == 0
+    assert sorted(read_maps("out")) == ["Rock01_1K_Color", "Rock01_1K_Roughness"]
+
+
 def test_fuse_pairs_maps_by_role(sets, capsys):
     words = ["fuse", "rock", "moss", "--map", "gradient", "--size", 40, "--seed", 2]
     assert weft_run(*words, "-o", "both", "--save-source", "both.npz") == 0

@@ -27,26 +27,6 @@ def test_synth_makes_what_the_library_makes(here, capsys):
     ), err
 
 
-def test_a_sample_that_tiles_is_used_over_its_borders(here, capsys):
-    """The same bytes as of an Exemplar that says so, and others than without."""
-    words = ("--size", "100", "--seed", 7, "--quiet", "--method", "quilting", "--patch-size", 24)
-    pixels = read_image("sample.png").pixels
-    made = []
-    for option, tiles in ((("--tileable-sample",), True), ((), False)):
-        assert weft_run("synth", "sample.png", "-o", "out.png", *words, *option) == 0
-        made.append(read_image("out.png").pixels)
-        exemplar = weftex.Exemplar(pixels, tileable=tiles)
-        own = weftex.synthesize(exemplar, 100, seed=7, method="quilting", patch_size=24).image
-        assert np.array_equal(made[-1], own)
-    assert not np.array_equal(*made)
-    write_image("mask.png", (np.indices(pixels.shape[:2])[0] < 4).astype(np.uint8) * 255)
-    fill = ("fill", "sample.png", "--mask", "mask.png", "-o", "new.png", "--tileable-sample")
-    assert weft_run(*fill) == 2
-    assert "no effect without --sample" in capsys.readouterr().err
-    assert weft_run(*fill, "--sample", "sample.png", "--seed", 1) == 0
-    assert weft_run("fill", *fill[1:-1], "--overlap", 3, "--seed", 1) == 0
-
-
 def test_a_seed_that_was_drawn_can_be_had_again(here, capsys):
     weft_run("synth", "sample.png", "-o", "a.png")
     seed = re.search(r"seed (\d+)", capsys.readouterr().err).group(1)
@@ -54,26 +34,6 @@ def test_a_seed_that_was_drawn_can_be_had_again(here, capsys):
     assert capsys.readouterr().err == ""
     assert (here / "a.png").read_bytes() == (here / "b.png").read_bytes()
     assert read_image("a.png").pixels.shape == (128, 144, 3)
-
-
-@pytest.mark.parametrize(
-    ("words", "wrap"),
-    [(["--tileable"], True), (["--tileable", "x"], "x"), (["--tileable", "y"], "y"), ([], False)],
-)
-def test_tileable(here, words, wrap):
-    words = [*words, "--method", "quilting", "--size", 80, "--seed", 1]
-    assert weft_run("synth", "sample.png", "-o", "a.png", *words) == 0
-    expected = weftex.synthesize("sample.png", 80, method="quilting", seed=1, tileable=wrap).image
-    assert (read_image("a.png").pixels == expected).all()
-
-
-def test_parameters_come_from_the_method(here):
-    words = ["--method", "quilting", "--patch-size", 20, "--tolerance", 0.3, "--blend", "feather"]
-    assert weft_run("synth", "sample.png", "-o", "a.png", "--seed", 1, *words, "--size=70") == 0
-    expected = weftex.synthesize(
-        "sample.png", 70, method="quilting", seed=1, patch_size=20, tolerance=0.3, blend="feather"
-    )
-    assert (read_image("a.png").pixels == expected.image).all()
 
 
 def test_a_folder_gives_a_folder(here):
@@ -148,32 +108,8 @@ def test_texture_by_numbers(here):
         )
 
 
-def test_a_guide_gives_the_size(here):
-    write_image("guide.png", noise((50, 60, 3), seed=4))
-    words = ["--method", "ashikhmin", "--guide", "guide.png", "--seed", 1]
-    assert weft_run("synth", "sample.png", "-o", "a.png", *words, "--guide-weight", 2) == 0
-    expected = weftex.synthesize(
-        "sample.png", (50, 60), method="ashikhmin", guide="guide.png", seed=1, guide_weight=2.0
-    )
-    assert (read_image("a.png").pixels == expected.image).all()
-    assert weft_run("synth", "sample.png", "-o", "b.png", *words, "--size", "60x50") == 0
-
-
 def test_the_input_may_be_overwritten(here):
     given = read_image("sample.png").pixels
     assert weft_run("synth", "sample.png", "-o", "sample.png", "--seed", 2) == 0
     expected = weftex.synthesize(given, (128, 144), seed=2).image
     assert (read_image("sample.png").pixels == expected).all()
-
-
-def test_a_window_of_an_endless_plane(tmp_path, capsys):
-    words = ["synth", "sample:pebbles", "--method", "quilting", "--seed", "7", "--quiet"]
-    for name, place in (("whole", "-90,70,40,50"), ("part", "-80,75,20,30")):
-        assert weft_run(*words, "-o", str(tmp_path / f"{name}.png"), "--window", place) == 0
-    whole, part = (read_image(tmp_path / f"{n}.png").pixels for n in ("whole", "part"))
-    assert np.array_equal(part, whole[10:30, 5:35])
-    around = ["--window", "910,70,40,50", "--period", "1000"]
-    assert weft_run(*words, "-o", str(tmp_path / "a.png"), *around) == 0
-    around[1] = "-90,1070,40,50"
-    assert weft_run(*words, "-o", str(tmp_path / "b.png"), *around) == 0
-    assert (tmp_path / "a.png").read_bytes() == (tmp_path / "b.png").read_bytes()

@@ -126,6 +126,9 @@ def pictures(tmp_path, monkeypatch):
     labels = np.zeros((40, 48, 3), np.uint8)
     labels[:, 20:] = (200, 10, 0)
     write_image("map.png", labels)
+    clear = np.dstack([noise((50, 60, 3)), np.full((50, 60), 255, np.uint8)])
+    clear[:, :15, 3] = 0
+    write_image("clear.png", clear, alpha=True)
     write_image("second.png", noise((64, 72, 3), seed=5))
     return tmp_path
 
@@ -137,6 +140,10 @@ MADE = {
                        "turn": "flip"}], "size": [40, 50], **QUILTING},
     "twice the sample": {"materials": [SAMPLE | {"straighten": "8,8,40,8,40,50,8,50"}],
                          **QUILTING},
+    "part": {"materials": [SAMPLE | {"mask": "half.png", "repeats": True}], "size": [40, 40],
+             "tileable": "x", **QUILTING},
+    "alpha": {"materials": [{"path": "clear.png", "mask": "alpha"}], "size": [40, 40],
+              "tileable": True, **QUILTING},
     "guide": {"materials": [SAMPLE | {"turn": "half"}], "guide": "photo.png",
               "sample_guide": "second.png", "method": "ashikhmin"},
     "window": {"materials": [SAMPLE], "window": [-9, 20, 30, 40], "period": [200, 300],
@@ -155,9 +162,14 @@ def test_command_and_python_make_the_bytes_of_the_recipe(pictures, name):
     recipe = Recipe.from_json({"seed": 3, **MADE[name]}, local=True)
     made = recipe.make()
     assert opened(recipe).shape == made.shape
-    for line in recipe.command("by_command.png").split(" && "):
-        assert weft_run(*shlex.split(line)[1:], "--quiet") == 0, line
+    *before, last = (shlex.split(one)[1:] for one in recipe.command("by_command.png").split(" && "))
+    for words in (*before, [*last, "--save-source", "source.npz"]):
+        assert weft_run(*words, "--quiet") == 0, words
     assert np.array_equal(read_image("by_command.png").pixels, made.image)
+    if recipe.task == "synth" and not recipe.materials[0].get("straighten"):
+        maps = [spec["path"] for spec in recipe.materials]
+        assert weft_run("replay", "source.npz", *maps, "-o", "replayed.png", "--quiet") == 0
+        assert np.array_equal(read_image("replayed.png").pixels, made.image)
     exec(compile(recipe.python(), "script", "exec"), {})
     assert Path("out.png").read_bytes() == Path("by_command.png").read_bytes(), recipe.python()
 
