@@ -122,26 +122,14 @@ def _map(value: object) -> object:
 
 @dataclass(frozen=True)
 class Task:
-    """What can be made of materials.
+    """What can be made of materials."""
 
-    Attributes
-    ----------
-    options : dict of str to Option
-        What it takes beside materials, a method and a seed.
-    material : tuple of str
-        Those of `MATERIAL` that its command takes; in JSON it takes all.
-    least, most : int
-        The number of materials.
-    method, parameters_of : str
-        The method where none is named, and the one that parameters belong to then.
-    """
-
-    options: dict[str, Option]
-    material: tuple[str, ...]
-    least: int
+    options: dict[str, Option]  # beside materials, a method and a seed
+    material: tuple[str, ...]  # those of `MATERIAL` that its command takes; in JSON it takes all
+    least: int  # the number of materials
     most: int
-    method: str
-    parameters_of: str
+    method: str  # where none is named
+    parameters_of: str  # the method that parameters belong to then
 
 
 def _task(

@@ -27,29 +27,14 @@ _MOST_MATERIALS, _MOST_TRIES = 8, 16
 
 @dataclass(frozen=True)
 class Fields:
-    """What to make.
+    """What to make."""
 
-    Attributes
-    ----------
-    task : str
-        One of `TASKS`.
-    materials : tuple of dict
-        What they are made from, see `checked_material`.
-    seed : int
-    method : Method
-        "auto" too is one.
-    parameters : dict
-        The parameters of the method that were given.
-    options : dict
-        All other options of the task.
-    """
-
-    task: str
-    materials: tuple[dict[str, Any], ...]
+    task: str  # one of `TASKS`
+    materials: tuple[dict[str, Any], ...]  # what it is made from, see `checked_material`
     seed: int
-    method: Method
-    parameters: dict[str, Any]
-    options: dict[str, Any]
+    method: Method  # "auto" too is one
+    parameters: dict[str, Any]  # those of the method that were given
+    options: dict[str, Any]  # all other options of the task
 
     @classmethod
     def from_json(cls, given: Any, *, local: bool = False) -> Self:
@@ -154,8 +139,10 @@ class Fields:
 
     def _check_several(self, named: Callable[[str], str]) -> None:
         """Refuse what can be said of one material only."""
-        alone = [n for n in ("maps", "map_weights", "mask", "repeats") for spec in self.materials
-                 if n in spec and (n != "maps" or "path" in spec)]  # fmt: skip
+        given = {name for spec in self.materials for name in spec}
+        alone = [name for name in ("map_weights", "mask", "repeats") if name in given]
+        if {"path", "maps"} <= given:
+            alone.append("maps")
         if self.options["sample_guide"] is not None:
             alone.append("sample_guide")
         if alone:

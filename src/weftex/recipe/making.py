@@ -31,21 +31,11 @@ __all__ = ["Loaded", "Opened", "loaded", "material_of", "opened"]
 
 @dataclass(frozen=True)
 class Loaded:
-    """A material in memory.
+    """A material in memory."""
 
-    Attributes
-    ----------
-    spec : dict
-        Its description in the recipe.
-    material : Material
-        As its files have it.
-    exemplar : Exemplar
-        With everything done to it that the description says, but no turned copies.
-    """
-
-    spec: Mapping[str, Any]
-    material: Material
-    exemplar: Exemplar
+    spec: Mapping[str, Any]  # its description in the recipe
+    material: Material  # as its files have it
+    exemplar: Exemplar  # with all done to it that the description says, but no turned copies
 
     @property
     def sample(self) -> Exemplar:
@@ -129,15 +119,9 @@ def opened(
     open_material: Callable[[dict[str, Any]], Loaded] | None = None,
     open_picture: OpenPicture | None = None,
 ) -> Opened:
-    """Open the materials of a recipe.
+    """Open the materials of a recipe, in files unless somebody opens them elsewhere.
 
-    Parameters
-    ----------
-    recipe : Fields
-    open_material : callable, optional
-        From a description to a `Loaded`, for which there is `loaded`; reads files by default.
-    open_picture : callable, optional
-        From a name in the recipe to a `Picture`; reads files by default.
+    `open_material` returns the `Loaded` of a description, `open_picture` the picture of a name.
     """
     from weftex.io.pictures import read_image
 
@@ -218,9 +202,9 @@ class Opened:
         if self.recipe.task in ("tile", "fill"):
             return self.loaded[0].exemplar.shape
         if options.get("window") is not None:
-            return tuple(options["window"][2:])  # type: ignore[return-value]
+            return tuple(options["window"][2:])
         if options["size"] is not None:
-            return tuple(options["size"])  # type: ignore[return-value]
+            return tuple(options["size"])
         if self.recipe.task == "fuse":
             return self._label_map.shape[:2]  # type: ignore[no-any-return]
         if (guide := self._guide("guide")) is not None:
@@ -255,20 +239,7 @@ class Opened:
         progress: ProgressCallback | None = None,
         threads: int | None = None,
     ) -> Synthesis:
-        """Do the task.
-
-        Parameters
-        ----------
-        fit : callable, optional
-            From the sample of synth to its fitted method; for those who keep models.
-        progress, threads
-            As for `weftex.synthesize`.
-
-        Raises
-        ------
-        WeftexError
-            As the task does.
-        """
+        """Do the task; whoever keeps models of synth gives a `fit` from its sample to one."""
         self.check()
         how: dict[str, Any] = {"seed": self.recipe.seed, "threads": threads, "progress": progress}
         if self.recipe.task == "synth":
@@ -294,19 +265,18 @@ class Opened:
         return fuse(samples, self._label_map, options.pop("size"), **options, **how)
 
     def _synth(self, how: dict[str, Any], fit: Callable[[Exemplar], Model]) -> Synthesis:
-        recipe, options = self.recipe, self.recipe.options
+        method, options = self.recipe.method, self.recipe.options
         if options["window"] is not None:
             model = fit(self.sample)
             return model.window(*options["window"], period=options["period"], **how)
         canvas = as_canvas(self.shape, options["tileable"])
         guide = self._guide("guide")
         if guide is None and options["best_of"] == 1:
-            recipe.method.require(canvas)
+            method.require(canvas)
             return fit(self.sample).sample(canvas, **how)
         from weftex.tasks.synthesize import synthesize
 
-        several = options["best_of"]
-        how |= {"method": recipe.method, "guide": guide, "best_of": several}
+        how |= {"method": method, "guide": guide, "best_of": options["best_of"]}
         return synthesize(self.sample, canvas, **how)
 
 

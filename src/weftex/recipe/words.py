@@ -27,16 +27,9 @@ def json_of(
 ) -> dict[str, Any]:
     """Return the JSON of a command's recipe, which is local.
 
-    Parameters
-    ----------
-    paths : sequence of str
-        Of the materials.
-    given : dict of str to str or bool
-        Texts by options, such as "--size"; of options without a value whether they are there.
-    method, parameters
-        As JSON has them.
+    `given` has texts by options, such as "--size"; options without a value are there or not.
     """
-    found = {"task": task, "method": method, "parameters": parameters}
+    found: dict[str, Any] = {"task": task, "method": method, "parameters": parameters}
     found["seed"] = value_of(SEED, given)
     for name, option in TASKS[task].options.items():
         found[name] = value_of(option, given)
@@ -143,7 +136,7 @@ def _material_words(
     """Return the options about materials; None if the command has none for something."""
     words: list[str] = []
     for name, option in MATERIAL.items():
-        values = [spec.get(name) for spec in specs]
+        values: list[Any] = [spec.get(name) for spec in specs]
         if name == "maps" and "path" not in specs[0]:
             continue  # they are uploads, which lie in one folder
         places = {"maps": values[:1], "repeats": values[1:]} if task == "fill" else {}

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from time import perf_counter
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from weftex.cli.options import parse_task
 from weftex.cli.parser import Parser
@@ -55,7 +55,7 @@ def run(argv: list[str]) -> None:
 
         sample = open_materials(recipe, args).sample
         size, tileable = recipe.options["size"] or 128, recipe.options["tileable"]
-        how = {"method": recipe.method, "seed": recipe.seed}
+        how: dict[str, Any] = {"method": recipe.method, "seed": recipe.seed}
         found = explain(sample, size, at=at, tileable=tileable, **how)
         if suffix_of(args.output) in READABLE:
             write_image(outputs.add(args.output), found.strip())
