@@ -21,8 +21,7 @@ class BlockCache:
     def __init__(self, most: int) -> None:
         self.most, self.size = most, 0
         self._lock = Lock()
-        self._kept: OrderedDict[Hashable, NDArray[Any]] = OrderedDict()
-        self._making: dict[Hashable, Future[NDArray[Any]]] = {}
+        self._kept: OrderedDict[Hashable, Future[NDArray[Any]]] = OrderedDict()
 
     def __contains__(self, key: Hashable) -> bool:
         return key in self._kept
@@ -30,28 +29,23 @@ class BlockCache:
     def get(self, key: Hashable, make: Callable[[], NDArray[Any]]) -> NDArray[Any]:
         """Return what is kept under a key, or make it."""
         with self._lock:
-            if key in self._kept:
-                self._kept.move_to_end(key)
-                return self._kept[key]
-            waiting = self._making.get(key)
-            if waiting is None:
-                making: Future[NDArray[Any]] = Future()
-                self._making[key] = making
-        if waiting is not None:
-            return waiting.result()
+            found = self._kept.get(key)
+            making = self._kept.setdefault(key, Future())
+            self._kept.move_to_end(key)
+        if found is not None:
+            return found.result()
         try:
             made = make()
         except BaseException as error:
             with self._lock:
-                del self._making[key]
+                del self._kept[key]
             making.set_exception(error)
             raise
         made.setflags(write=False)
-        with self._lock:
-            del self._making[key]
-            self._kept[key] = made
-            self.size += made.nbytes
-            while self.size > self.most and len(self._kept) > 1:
-                self.size -= self._kept.popitem(last=False)[1].nbytes
         making.set_result(made)
+        with self._lock:
+            self.size += made.nbytes
+            for old in [*self._kept] if self.size > self.most else ():
+                if self.size > self.most and old != key and self._kept[old].done():
+                    self.size -= self._kept.pop(old).result().nbytes
         return made

@@ -163,8 +163,7 @@ class Plane:
             shown = start
         for other in self.grid.hangs_on(block):
             lay(shown, seen, self.block(other, threads), self.grid.reached(other))
-        hole = np.zeros(seen.shape, bool)
-        hole[own.within(seen)] = True
+        hole = hole_of(own, seen)
         loose = hole[reached.within(seen)]
         free = self._may_replace(block, loose.shape)
         loose |= free

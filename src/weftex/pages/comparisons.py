@@ -6,12 +6,13 @@ from dataclasses import replace
 from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
-from weftex import METHODS, Auto, InvalidInputError, UnsupportedError, assess, load_exemplar
+from weftex import METHODS, InvalidInputError, UnsupportedError, assess, load_exemplar
 from weftex.canvas import as_canvas
 from weftex.errors import shown
 from weftex.pages.comparison_page import Comparison, Entry
 from weftex.progress import Progress
 from weftex.random import seed_number
+from weftex.tasks.auto import Auto, AutoModel
 from weftex.tasks.method_names import AUTO, make_method
 
 if TYPE_CHECKING:
@@ -92,7 +93,7 @@ def compare(
             took = perf_counter() - start
             done.append(Entry(name, result, took, assess(exemplar, result), ""))
         count.advance(1)
-    choice = Auto().fit(exemplar).choose(canvas)
+    choice = AutoModel(Auto(), exemplar).choose(canvas)
     for entry in done:
         if entry.method == AUTO and entry.result is not None:  # which may have tried more than one
             used = entry.result.provenance

@@ -76,7 +76,7 @@ def in_cluster(client: Any, plane: PlaneFile) -> Runner:
         waiting = iter(level)
         tries: dict[Place, int] = {}
         running: dict[Any, Place] = {}
-        done: Any = as_completed(loop=client.loop)  # type: ignore[no-untyped-call]
+        done: Any = as_completed(loop=client.loop)
 
         def submit(place: Place) -> None:
             tries[place] = tries.get(place, 0) + 1

@@ -207,7 +207,7 @@ def define(
     if tileable not in _AXES:
         raise InvalidInputError(f"tileable is {tileable!r}; it must be True, False, 'x' or 'y'")
     sides: Any = size if isinstance(size, (tuple, list)) else (size, size)
-    if len(sides) != 2 or not all(isinstance(k, numbers.Integral) and k >= 1 for k in sides):
+    if len(sides) != 2 or not all(isinstance(k, numbers.Integral) and int(k) >= 1 for k in sides):
         raise InvalidInputError(f"size is {shown(size)}; it must be (height, width), 1 or more")
     shape, number = (int(sides[0]), int(sides[1])), seed_number(seed)
     chosen, exemplar = make_method(method, parameters), weftex.load_exemplar(sample)

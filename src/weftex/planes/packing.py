@@ -45,12 +45,15 @@ def unpacked(facts: Iterable[Any], arrays: Mapping[str, NDArray[Any]]) -> list[E
         texts = (one["name"], role.name, role.kind, *role.channels)
         if not all(isinstance(text, str) for text in texts):
             raise ValueError("a name is no text")
-        flags = {name: one[name] for name in _FLAGS}
-        if flags["turn"] is not None:
-            flags["copy_shape"] = tuple(one["copy_shape"])
-        icc = arrays[f"icc{k}"].tobytes() if f"icc{k}" in arrays else None
-        sample = {"mask": arrays.get(f"mask{k}"), "icc": icc, "role": role}
-        found.append(Exemplar(arrays[f"pixels{k}"], **sample, **flags))
+        given = {name: one[name] for name in _FLAGS} | {
+            "role": role,
+            "mask": arrays.get(f"mask{k}"),
+        }
+        if given["turn"] is not None:
+            given["copy_shape"] = tuple(one["copy_shape"])
+        if f"icc{k}" in arrays:
+            given["icc"] = arrays[f"icc{k}"].tobytes()
+        found.append(Exemplar(arrays[f"pixels{k}"], **given))
     return found
 
 

@@ -93,9 +93,9 @@ class PlaneFile:
             below = {one: record.sums(one) for one in base.below(place)}
             pixels = {}
             for k, name in enumerate(self._stores(level - 1)):
-                sums = {one: dict(enumerate(found)).get(k, -1) for one, found in below.items()}
                 if name in stores:
-                    pixels[name] = stores[name].reduced(place, sums)
+                    own = {one: sums[k] if k < len(sums) else -1 for one, sums in below.items()}
+                    pixels[name] = stores[name].reduced(place, own)
         sums = tuple(check_sum(pixels[name]) for name in stores)
         with record.writing():
             for name, store in stores.items():

@@ -45,7 +45,8 @@ def pair_of(
         raise InvalidInputError(
             f"tileable is {shown(tileable)}; it must be True, False or two of them"
         )
-    pixels, pictured = result, exemplar
+    pixels: Any = result
+    pictured = exemplar
     if isinstance(result, Synthesis):
         pixels = result.image if result.exemplar is not None else result.render(exemplar)
     pixels = check_pixels(pixels, "result")
@@ -59,9 +60,10 @@ def pair_of(
             )
         source = made_from(origin) if source is None or source is origin else source
         wrap = origin.canvas.wrap if tileable is None else wrap
-    if source is not None:
-        source = check_source(source, pictured.shape, pixels.shape[:2])
-    return Pair(exemplar, pixels, source, pictured, wrap)
+    rows: Any = source
+    if rows is not None:
+        rows = check_source(rows, pictured.shape, pixels.shape[:2])
+    return Pair(exemplar, pixels, rows, pictured, wrap)
 
 
 def made_from(result: Synthesis) -> NDArray[np.int32]:
