@@ -205,9 +205,9 @@ def test_the_page_of_measures_lists_every_figure_as_it_is():
         assert row in page
 
 
-def test_the_page_of_python_lists_every_public_name():
-    page = (ROOT / "docs" / "reference" / "python.md").read_text("utf-8")
-    listed = re.findall(r"^::: (\S+)\.(\w+)$", page, re.M)
+def test_the_pages_of_python_list_every_public_name():
+    pages = (page.read_text("utf-8") for page in ROOT.glob("docs/reference/python/*.md"))
+    listed = re.findall(r"^::: (\S+)\.(\w+)$", "\n".join(pages), re.M)
     modules = {module: importlib.import_module(f"weftex.{module}") for module in MODULES}
     wanted = {name for module in (weftex, *modules.values()) for name in module.__all__}
     assert {name for _, name in listed} == wanted - {"METHODS"} | {"Model"}

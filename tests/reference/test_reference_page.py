@@ -18,7 +18,7 @@ def test_the_page_shows_every_reference():
     assert sorted(pictures) == [name for name, _ in sorted(shown)]
     for name, _ in shown:
         assert callable(getattr(reference, name))
-        python = (ROOT / "docs" / "reference" / "python.md").read_text("utf-8")
+        python = (ROOT / "docs" / "reference" / "python" / "papers.md").read_text("utf-8")
         assert f"weftex.reference.{name}.{name}" in python
 
 
