@@ -10,6 +10,7 @@ import weftex
 from families import canvas_of, noise
 from weftex.methods.graphcut import GraphCut, subpatch
 from weftex.methods.graphcut.cutting import Picture
+from weftex.methods.graphcut.seam_kernels import find_runs
 from weftex.methods.graphcut.subpatch import SubPatchMatching
 
 sys.path.insert(0, str(Path(__file__).parents[2] / "benchmarks" / "quality"))
@@ -156,7 +157,7 @@ def test_cuts_that_end_early_and_updated_runs_change_nothing(kind, monkeypatch):
 
     def pasted(self, patch):
         covered, kept = paste(self, patch), self.runs.copy()
-        self.find_runs()
+        find_runs(self.labeling)
         assert np.array_equal(self.runs, kept)
         return covered
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -40,17 +40,13 @@ def minimum_cut(
             raise InvalidInputError(f"capacities must be from 0 to {LARGEST_CAPACITY}")
     height, width = shape
     side = np.zeros(shape, np.uint8)
-    capacities = kernels.Capacities(
-        np.ascontiguousarray(arcs, np.int32),
-        np.ascontiguousarray(source, np.int32),
-        np.ascontiguousarray(sink, np.int32),
-    )
-    value: int = kernels.cut_grid(capacities, search_trees(height, width), side)
+    capacities = (np.ascontiguousarray(given, np.int32) for given in (arcs, source, sink))
+    value: int = kernels.cut_grid(kernels.Grid(*capacities, **search_trees(height, width)), side)
     return side.astype(bool), value
 
 
-def search_trees(height: int, width: int) -> kernels.Trees:
-    """Make room for the search trees of grids up to this size."""
+def search_trees(height: int, width: int) -> dict[str, NDArray[Any]]:
+    """Room for the search trees of a grid up to this size."""
     count = (height + 2) * (width + 2)
     active, orphans = np.zeros((2, count + 2), np.int32)
-    return kernels.Trees(np.empty(count, _NODE), active, orphans)
+    return {"nodes": np.empty(count, _NODE), "active": active, "orphans": orphans}

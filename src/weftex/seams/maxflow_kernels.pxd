@@ -19,19 +19,16 @@ cdef struct Node:
     signed char waits
     signed char unused
 
-cdef class Capacities:
-    cdef const int[:, :, ::1] arcs
-    cdef const int[:, ::1] source
-    cdef const int[:, ::1] sink
+cdef class Grid:
+    cdef int[:, :, ::1] arcs
+    cdef int[:, ::1] source
+    cdef int[:, ::1] sink
     cdef Py_ssize_t height
     cdef Py_ssize_t width
-
-cdef class Trees:
     cdef Node[::1] nodes
     cdef int[::1] active
     cdef int[::1] orphans
     cdef Py_ssize_t[4] steps
     cdef int now
 
-cdef long long minimum_cut(Capacities capacities, Trees trees, unsigned char[:, ::1] side,
-                           long long most) noexcept nogil
+cdef long long minimum_cut(Grid grid, unsigned char[:, ::1] side, long long most) noexcept nogil

@@ -15,37 +15,27 @@ from cython.cimports.libc.string import memset
 
 
 @cython.cclass
-class Capacities:
-    """Capacities of the grid's arcs (right, down, left, up) and of the terminals' arcs."""
+class Grid:
+    """Capacities of arcs (right, down, left, up) and of the terminals' arcs, and two search trees.
 
-    def __init__(self, arcs, source, sink):
-        self.arcs = arcs
-        self.source = source
-        self.sink = sink
-        self.height, self.width = source.shape
-
-
-@cython.cclass
-class Trees:
-    """The two search trees, and rings of active nodes and orphans.
-
-    Nodes lie row by row in a grid with a border; `steps` lead to neighbors. A ring ends with its
-    start and length. `now` is the number of augmentations.
+    `nodes` lie row by row in a grid with a border, and `steps` lead to neighbors; `active` nodes
+    and `orphans` are rings that end with their start and length. `now` is the number of
+    augmentations.
     """
 
-    def __init__(self, nodes, active, orphans):
-        self.nodes = nodes
-        self.active = active
-        self.orphans = orphans
+    def __init__(self, arcs, source, sink, nodes, active, orphans):
+        self.arcs, self.source, self.sink = arcs, source, sink
+        self.nodes, self.active, self.orphans = nodes, active, orphans
+        self.height, self.width = source.shape
 
 
 @cython.cfunc
 @cython.inline
 @cython.nogil
 @cython.exceptval(check=False)
-def beside(trees: Trees, node: cython.pointer(Node), d: cython.int) -> cython.pointer(Node):
+def beside(grid: Grid, node: cython.pointer(Node), d: cython.int) -> cython.pointer(Node):
     """The neighbor of a node in direction d."""
-    return node + trees.steps[d]
+    return node + grid.steps[d]
 
 
 @cython.cfunc
@@ -82,32 +72,32 @@ def take(ring: cython.int[::1]) -> cython.Py_ssize_t:
 @cython.inline
 @cython.nogil
 @cython.exceptval(check=False)
-def wake(trees: Trees, node: cython.pointer(Node)) -> cython.void:
+def wake(grid: Grid, node: cython.pointer(Node)) -> cython.void:
     """Let a node's tree grow from it."""
     if not node.waits:
         node.waits = 1
-        put(trees.active, node - cython.address(trees.nodes[0]))
+        put(grid.active, node - cython.address(grid.nodes[0]))
 
 
 @cython.cfunc
 @cython.inline
 @cython.nogil
 @cython.exceptval(check=False)
-def lose(trees: Trees, node: cython.pointer(Node)) -> cython.void:
+def lose(grid: Grid, node: cython.pointer(Node)) -> cython.void:
     """Make a node an orphan."""
     node.parent = LOST
-    put(trees.orphans, node - cython.address(trees.nodes[0]))
+    put(grid.orphans, node - cython.address(grid.nodes[0]))
 
 
 @cython.cfunc
 @cython.nogil
 @cython.exceptval(check=False)
-def grow(trees: Trees, node: cython.pointer(Node)) -> cython.int:
+def grow(grid: Grid, node: cython.pointer(Node)) -> cython.int:
     """Grow a tree from a node; return the direction in which it meets the other tree, or -1."""
     cython.declare(d=cython.int, left=cython.int, near=cython.pointer(Node))
     tree: cython.int = node.tree
     for d in range(4):
-        near = beside(trees, node, d)
+        near = beside(grid, node, d)
         left = node.arcs[d] if tree == SOURCE else near.arcs[d ^ 2]
         if left == 0:
             continue
@@ -116,7 +106,7 @@ def grow(trees: Trees, node: cython.pointer(Node)) -> cython.int:
             near.parent = d ^ 2
             near.stamp = node.stamp
             near.distance = node.distance + 1
-            wake(trees, near)
+            wake(grid, near)
         elif near.tree != tree:
             return d
         elif near.stamp <= node.stamp and near.distance > node.distance:
@@ -129,11 +119,11 @@ def grow(trees: Trees, node: cython.pointer(Node)) -> cython.int:
 @cython.cfunc
 @cython.nogil
 @cython.exceptval(check=False)
-def augment(trees: Trees, node: cython.pointer(Node), d: cython.int) -> cython.int:
+def augment(grid: Grid, node: cython.pointer(Node), d: cython.int) -> cython.int:
     """Push the largest flow through a node and its neighbor in direction d; full arcs orphan."""
     cython.declare(k=cython.pointer(Node), up=cython.pointer(Node), p=cython.int, flow=cython.int)
     start: cython.pointer(Node) = node  # in the tree of the source
-    end: cython.pointer(Node) = beside(trees, node, d)
+    end: cython.pointer(Node) = beside(grid, node, d)
     if node.tree == SINK:
         start = end
         end = node
@@ -142,13 +132,13 @@ def augment(trees: Trees, node: cython.pointer(Node), d: cython.int) -> cython.i
     k = start
     while k.parent != ROOT:
         p = k.parent
-        k = beside(trees, k, p)
+        k = beside(grid, k, p)
         flow = min(flow, k.arcs[p ^ 2])
     flow = min(flow, k.terminal)
     k = end
     while k.parent != ROOT:
         flow = min(flow, k.arcs[k.parent])
-        k = beside(trees, k, k.parent)
+        k = beside(grid, k, k.parent)
     flow = min(flow, -k.terminal)
 
     start.arcs[d] -= flow
@@ -156,37 +146,37 @@ def augment(trees: Trees, node: cython.pointer(Node), d: cython.int) -> cython.i
     k = start
     while k.parent != ROOT:
         p = k.parent
-        up = beside(trees, k, p)
+        up = beside(grid, k, p)
         up.arcs[p ^ 2] -= flow
         k.arcs[p] += flow
         if up.arcs[p ^ 2] == 0:
-            lose(trees, k)
+            lose(grid, k)
         k = up
     k.terminal -= flow
     if k.terminal == 0:
-        lose(trees, k)
+        lose(grid, k)
     k = end
     while k.parent != ROOT:
         p = k.parent
-        up = beside(trees, k, p)
+        up = beside(grid, k, p)
         k.arcs[p] -= flow
         up.arcs[p ^ 2] += flow
         if k.arcs[p] == 0:
-            lose(trees, k)
+            lose(grid, k)
         k = up
     k.terminal += flow
     if k.terminal == 0:
-        lose(trees, k)
+        lose(grid, k)
     return flow
 
 
 @cython.cfunc
 @cython.nogil
 @cython.exceptval(check=False)
-def distance_to_root(trees: Trees, node: cython.pointer(Node)) -> cython.int:
+def distance_to_root(grid: Grid, node: cython.pointer(Node)) -> cython.int:
     """The number of arcs from a node to its terminal; -1 if an orphan is on the way."""
     cython.declare(left=cython.int)
-    now: cython.int = trees.now
+    now: cython.int = grid.now
     k: cython.pointer(Node) = node
     away: cython.int = 0
     while k.stamp != now:
@@ -197,7 +187,7 @@ def distance_to_root(trees: Trees, node: cython.pointer(Node)) -> cython.int:
             k.stamp = now
             k.distance = 1
             break
-        k = beside(trees, k, k.parent)
+        k = beside(grid, k, k.parent)
     else:
         away += k.distance
     left = away
@@ -206,81 +196,81 @@ def distance_to_root(trees: Trees, node: cython.pointer(Node)) -> cython.int:
         k.stamp = now
         k.distance = left
         left -= 1
-        k = beside(trees, k, k.parent)
+        k = beside(grid, k, k.parent)
     return away
 
 
 @cython.cfunc
 @cython.nogil
 @cython.exceptval(check=False)
-def adopt(trees: Trees, node: cython.pointer(Node)) -> cython.void:
+def adopt(grid: Grid, node: cython.pointer(Node)) -> cython.void:
     """Find an orphan the parent that is nearest to the terminal, or let it and its children go."""
     cython.declare(away=cython.int, left=cython.int, d=cython.int, near=cython.pointer(Node))
     tree: cython.int = node.tree
     best: cython.int = NOBODY
     least: cython.int = 0
     for d in range(4):
-        near = beside(trees, node, d)
+        near = beside(grid, node, d)
         if near.tree != tree or near.parent == NOBODY:
             continue
         left = near.arcs[d ^ 2] if tree == SOURCE else node.arcs[d]
         if left == 0:
             continue
-        away = distance_to_root(trees, near)
+        away = distance_to_root(grid, near)
         if away >= 0 and (best == NOBODY or away < least):
             best = d
             least = away
     node.parent = best
     if best != NOBODY:
-        node.stamp = trees.now
+        node.stamp = grid.now
         node.distance = least + 1
         return
     for d in range(4):
-        near = beside(trees, node, d)
+        near = beside(grid, node, d)
         if near.tree != tree or near.parent == NOBODY:
             continue
         left = near.arcs[d ^ 2] if tree == SOURCE else node.arcs[d]
         if left > 0:
-            wake(trees, near)
+            wake(grid, near)
         if near.parent == d ^ 2:
-            lose(trees, near)
+            lose(grid, near)
 
 
 @cython.cfunc
 @cython.nogil
 @cython.exceptval(check=False)
-def plant(capacities: Capacities, trees: Trees) -> cython.longlong:
+def plant(grid: Grid) -> cython.longlong:
     """Fill in the nodes, those with a terminal as roots; return the flow through single nodes."""
     cython.declare(y=cython.Py_ssize_t, x=cython.Py_ssize_t, d=cython.int)
     cython.declare(arcs=cython.p_const_int, source=cython.int, sink=cython.int)
-    node: cython.pointer(Node) = cython.address(trees.nodes[0])
-    height: cython.Py_ssize_t = capacities.height
-    width: cython.Py_ssize_t = capacities.width
+    node: cython.pointer(Node) = cython.address(grid.nodes[0])
+    height: cython.Py_ssize_t = grid.height
+    width: cython.Py_ssize_t = grid.width
     flow: cython.longlong = 0
-    trees.steps[0] = 1
-    trees.steps[1] = width + 2
-    trees.steps[2] = -1
-    trees.steps[3] = -width - 2
-    trees.now = 1
+    grid.steps[0] = 1
+    grid.steps[1] = width + 2
+    grid.steps[2] = -1
+    grid.steps[3] = -width - 2
+    grid.now = 1
     for y in range(height + 2):
         for x in range(width + 2):
             memset(node, 0, cython.sizeof(Node))
             node.parent = NOBODY
             if y > 0 and x > 0 and y <= height and x <= width:
-                arcs = cython.address(capacities.arcs[y - 1, x - 1, 0])
+                arcs = cython.address(grid.arcs[y - 1, x - 1, 0])
                 node.arcs[0] = arcs[0] if x < width else 0
                 node.arcs[1] = arcs[1] if y < height else 0
                 node.arcs[2] = arcs[2] if x > 1 else 0
                 node.arcs[3] = arcs[3] if y > 1 else 0
-                source = capacities.source[y - 1, x - 1]
-                sink = capacities.sink[y - 1, x - 1]
+                source = grid.source[y - 1, x - 1]
+                sink = grid.sink[y - 1, x - 1]
                 flow += min(source, sink)
                 node.terminal = source - sink
                 if source != sink:
                     node.tree = SOURCE if source > sink else SINK
                     node.parent = ROOT
                     node.distance = 1
-                    wake(trees, node)
+                    wake(grid, node)
             node += 1
     return flow
 
@@ -288,44 +278,42 @@ def plant(capacities: Capacities, trees: Trees) -> cython.longlong:
 @cython.cfunc
 @cython.nogil
 @cython.exceptval(check=False)
-def minimum_cut(
-    capacities: Capacities, trees: Trees, side: cython.uchar[:, ::1], most: cython.longlong
-) -> cython.longlong:
+def minimum_cut(grid: Grid, side: cython.uchar[:, ::1], most: cython.longlong) -> cython.longlong:
     """Mark in `side` the nodes that residual capacities reach from the source; return the flow.
 
     Once the flow exceeds `most`, stop and leave `side` as it is.
     """
     cython.declare(y=cython.Py_ssize_t, x=cython.Py_ssize_t, i=cython.Py_ssize_t, d=cython.int)
     cython.declare(node=cython.pointer(Node))
-    first: cython.pointer(Node) = cython.address(trees.nodes[0])
-    flow: cython.longlong = plant(capacities, trees)
+    first: cython.pointer(Node) = cython.address(grid.nodes[0])
+    flow: cython.longlong = plant(grid)
     while True:
-        i = take(trees.active)
+        i = take(grid.active)
         if i < 0:
             break
         if flow > most:
-            trees.active[trees.active.shape[0] - 1] = 0
+            grid.active[grid.active.shape[0] - 1] = 0
             return flow
         node = first + i
         node.waits = 0
         while node.parent != NOBODY:  # a path was found, and it may lead to more of them
-            d = grow(trees, node)
+            d = grow(grid, node)
             if d < 0:
                 break
-            trees.now += 1
-            flow += augment(trees, node, d)
-            while trees.orphans[trees.orphans.shape[0] - 1] > 0:
-                adopt(trees, first + take(trees.orphans))
-    for y in range(capacities.height):
-        node = beside(trees, first + 1, 1) + y * trees.steps[1]
-        for x in range(capacities.width):
+            grid.now += 1
+            flow += augment(grid, node, d)
+            while grid.orphans[grid.orphans.shape[0] - 1] > 0:
+                adopt(grid, first + take(grid.orphans))
+    for y in range(grid.height):
+        node = beside(grid, first + 1, 1) + y * grid.steps[1]
+        for x in range(grid.width):
             side[y, x] = node[x].parent != NOBODY and node[x].tree == SOURCE
     return flow
 
 
-def cut_grid(capacities: Capacities, trees: Trees, side: cython.uchar[:, ::1]):
+def cut_grid(grid: Grid, side: cython.uchar[:, ::1]):
     """Call `minimum_cut`, beside other threads."""
     cython.declare(flow=cython.longlong)
     with cython.nogil:
-        flow = minimum_cut(capacities, trees, side, LLONG_MAX)
+        flow = minimum_cut(grid, side, LLONG_MAX)
     return flow

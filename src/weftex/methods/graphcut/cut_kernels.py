@@ -19,8 +19,7 @@ from cython.cimports.weftex.methods.graphcut.graph_kernels import (
     in_sample,
     on_canvas,
 )
-from cython.cimports.weftex.methods.graphcut.run_kernels import update_runs
-from cython.cimports.weftex.methods.graphcut.seam_kernels import Labeling, SeamCost
+from cython.cimports.weftex.methods.graphcut.seam_kernels import update_runs
 from cython.cimports.weftex.seams.maxflow_kernels import minimum_cut
 
 
@@ -28,21 +27,14 @@ from cython.cimports.weftex.seams.maxflow_kernels import minimum_cut
 @cython.nogil
 @cython.exceptval(check=False)
 def cut(
-    labeling: Labeling,
-    sample: SeamCost,
-    graph: Graph,
-    halvings: cython.int,
-    by_runs: cython.bint,
-    most: cython.longlong,
+    graph: Graph, halvings: cython.int, by_runs: cython.bint, most: cython.longlong
 ) -> cython.longlong:
     """Cut in blocks, see `graph_kernels.build`; return the cost of seams after less that before.
 
     A cut that costs more than `most` is not completed, and costs more than is returned.
     """
-    cost: cython.longlong = build(labeling, sample, graph, halvings, by_runs) - graph.before
-    graph.capacities.height = blocks(graph.rows.shape[0], halvings)
-    graph.capacities.width = blocks(graph.columns.shape[0], halvings)
-    return cost + minimum_cut(graph.capacities, graph.trees, graph.side, most - cost)
+    cost: cython.longlong = build(graph, halvings, by_runs) - graph.before
+    return cost + minimum_cut(graph, graph.side, most - cost)
 
 
 @cython.cfunc
@@ -91,62 +83,49 @@ def narrow(graph: Graph, halvings: cython.int) -> cython.void:
 @cython.cfunc
 @cython.nogil
 @cython.exceptval(check=False)
-def paste(labeling: Labeling, sample: SeamCost, graph: Graph) -> cython.Py_ssize_t:
-    """Copy the pixels on the new side of the cut; return how many of them were missing.
-
-    The first and the last column that changed in each row are left in `graph.scratch`.
-    """
+def paste(graph: Graph) -> cython.Py_ssize_t:
+    """Copy the pixels on the new side of the cut; return how many of them were missing."""
     cython.declare(i=cython.Py_ssize_t, j=cython.Py_ssize_t, k=cython.Py_ssize_t)
-    cython.declare(p=cython.int, label=cython.int, last=cython.Py_ssize_t, may=cython.int)
+    cython.declare(p=cython.int, label=cython.int, may=cython.int)
     covered: cython.Py_ssize_t = 0
     for i in range(graph.rows.shape[0]):
-        graph.scratch[0, i] = 0
-        last = -1
         for j in range(graph.columns.shape[0]):
             may = graph.choice[i, j]
             if not (may == NEW or (may == EITHER and graph.side[i, j])):
                 continue
-            if last < 0:
-                graph.scratch[0, i] = cython.cast(cython.int, j)
-            last = j
-            p = on_canvas(labeling, graph, i, j)
-            label = in_sample(sample, graph, i, j)
-            covered += not labeling.done[p]
-            labeling.done[p] = 1
-            labeling.source[p] = label
-            for k in range(sample.pixels.shape[1]):
-                labeling.pixels[p, k] = sample.pixels[label, k]
-        graph.scratch[1, i] = cython.cast(cython.int, last)
+            p = on_canvas(graph, i, j)
+            label = in_sample(graph, i, j)
+            covered += not graph.labeling.done[p]
+            graph.labeling.done[p] = 1
+            graph.labeling.source[p] = label
+            for k in range(graph.labeling.colors.shape[1]):
+                graph.labeling.pixels[p, k] = graph.labeling.colors[label, k]
+    update_runs(graph.labeling, graph.rows, graph.columns)
     return covered
 
 
-def cost_in_blocks(labeling: Labeling, sample: SeamCost, graph: Graph, halvings, least):
+def cost_in_blocks(graph: Graph, halvings: cython.int, least: cython.double):
     """By how much a cut in blocks raises the cost of seams, and how many pixels it newly covers.
 
     A cut that costs more than `least` for each of these pixels is not completed.
     """
-    cython.declare(cost=cython.longlong, covered=cython.Py_ssize_t)
-    cython.declare(most=cython.double, limit=cython.longlong)
-    size: cython.int = halvings
-    most = least
+    cython.declare(cost=cython.longlong, covered=cython.Py_ssize_t, limit=cython.longlong)
     with cython.nogil:  # beside other threads
-        covered = choose(labeling, sample, graph)
-        most *= max(covered, 1)
+        covered = choose(graph)
+        least *= max(covered, 1)
         limit = LLONG_MAX // 2
-        if most < 1e18:
-            limit = cython.cast(cython.longlong, most) + 1
-        cost = cut(labeling, sample, graph, size, True, limit)
+        if least < 1e18:
+            limit = cython.cast(cython.longlong, least) + 1
+        cost = cut(graph, halvings, True, limit)
     return cost, covered
 
 
-def paste_patch(labeling: Labeling, sample: SeamCost, graph: Graph, halvings):
+def paste_patch(graph: Graph, halvings: cython.int):
     """Cut in blocks, then in smaller ones around that cut, and paste; see `paste`."""
-    choose(labeling, sample, graph)
-    cut(labeling, sample, graph, halvings, True, LLONG_MAX // 2)
+    choose(graph)
+    cut(graph, halvings, True, LLONG_MAX // 2)
     while halvings > 0:
         narrow(graph, halvings)
         halvings = max(0, halvings - STEP)
-        cut(labeling, sample, graph, halvings, False, LLONG_MAX // 2)
-    covered: cython.Py_ssize_t = paste(labeling, sample, graph)
-    update_runs(labeling, sample, graph.rows, graph.columns, graph.scratch)
-    return covered
+        cut(graph, halvings, False, LLONG_MAX // 2)
+    return paste(graph)

@@ -8,12 +8,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from weftex.methods.graphcut import cut_kernels, graph_kernels, run_kernels, seam_kernels
+from weftex.methods.graphcut import cut_kernels, graph_kernels, seam_kernels
 from weftex.notes import is_asked, note
 from weftex.seams.maxflow import search_trees
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
 
     from weftex.methods.graphcut.placement import Patch
     from weftex.methods.graphcut.sample import Sample
@@ -39,25 +38,23 @@ class Picture:
         *,
         copies: bool,
     ) -> None:
-        self.growth = growth
-        self.shape, self.sample_shape = growth.canvas.shape, sample.exemplar.shape
+        self.growth, canvas = growth, growth.canvas
+        self.shape, self.sample_shape = canvas.shape, sample.exemplar.shape
         self.done, self.halvings = growth.done.ravel(), block.bit_length() - 1
-        self._sample = sample.seam_cost(copies)
-        self.runs = np.zeros(self.done.size, np.int8)
         known = self.done.copy()
-        if growth.canvas.shown is not None:
-            assert growth.canvas.hole is not None
-            known = (~growth.canvas.hole).ravel().astype(np.uint8)
-        self._labeling = seam_kernels.Labeling(
-            growth.pixels.reshape(-1, growth.pixels.shape[2]),
-            growth.source.ravel(),
-            self.done,
-            known,
-            self.runs,
+        if canvas.shown is not None:
+            assert canvas.hole is not None
+            known = (~canvas.hole).ravel().astype(np.uint8)
+        pixels, self.runs = growth.pixels.reshape(known.size, -1), np.zeros(known.size, np.int8)
+        self.labeling = seam_kernels.Labeling(
+            (pixels, growth.source.ravel(), self.done, known, self.runs),
             self.shape,
-            growth.canvas.wrap,
+            canvas.wrap,
+            sample.seam_costs,
+            self.sample_shape,
+            sample.is_whole(copies),
         )
-        self.find_runs()
+        seam_kernels.find_runs(self.labeling)
         # All lines of both, and a patch's length more, around the border.
         self._lines = [
             [
@@ -66,12 +63,8 @@ class Picture:
             ]
             for shape in (self.shape, self.sample_shape)
         ]
-        self._graphs = [_graph(*size) for _ in range(candidates)]
+        self._graphs = [_graph(self.labeling, *size) for _ in range(candidates)]
         self._least = math.inf
-
-    def find_runs(self) -> None:
-        """Fill in `runs`, see `run_kernels`; pasting keeps them up to date."""
-        run_kernels.find_runs(self._labeling, self._sample)
 
     def missing(self) -> Iterator[tuple[int, int]]:
         """Yield the first pixel that is missing, until none is."""
@@ -114,9 +107,8 @@ class Picture:
         """
         # A little more, as rounding must not keep the cheapest one from its cost.
         least = max(self._least, 0.0) / patch.factor * (1 + 1e-9)
-        more, covered = cut_kernels.cost_in_blocks(
-            self._labeling, self._sample, self._graph_of(patch, number), self.halvings, least
-        )
+        graph = self._graph_of(patch, number)
+        more, covered = cut_kernels.cost_in_blocks(graph, self.halvings, least)
         each: float = more / max(covered, 1)
         cost = each * patch.factor if each > 0 else each / patch.factor
         self._least = min(self._least, cost)
@@ -127,26 +119,11 @@ class Picture:
         asked = is_asked((patch.top, patch.left, patch.height, patch.width), self.shape)
         if asked:
             note("patch", growth=self.growth, place=patch)
-        covered: int = cut_kernels.paste_patch(
-            self._labeling, self._sample, self._graph_of(patch, 0), max(0, self.halvings - 1)
-        )
+        graph = self._graph_of(patch, 0)
+        covered: int = cut_kernels.paste_patch(graph, max(0, self.halvings - 1))
         if asked:
             note("pasted", growth=self.growth, place=patch)
         return covered
-
-    def sum_seams(
-        self,
-        rows: NDArray[np.int32],
-        columns: NDArray[np.int32],
-        costs: NDArray[np.int32],
-        cells: NDArray[np.int64],
-        side: int,
-    ) -> None:
-        """Update the costs of the seams right of and below the pixels of a box of the canvas.
-
-        `cells` are the sums of all costs over squares of `side` pixels.
-        """
-        seam_kernels.sum_seams(self._labeling, self._sample, rows, columns, costs, cells, side)
 
     def _graph_of(self, patch: Patch, number: int) -> graph_kernels.Graph:
         """One of the graphs, over the box of a patch."""
@@ -163,14 +140,16 @@ class Picture:
         return graph
 
 
-def _graph(height: int, width: int) -> graph_kernels.Graph:
+def _graph(labeling: seam_kernels.Labeling, height: int, width: int) -> graph_kernels.Graph:
     """Make room for the graph of a patch."""
-    old, new = np.empty((2, height, width), np.int32)
-    arcs = np.empty((height, width, 4), np.int32)
-    choice, side = np.empty((2, height, width), np.uint8)
-    near, scratch = (
-        np.empty((2, height, width), np.uint8),
-        np.empty((2, max(height, width)), np.int32),
+    return graph_kernels.Graph(
+        labeling,
+        choice=np.empty((height, width), np.uint8),
+        side=np.empty((height, width), np.uint8),
+        near=np.empty((2, height, width), np.uint8),
+        scratch=np.empty((2, max(height, width)), np.int32),
+        arcs=np.empty((height, width, 4), np.int32),
+        source=np.empty((height, width), np.int32),
+        sink=np.empty((height, width), np.int32),
+        **search_trees(height, width),
     )
-    trees = search_trees(height, width)
-    return graph_kernels.Graph(arcs, old, new, choice, side, near, scratch, trees)

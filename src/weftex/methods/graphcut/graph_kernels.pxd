@@ -1,5 +1,5 @@
-from weftex.methods.graphcut.seam_kernels cimport Labeling, SeamCost
-from weftex.seams.maxflow_kernels cimport Capacities, Trees
+from weftex.methods.graphcut.seam_kernels cimport Labeling
+from weftex.seams.maxflow_kernels cimport Grid
 
 cdef enum:
     # The choices that a pixel of a box may have.
@@ -8,20 +8,17 @@ cdef enum:
     NEW = 2
     EITHER = 3
 
-cdef class Graph:
+# Of the grid, arcs from the source are what it costs that a block stays old, to the sink new.
+cdef class Graph(Grid):
+    cdef Labeling labeling
     cdef const int[::1] rows
     cdef const int[::1] columns
     cdef const int[::1] from_rows
     cdef const int[::1] from_columns
     cdef unsigned char[:, ::1] choice  # of each pixel
-    cdef int[:, :, ::1] arcs  # of each block, to the right, lower, left and upper one
-    cdef int[:, ::1] old  # from the source: the cost of a block that stays old
-    cdef int[:, ::1] new  # to the sink: the cost of one that becomes new
     cdef unsigned char[:, ::1] side  # of each block: 1 on the new side of the cut
     cdef unsigned char[:, :, ::1] near  # scratch of `cut_kernels.narrow`
     cdef int[:, ::1] scratch  # two rows
-    cdef Capacities capacities
-    cdef Trees trees
     cdef long long before  # the cost of the seams that the patch may change, before it
 
 # Here, or they cannot be inlined.
@@ -29,15 +26,14 @@ cdef inline Py_ssize_t blocks(Py_ssize_t length, int halvings) noexcept nogil:
     """The number of blocks along a side; they are 2**halvings pixels wide, the last one less."""
     return ((length - 1) >> halvings) + 1
 
-cdef inline int on_canvas(Labeling labeling, Graph graph, Py_ssize_t i, Py_ssize_t j) noexcept nogil:
+cdef inline int on_canvas(Graph graph, Py_ssize_t i, Py_ssize_t j) noexcept nogil:
     """The pixel of the canvas, flat, at a place of the box."""
-    return graph.rows[i] * labeling.width + graph.columns[j]
+    return graph.rows[i] * graph.labeling.width + graph.columns[j]
 
-cdef inline int in_sample(SeamCost sample, Graph graph, Py_ssize_t i, Py_ssize_t j) noexcept nogil:
+cdef inline int in_sample(Graph graph, Py_ssize_t i, Py_ssize_t j) noexcept nogil:
     """The label that the patch has at a place of the box."""
-    return graph.from_rows[i] * sample.width + graph.from_columns[j]
+    return graph.from_rows[i] * graph.labeling.columns + graph.from_columns[j]
 
-cdef Py_ssize_t choose(Labeling labeling, SeamCost sample, Graph graph) noexcept nogil
+cdef Py_ssize_t choose(Graph graph) noexcept nogil
 
-cdef long long build(Labeling labeling, SeamCost sample, Graph graph, int halvings,
-                     bint by_runs) noexcept nogil
+cdef long long build(Graph graph, int halvings, bint by_runs) noexcept nogil

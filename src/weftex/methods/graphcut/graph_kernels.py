@@ -12,29 +12,25 @@ from cython.cimports.weftex.methods.graphcut.seam_kernels import (
     SCALE,
     SOFT,
     Labeling,
-    SeamCost,
     beside,
     continued,
     difference,
     seam_cost,
 )
-from cython.cimports.weftex.seams.maxflow_kernels import Capacities
+from cython.cimports.weftex.seams.maxflow_kernels import Grid
 
 
 @cython.cclass
-class Graph:
+class Graph(Grid):
     """The graph of a patch over a box of the canvas; there is room for the largest box."""
 
-    def __init__(self, arcs, old, new, choice, side, near, scratch, trees):
-        self.arcs = arcs
-        self.old = old
-        self.new = new
+    def __init__(self, labeling: Labeling, choice, side, near, scratch, **grid):
+        Grid.__init__(self, **grid)
+        self.labeling = labeling
         self.choice = choice
         self.side = side
         self.near = near
         self.scratch = scratch
-        self.capacities = Capacities(self.arcs, self.old, self.new)
-        self.trees = trees
 
     def cover(self, rows, columns, from_rows, from_columns):
         """Set the rows and columns of the box, on the canvas and in the sample."""
@@ -45,28 +41,31 @@ class Graph:
 @cython.cfunc
 @cython.nogil
 @cython.exceptval(check=False)
-def choose(labeling: Labeling, sample: SeamCost, graph: Graph) -> cython.Py_ssize_t:
+def choose(graph: Graph) -> cython.Py_ssize_t:
     """Fill in what each pixel may be; return the number of missing pixels that become new."""
     cython.declare(i=cython.Py_ssize_t, j=cython.Py_ssize_t, p=cython.int, run=cython.Py_ssize_t)
+    cython.declare(done=cython.bint)
+    whole: cython.bint = graph.labeling.whole
     width: cython.Py_ssize_t = graph.columns.shape[0]
     missing: cython.Py_ssize_t = 0
     for i in range(graph.rows.shape[0]):
         j = 0
         while j < width:
-            p = on_canvas(labeling, graph, i, j)
-            run = labeling.runs[p] if sample.whole else 0
+            p = on_canvas(graph, i, j)
+            done = graph.labeling.done[p]
+            run = graph.labeling.runs[p] if whole else 0
             if run != 0:
                 run = min(run if run > 0 else -run, width - j)
-                memset(cython.address(graph.choice[i, j]), EITHER if labeling.done[p] else NEW, run)
-                missing += 0 if labeling.done[p] else run
+                memset(cython.address(graph.choice[i, j]), EITHER if done else NEW, run)
+                missing += 0 if done else run
                 j += run
                 continue
-            if labeling.done[p] and labeling.known[p]:
+            if done and graph.labeling.known[p]:
                 graph.choice[i, j] = OLD
-            elif sample.whole or sample.usable[in_sample(sample, graph, i, j)]:
-                graph.choice[i, j] = EITHER if labeling.done[p] else NEW
+            elif whole or graph.labeling.usable[in_sample(graph, i, j)]:
+                graph.choice[i, j] = EITHER if done else NEW
             else:
-                graph.choice[i, j] = OLD if labeling.done[p] else NOTHING
+                graph.choice[i, j] = OLD if done else NOTHING
             missing += graph.choice[i, j] == NEW
             j += 1
     return missing
@@ -75,158 +74,88 @@ def choose(labeling: Labeling, sample: SeamCost, graph: Graph) -> cython.Py_ssiz
 @cython.cfunc
 @cython.nogil
 @cython.exceptval(check=False)
-def add_outside(
-    labeling: Labeling,
-    sample: SeamCost,
-    graph: Graph,
-    i: cython.Py_ssize_t,
-    j: cython.Py_ssize_t,
-    d: cython.int,
-    halvings: cython.int,
-) -> cython.longlong:
-    """Add the pair of a pixel and its neighbor outside the box, which stays as it is.
-
-    Returns the cost of the pair if the pixel has no choice.
-    """
-    cython.declare(p_old=cython.longlong, q_old=cython.longlong)
-    may: cython.int = graph.choice[i, j]
-    p: cython.int = on_canvas(labeling, graph, i, j)
-    way: cython.int = 1 - d // 2 * 2
-    q: cython.int = beside(labeling, p, d % 2 * way, (1 - d % 2) * way)
-    if q < 0 or q == p or not labeling.done[q] or may == OLD or may == NOTHING:
-        return 0
-    q_old = seam_cost(labeling, sample, p, q, d, in_sample(sample, graph, i, j), labeling.source[q])
-    if may == NEW:
-        return q_old
-    graph.new[i >> halvings, j >> halvings] += cython.cast(cython.int, q_old)
-    p_old = seam_cost(labeling, sample, p, q, d, labeling.source[p], labeling.source[q])
-    graph.old[i >> halvings, j >> halvings] += cython.cast(cython.int, p_old)
-    graph.before += p_old
-    return 0
-
-
-@cython.cfunc
-@cython.nogil
-@cython.exceptval(check=False)
 def add_pair(
-    labeling: Labeling,
-    sample: SeamCost,
-    graph: Graph,
-    i: cython.Py_ssize_t,
-    j: cython.Py_ssize_t,
-    d: cython.int,
-    halvings: cython.int,
+    graph: Graph, i: cython.Py_ssize_t, j: cython.Py_ssize_t, d: cython.int, halvings: cython.int
 ) -> cython.longlong:
-    """Add the pair of a pixel and its right (d = 0) or lower (d = 1) neighbor in the box.
+    """Add the pair of a pixel of the box and its neighbor in direction d.
 
     It costs c if both stay old (an old seam, or 0), a or b if one becomes new, and 0 if both do.
     Instead of the paper's seam node (section 3.1), the arcs from the source to both take
     alpha + beta = c, and the arcs between them a - alpha and b - beta. This is exact if
     c <= a + b, as with metrics. Where costs weighed by gradients break it, b is raised to c - a;
-    the cheapest labels are still no worse than the old ones.
+    the cheapest labels are still no worse than the old ones. A neighbor outside the box stays old.
     Returns the cost of the pair if neither pixel has a choice.
     """
     cython.declare(p_old=cython.longlong, q_old=cython.longlong)  # and the other one new
-    cython.declare(alpha=cython.longlong, p_new=cython.int, q_new=cython.int)
-    v: cython.Py_ssize_t = i + d
-    u: cython.Py_ssize_t = j + 1 - d
+    cython.declare(both_old=cython.longlong, alpha=cython.longlong, p_new=cython.int)
+    cython.declare(q=cython.int, q_new=cython.int, q_may=cython.int, joined=cython.bint)
+    labels: cython.p_int = cython.address(graph.labeling.source[0])
+    way: cython.int = 1 - (d & 2)
+    dy: cython.int = way if d & 1 else 0
+    dx: cython.int = 0 if d & 1 else way
+    v: cython.Py_ssize_t = i + dy
+    u: cython.Py_ssize_t = j + dx
+    inside: cython.bint = 0 <= v < graph.rows.shape[0] and 0 <= u < graph.columns.shape[0]
     p_may: cython.int = graph.choice[i, j]
-    q_may: cython.int = graph.choice[v, u]
-    p: cython.int = on_canvas(labeling, graph, i, j)
-    q: cython.int = on_canvas(labeling, graph, v, u)
-    label_p: cython.int = labeling.source[p]
-    label_q: cython.int = labeling.source[q]
+    q_may = graph.choice[v, u] if inside else OLD
+    if p_may == NOTHING or q_may == NOTHING or p_may | q_may != EITHER:
+        return 0  # both stay old, or both become new
+    p: cython.int = on_canvas(graph, i, j)
+    if inside:
+        q = on_canvas(graph, v, u)
+        q_new = in_sample(graph, v, u)
+    else:
+        q = beside(graph.labeling, p, dy, dx)
+        q_new = -1
+        if q < 0 or q == p or not graph.labeling.done[q]:
+            return 0
     bi: cython.Py_ssize_t = i >> halvings
     bj: cython.Py_ssize_t = j >> halvings
     bv: cython.Py_ssize_t = v >> halvings
     bu: cython.Py_ssize_t = u >> halvings
     together: cython.bint = p_may == EITHER and q_may == EITHER
-    both_old: cython.longlong = 0
-    joined: cython.bint = label_q >= 0 and continued(sample, label_p, d) == label_q
+    joined = labels[q] >= 0 and continued(graph.labeling, labels[p], d) == labels[q]
+    both_old = 0
     if not joined and p_may & OLD and q_may & OLD:
-        both_old = seam_cost(labeling, sample, p, q, d, label_p, label_q)
+        both_old = seam_cost(graph.labeling, p, q, d, labels[p], labels[q])
         graph.before += both_old
     if together and bi == bv and bj == bu:
-        graph.old[bi, bj] += cython.cast(cython.int, both_old)
+        graph.source[bi, bj] += cython.cast(cython.int, both_old)
         return 0
-    p_new = in_sample(sample, graph, i, j)
-    q_new = in_sample(sample, graph, v, u)
+    p_new = in_sample(graph, i, j)
     p_old = 0
     q_old = 0
     if p_may & OLD and q_may & NEW:
-        p_old = seam_cost(labeling, sample, p, q, d, label_p, q_new)
-    if joined and together and continued(sample, p_new, d) == q_new:
+        p_old = seam_cost(graph.labeling, p, q, d, labels[p], q_new)
+    if joined and together and continued(graph.labeling, p_new, d) == q_new:
         q_old = p_old  # both patches continue
     elif p_may & NEW and q_may & OLD:
-        q_old = seam_cost(labeling, sample, p, q, d, p_new, label_q)
+        q_old = seam_cost(graph.labeling, p, q, d, p_new, labels[q])
     if together:
         q_old = max(q_old, both_old - p_old)
         alpha = min(p_old, both_old)
-        graph.old[bi, bj] += cython.cast(cython.int, alpha)
-        graph.old[bv, bu] += cython.cast(cython.int, both_old - alpha)
-        graph.arcs[bv, bu, d + 2] += cython.cast(cython.int, p_old - alpha)
+        graph.source[bi, bj] += cython.cast(cython.int, alpha)
+        graph.source[bv, bu] += cython.cast(cython.int, both_old - alpha)
+        graph.arcs[bv, bu, d ^ 2] += cython.cast(cython.int, p_old - alpha)
         graph.arcs[bi, bj, d] += cython.cast(cython.int, q_old - both_old + alpha)
     elif p_may == EITHER:
-        graph.old[bi, bj] += cython.cast(cython.int, both_old + p_old)
-        graph.new[bi, bj] += cython.cast(cython.int, q_old)
+        graph.source[bi, bj] += cython.cast(cython.int, both_old + p_old)
+        graph.sink[bi, bj] += cython.cast(cython.int, q_old)
     elif q_may == EITHER:
-        graph.old[bv, bu] += cython.cast(cython.int, both_old + q_old)
-        graph.new[bv, bu] += cython.cast(cython.int, p_old)
+        graph.source[bv, bu] += cython.cast(cython.int, both_old + q_old)
+        graph.sink[bv, bu] += cython.cast(cython.int, p_old)
     else:
         return p_old + q_old
     return 0
 
 
 @cython.cfunc
-@cython.inline
-@cython.nogil
-@cython.exceptval(check=False)
-def add_neighbor(
-    labeling: Labeling,
-    sample: SeamCost,
-    graph: Graph,
-    i: cython.Py_ssize_t,
-    j: cython.Py_ssize_t,
-    d: cython.int,
-    halvings: cython.int,
-) -> cython.longlong:
-    """Add the pair of a pixel and its right (d = 0) or lower neighbor, if it has a cost.
-
-    Returns that cost if neither has a choice.
-    """
-    cython.declare(other=cython.int, p=cython.int, label=cython.int)
-    v: cython.Py_ssize_t = i + d
-    u: cython.Py_ssize_t = j + 1 - d
-    may: cython.int = graph.choice[i, j]
-    if v == graph.rows.shape[0] or u == graph.columns.shape[0]:
-        return add_outside(labeling, sample, graph, i, j, d, halvings)
-    other = graph.choice[v, u]
-    if other == NOTHING or may | other != EITHER:  # both stay old or both become new
-        return 0
-    if may == other and i >> halvings == v >> halvings and j >> halvings == u >> halvings:
-        p = on_canvas(labeling, graph, i, j)
-        label = labeling.source[p]
-        if (
-            label >= 0
-            and continued(sample, label, d) == labeling.source[on_canvas(labeling, graph, v, u)]
-        ):
-            return 0
-    return add_pair(labeling, sample, graph, i, j, d, halvings)
-
-
-@cython.cfunc
 @cython.nogil
 @cython.exceptval(check=False)
 def add_within(
-    labeling: Labeling,
-    sample: SeamCost,
-    graph: Graph,
-    i: cython.Py_ssize_t,
-    first: cython.Py_ssize_t,
-    count: cython.Py_ssize_t,
-    d: cython.int,
-    halvings: cython.int,
-) -> cython.void:
+    graph: Graph, i: cython.Py_ssize_t, first: cython.Py_ssize_t, count: cython.Py_ssize_t,
+    d: cython.int, halvings: cython.int,
+) -> cython.void:  # fmt: skip
     """Add pairs of pixels that continue both the old and the new patch: a = b, c = 0.
 
     The pixels lie in row i of the box from column `first` on, side by side for pairs with lower
@@ -236,20 +165,15 @@ def add_within(
     cython.declare(k=cython.Py_ssize_t, at=cython.Py_ssize_t, end=cython.Py_ssize_t)
     cython.declare(one=cython.p_const_int, other=cython.p_const_int, total=cython.int)
     step: cython.Py_ssize_t = 1 if d else 1 << halvings
-    channels: cython.Py_ssize_t = sample.pixels.shape[1]
+    channels: cython.Py_ssize_t = graph.labeling.colors.shape[1]
     v: cython.Py_ssize_t = i + d
-    old: cython.int = labeling.source[on_canvas(labeling, graph, i, first)]
-    new: cython.int = in_sample(sample, graph, i, first)
-    p: cython.p_const_uchar = cython.address(
-        labeling.pixels[on_canvas(labeling, graph, i, first), 0]
-    )
-    p_new: cython.p_const_uchar = cython.address(sample.pixels[new, 0])
-    q: cython.p_const_uchar = cython.address(
-        labeling.pixels[on_canvas(labeling, graph, v, first + 1 - d), 0]
-    )
-    q_new: cython.p_const_uchar = cython.address(
-        sample.pixels[in_sample(sample, graph, v, first + 1 - d), 0]
-    )
+    u: cython.Py_ssize_t = first + 1 - d
+    at_p: cython.int = on_canvas(graph, i, first)
+    new: cython.int = in_sample(graph, i, first)
+    p: cython.p_const_uchar = cython.address(graph.labeling.pixels[at_p, 0])
+    p_new: cython.p_const_uchar = cython.address(graph.labeling.colors[new, 0])
+    q: cython.p_const_uchar = cython.address(graph.labeling.pixels[on_canvas(graph, v, u), 0])
+    q_new: cython.p_const_uchar = cython.address(graph.labeling.colors[in_sample(graph, v, u), 0])
     cost: cython.p_int = cython.address(graph.scratch[0, 0])
     gradient: cython.p_int = cython.address(graph.scratch[1, 0])
     softly: cython.int = SOFT * cython.cast(cython.int, channels)
@@ -262,9 +186,9 @@ def add_within(
             at = k * step * channels
             cost[k] = difference(p + at, p_new + at, channels)
             cost[k] += difference(q + at, q_new + at, channels)
-    if sample.by_gradients:
-        one = cython.address(sample.gradients[d, old])
-        other = cython.address(sample.gradients[d, new])
+    if graph.labeling.gradients.shape[0]:
+        one = cython.address(graph.labeling.gradients[d, graph.labeling.source[at_p]])
+        other = cython.address(graph.labeling.gradients[d, new])
         for k in range(count):
             gradient[k] = one[k * step] + other[k * step] + softly
         for k in range(count):  # exact, and faster than a division of integers
@@ -287,57 +211,44 @@ def add_within(
 @cython.nogil
 @cython.exceptval(check=False)
 def add_run(
-    labeling: Labeling,
-    sample: SeamCost,
-    graph: Graph,
-    i: cython.Py_ssize_t,
-    first: cython.Py_ssize_t,
-    end: cython.Py_ssize_t,
+    graph: Graph, i: cython.Py_ssize_t, first: cython.Py_ssize_t, end: cython.Py_ssize_t,
     halvings: cython.int,
-) -> cython.longlong:
+) -> cython.longlong:  # fmt: skip
     """Add the pairs of pixels of one old patch side by side, and their right and lower neighbors.
 
     Returns the cost of pairs without a choice.
     """
     cython.declare(k=cython.Py_ssize_t)
     block: cython.Py_ssize_t = 1 << halvings
-    fixed: cython.longlong = 0
-    last: cython.Py_ssize_t = end - 1
     border: cython.Py_ssize_t = first | (block - 1)  # the last pixel of a block
-    lowest: cython.bint = i + 1 == graph.rows.shape[0]
-    apart: cython.int = labeling.source[on_canvas(labeling, graph, i, last)]
-    apart -= labeling.source[on_canvas(labeling, graph, i, first)]
-    straight: cython.bint = apart == last - first
-    straight = straight and graph.from_columns[last] - graph.from_columns[first] == last - first
-    if straight and border < last:
-        add_within(
-            labeling, sample, graph, i, border, (last - 1 - border) // block + 1, 0, halvings
-        )
-    elif not straight:
-        while border < last:
-            fixed += add_neighbor(labeling, sample, graph, i, border, 0, halvings)
-            border += block
-    fixed += add_neighbor(labeling, sample, graph, i, last, 0, halvings)
-    if (i + 1) & (block - 1) and not lowest:
-        return fixed
-    if straight and not lowest:
-        add_within(labeling, sample, graph, i, first, end - first, 1, halvings)
-        return fixed
-    for k in range(first, end):
-        fixed += add_neighbor(labeling, sample, graph, i, k, 1, halvings)
+    fixed: cython.longlong = add_pair(graph, i, end - 1, 0, halvings)
+    if border < end - 1:
+        add_within(graph, i, border, (end - 2 - border) // block + 1, 0, halvings)
+    if i + 1 == graph.rows.shape[0]:
+        for k in range(first, end):
+            fixed += add_pair(graph, i, k, 1, halvings)
+    elif (i + 1) & (block - 1) == 0:
+        add_within(graph, i, first, end - first, 1, halvings)
     return fixed
+
+
+@cython.cfunc
+@cython.inline
+@cython.nogil
+@cython.exceptval(check=False)
+def is_straight(
+    graph: Graph, i: cython.Py_ssize_t, first: cython.Py_ssize_t, last: cython.Py_ssize_t
+) -> cython.bint:
+    """Whether a run of the box wraps neither around the canvas nor around a tileable sample."""
+    apart: cython.int = graph.labeling.source[on_canvas(graph, i, last)]
+    apart -= graph.labeling.source[on_canvas(graph, i, first)]
+    return apart == last - first == graph.from_columns[last] - graph.from_columns[first]
 
 
 @cython.cfunc
 @cython.nogil
 @cython.exceptval(check=False)
-def build(
-    labeling: Labeling,
-    sample: SeamCost,
-    graph: Graph,
-    halvings: cython.int,
-    by_runs: cython.bint,
-) -> cython.longlong:
+def build(graph: Graph, halvings: cython.int, by_runs: cython.bint) -> cython.longlong:
     """Fill in the graph whose minimum cut says which blocks of the box the patch replaces.
 
     What each pixel may be is in `graph.choice`; `by_runs`: as `choose` filled it in. Returns the
@@ -347,35 +258,38 @@ def build(
     cython.declare(may=cython.p_const_uchar, below=cython.p_const_uchar, alike=cython.bint)
     height: cython.Py_ssize_t = graph.rows.shape[0]
     width: cython.Py_ssize_t = graph.columns.shape[0]
-    row: cython.size_t = blocks(width, halvings) * cython.sizeof(cython.int)
+    row: cython.size_t
     fixed: cython.longlong = 0
-    by_runs = by_runs and sample.whole
+    by_runs = by_runs and graph.labeling.whole
     graph.before = 0
-    for i in range(blocks(height, halvings)):
-        memset(cython.address(graph.old[i, 0]), 0, row)
-        memset(cython.address(graph.new[i, 0]), 0, row)
+    graph.height = blocks(height, halvings)
+    graph.width = blocks(width, halvings)
+    row = graph.width * cython.sizeof(cython.int)
+    for i in range(graph.height):
+        memset(cython.address(graph.source[i, 0]), 0, row)
+        memset(cython.address(graph.sink[i, 0]), 0, row)
         memset(cython.address(graph.arcs[i, 0, 0]), 0, 4 * row)
     for i in range(height):
         may = cython.address(graph.choice[i, 0])
         below = may if i + 1 == height else cython.address(graph.choice[i + 1, 0])
         j = 0
         while j < width:
-            run = labeling.runs[on_canvas(labeling, graph, i, j)] if by_runs else 0
-            if run > 0:
-                run = min(run, width - j)
-                fixed += add_run(labeling, sample, graph, i, j, j + run, halvings)
+            run = graph.labeling.runs[on_canvas(graph, i, j)] if by_runs else 0
+            run = min(run, width - j)
+            if run > 0 and is_straight(graph, i, j, j + run - 1):
+                fixed += add_run(graph, i, j, j + run, halvings)
                 j += run
                 continue
             if run < -1 and i + 1 < height:  # missing, as the pixels below may be
                 run = min(-run, width - j)
-                if labeling.runs[on_canvas(labeling, graph, i + 1, j)] <= -run:
+                if graph.labeling.runs[on_canvas(graph, i + 1, j)] <= -run:
                     j += run - 1
             alike = j + 1 < width and may[j] != EITHER and may[j + 1] == may[j] == below[j]
-            if may[j] != NOTHING and (not alike or i + 1 == height):
-                fixed += add_neighbor(labeling, sample, graph, i, j, 0, halvings)
-                fixed += add_neighbor(labeling, sample, graph, i, j, 1, halvings)
+            if not alike or i + 1 == height:
+                fixed += add_pair(graph, i, j, 0, halvings)
+                fixed += add_pair(graph, i, j, 1, halvings)
             j += 1
-        fixed += add_outside(labeling, sample, graph, i, 0, 2, halvings)
+        fixed += add_pair(graph, i, 0, 2, halvings)
     for j in range(width):
-        fixed += add_outside(labeling, sample, graph, 0, j, 3, halvings)
+        fixed += add_pair(graph, 0, j, 3, halvings)
     return fixed

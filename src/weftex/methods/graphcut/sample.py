@@ -10,7 +10,6 @@ import numpy as np
 
 from weftex.analysis.patch_sizes import patch_size_of
 from weftex.errors import InvalidInputError
-from weftex.methods.graphcut import seam_kernels
 from weftex.methods.graphcut.pyramid import Level, levels_of
 from weftex.search.windows import Windows, windows_of
 from weftex.turns import copies_in
@@ -78,23 +77,20 @@ class Sample:
         """The sample's pyramid."""
         return levels_of(Level(self.windows.pixels, self.windows.usable), reduction)
 
-    def seam_cost(self, copies: bool) -> seam_kernels.SeamCost:
-        """For kernels; patches lie in one of the oriented `copies`, or anywhere."""
-        if ("seam cost", copies) not in self.made:
-            pixels, usable = self.windows.pixels, self.windows.usable
-            whole = bool(usable.all())
-            if copies:  # there is a line between any two
-                whole = all(usable[y : y + h, x : x + w].all() for y, x, h, w in self.boxes)
-            self.made["seam cost", copies] = seam_kernels.SeamCost(
-                pixels.reshape(-1, pixels.shape[2]),
-                usable.ravel(),
-                _joins(usable != 0, self.exemplar.tileable).ravel(),
-                self.exemplar.shape,
-                whole,
-                np.zeros((2, usable.size), np.int32) if self.by_gradients else None,
-            )
-        found: seam_kernels.SeamCost = self.made["seam cost", copies]
-        return found
+    @cached_property
+    def seam_costs(self) -> tuple[NDArray[Any], ...]:
+        """Pixels, whether they are usable, their neighbors and gradients, for `seam_kernels`."""
+        pixels, usable = self.windows.pixels, self.windows.usable
+        joins = _joins(usable != 0, self.exemplar.tileable)
+        gradients = _gradients(pixels, joins) if self.by_gradients else np.zeros((0, 0), np.int32)
+        return pixels.reshape(-1, pixels.shape[2]), usable.ravel(), joins.ravel(), gradients
+
+    def is_whole(self, copies: bool) -> bool:
+        """Whether all pixels of patches are usable, in one of the oriented `copies` or anywhere."""
+        usable = self.windows.usable
+        if copies:  # there is a line between any two
+            return all(usable[y : y + h, x : x + w].all() for y, x, h, w in self.boxes)
+        return bool(usable.all())
 
 
 def check_boundary(side: int, boundary: int) -> None:
@@ -144,7 +140,7 @@ def _has_room(exemplar: Exemplar, rows: int, columns: int) -> bool:
 
 
 def _joins(usable: NDArray[np.bool_], tileable: bool) -> NDArray[np.uint8]:
-    """The directions in which each pixel has a neighbor, as bits; see `seam_kernels.SeamCost`."""
+    """The directions in which each pixel has a neighbor, as bits; see `seam_kernels.Labeling`."""
     joins = np.zeros(usable.shape, np.uint8)
     for d, (axis, step) in enumerate([(1, 1), (0, 1), (1, -1), (0, -1)]):
         beside = np.roll(usable, -step, axis)
@@ -153,3 +149,12 @@ def _joins(usable: NDArray[np.bool_], tileable: bool) -> NDArray[np.uint8]:
         joins |= ((beside & (tileable | ~last)) * np.uint8(1 << d)).astype(np.uint8)
         joins |= (last * np.uint8(16 << d)).astype(np.uint8)
     return joins
+
+
+def _gradients(pixels: NDArray[np.uint8], joins: NDArray[np.uint8]) -> NDArray[np.int32]:
+    """(2, H * W): differences of all pixels from their right and lower neighbors, 0 without one."""
+    found = np.zeros((2, joins.size), np.int32)
+    for d, axis in enumerate((1, 0)):
+        apart = np.abs(np.subtract(np.roll(pixels, -1, axis), pixels, dtype=np.int16))
+        found[d] = (apart.sum(axis=2, dtype=np.int32) * (joins >> d & 1)).ravel()
+    return found

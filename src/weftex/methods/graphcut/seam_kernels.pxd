@@ -3,17 +3,8 @@ cdef enum:
     SCALE = 256
     SOFT = 32
 
-cdef class SeamCost:
-    cdef const unsigned char[:, ::1] pixels
-    cdef const unsigned char[::1] usable
-    cdef const unsigned char[::1] joins
-    cdef int height
-    cdef int width
-    cdef bint whole
-    cdef bint by_gradients
-    cdef const int[:, ::1] gradients
-
 cdef class Labeling:
+    # The canvas.
     cdef unsigned char[:, ::1] pixels
     cdef int[::1] source
     cdef unsigned char[::1] done
@@ -23,6 +14,14 @@ cdef class Labeling:
     cdef int width
     cdef bint wrap_y
     cdef bint wrap_x
+    # The sample.
+    cdef const unsigned char[:, ::1] colors
+    cdef const unsigned char[::1] usable
+    cdef const unsigned char[::1] joins
+    cdef const int[:, ::1] gradients
+    cdef int rows
+    cdef int columns
+    cdef bint whole
 
 cdef int beside(Labeling labeling, int p, int dy, int dx) noexcept nogil
 
@@ -39,18 +38,21 @@ cdef inline int difference(const unsigned char* a, const unsigned char* b,
         total += abs(<int> a[k] - <int> b[k])
     return total
 
-cdef inline int continued(SeamCost sample, int label, int d) noexcept nogil:
+cdef inline int continued(Labeling labeling, int label, int d) noexcept nogil:
     """The sample's pixel beside a label in direction d, or -1 where the sample ends."""
     cdef int joins, step
     if label < 0:
         return -1
-    joins = sample.joins[label] >> d
+    joins = labeling.joins[label] >> d
     if not joins & 1:
         return -1
-    step = sample.width if d & 1 else 1
+    step = labeling.columns if d & 1 else 1
     if joins & 16:  # from the last row or column to the first one
-        step -= sample.height * sample.width if d & 1 else sample.width
+        step -= labeling.rows * labeling.columns if d & 1 else labeling.columns
     return label - step if d & 2 else label + step
 
-cdef long long seam_cost(Labeling labeling, SeamCost sample, int p, int q, int d, int label_p,
+cdef long long seam_cost(Labeling labeling, int p, int q, int d, int label_p,
                          int label_q) noexcept nogil
+
+cdef void update_runs(Labeling labeling, const int[::1] rows,
+                      const int[::1] columns) noexcept nogil

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from weftex.methods.graphcut.seam_kernels import sum_seams
 from weftex.raster.boxes import box_sums
 
 if TYPE_CHECKING:
@@ -61,7 +62,7 @@ class CanvasSeams:
             lines.append(line.astype(np.int32))
             cells.append(np.unique(line // _CELL))
         before = int(self.cells[np.ix_(*cells)].sum())
-        self.picture.sum_seams(lines[0], lines[1], self.cost, self.cells, _CELL)
+        sum_seams(self.picture.labeling, lines[0], lines[1], self.cost, self.cells, _CELL)
         self._sum_up([int(line[0]) // _CELL for line in lines], [len(c) for c in cells])
         return int(self.cells[np.ix_(*cells)].sum()) - before
 
