@@ -13,7 +13,6 @@ from weftex.notes import is_asked, note
 from weftex.seams.maxflow import search_trees
 
 if TYPE_CHECKING:
-
     from weftex.methods.graphcut.placement import Patch
     from weftex.methods.graphcut.sample import Sample
     from weftex.methods.pixels.growth import Growth

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from weftex.methods.graphcut import match_kernels
 from weftex.methods.graphcut.lattice import LatticePlaces, on_smaller
+from weftex.methods.graphcut.match_kernels import match
 from weftex.methods.graphcut.placement import Matches, Patch, size_on
 from weftex.methods.graphcut.pyramid import (
     Level,
@@ -159,9 +159,8 @@ class EntirePatchMatching:
         if allowed.sum() * level.mask.size <= _DIRECT:
             direct = np.full(allowed.shape, np.inf)
             offset = np.array([reach >> k for reach in self._reach], np.int32)
-            match_kernels.match_places(
-                box.kernel, level.kernel, allowed.view(np.uint8), offset, level.all_count, direct
-            )
+            both = box.pixels, box.mask, level.pixels, level.mask
+            match(*both, allowed.view(np.uint8), offset, level.all_count, direct)
             return direct if (direct < np.inf).any() else np.zeros(allowed.shape)
         size = [fast_size(n) for n in box.mask.shape]
         both = overlap_mismatch(box.spectra_of(size), level.spectra_of(size))

@@ -1,28 +1,12 @@
 # mypy: ignore-errors
-"""Kernels of graph-cut textures: matches on the levels of a pyramid; compiled, see setup.py."""
+"""Kernels of graph-cut textures: matches on the levels of a pyramid; compiled, see setup.py.
+
+A level is the pixels of a picture, and a mask of those that count.
+"""
 
 import cython
 from cython.cimports.libc.math import INFINITY
 from cython.cimports.libc.string import memchr, memcpy, memset
-
-
-@cython.cclass
-class MaskedPixels:
-    """A picture, and which of its pixels count.
-
-    `runs` is filled with the first pixel of each row that counts and one after the last; with -1
-    where others between do not.
-    """
-
-    pixels: cython.const[cython.uchar][:, :, ::1]
-    mask: cython.const[cython.uchar][:, ::1]
-    runs: cython.int[:, ::1]
-
-    def __init__(self, pixels, mask, runs):
-        self.pixels = pixels
-        self.mask = mask
-        self.runs = runs
-        fill_runs(self)
 
 
 @cython.cfunc
@@ -40,24 +24,24 @@ def mean_of(
     return cython.cast(cython.uchar, (total + 2) >> 2)
 
 
-@cython.cfunc
-@cython.nogil
-@cython.exceptval(check=False)
 def halve(
-    whole: MaskedPixels, pixels: cython.uchar[:, :, ::1], mask: cython.uchar[:, ::1]
-) -> cython.void:
-    """Means of squares of four pixels, rounded; those count all of whose pixels do."""
+    whole: cython.const[cython.uchar][:, :, ::1],
+    counting: cython.const[cython.uchar][:, ::1],
+    pixels: cython.uchar[:, :, ::1],
+    mask: cython.uchar[:, ::1],
+):
+    """Fill in means of squares of four pixels, rounded; those count all of whose pixels do."""
     cython.declare(i=cython.Py_ssize_t, j=cython.Py_ssize_t, k=cython.Py_ssize_t)
     cython.declare(upper=cython.p_const_uchar, lower=cython.p_const_uchar, half=cython.p_uchar)
     channels: cython.Py_ssize_t = pixels.shape[2]
     for i in range(pixels.shape[0]):
-        upper = cython.address(whole.mask[2 * i, 0])
-        lower = cython.address(whole.mask[2 * i + 1, 0])
+        upper = cython.address(counting[2 * i, 0])
+        lower = cython.address(counting[2 * i + 1, 0])
         half = cython.address(mask[i, 0])
         for j in range(pixels.shape[1]):
             half[j] = upper[2 * j] & upper[2 * j + 1] & lower[2 * j] & lower[2 * j + 1]
-        upper = cython.address(whole.pixels[2 * i, 0, 0])
-        lower = cython.address(whole.pixels[2 * i + 1, 0, 0])
+        upper = cython.address(whole[2 * i, 0, 0])
+        lower = cython.address(whole[2 * i + 1, 0, 0])
         half = cython.address(pixels[i, 0, 0])
         if channels == 3:  # most pictures; the loop for any number is slower
             for j in range(pixels.shape[1]):
@@ -71,16 +55,14 @@ def halve(
                 )
 
 
-@cython.cfunc
-@cython.nogil
-@cython.exceptval(check=False)
 def gather(
-    canvas: MaskedPixels,
+    canvas: cython.const[cython.uchar][:, :, ::1],
+    done: cython.const[cython.uchar][:, ::1],
     rows: cython.const[cython.int][::1],
     columns: cython.const[cython.int][::1],
     pixels: cython.uchar[:, :, ::1],
     mask: cython.uchar[:, ::1],
-) -> cython.void:
+):
     """Copy a box of a canvas; nothing counts in rows and columns below 0."""
     cython.declare(i=cython.Py_ssize_t, j=cython.Py_ssize_t, end=cython.Py_ssize_t)
     channels: cython.Py_ssize_t = pixels.shape[2]
@@ -97,14 +79,10 @@ def gather(
                 memset(cython.address(mask[i, j]), 0, end - j)
                 memset(cython.address(pixels[i, j, 0]), 0, (end - j) * channels)
                 continue
-            memcpy(
-                cython.address(mask[i, j]),
-                cython.address(canvas.mask[rows[i], columns[j]]),
-                end - j,
-            )
+            memcpy(cython.address(mask[i, j]), cython.address(done[rows[i], columns[j]]), end - j)
             memcpy(
                 cython.address(pixels[i, j, 0]),
-                cython.address(canvas.pixels[rows[i], columns[j], 0]),
+                cython.address(canvas[rows[i], columns[j], 0]),
                 (end - j) * channels,
             )
         j = end
@@ -122,23 +100,6 @@ def run_of(
     if found == cython.NULL:
         return end
     return cython.cast(cython.p_const_uchar, found) - marks
-
-
-@cython.cfunc
-@cython.exceptval(check=False)
-def fill_runs(picture: MaskedPixels) -> cython.void:
-    """Fill in the runs of all rows."""
-    cython.declare(i=cython.Py_ssize_t, first=cython.Py_ssize_t, end=cython.Py_ssize_t)
-    width: cython.Py_ssize_t = picture.mask.shape[1]
-    if width == 0:
-        return
-    for i in range(picture.mask.shape[0]):
-        first = run_of(cython.address(picture.mask[i, 0]), 0, width, 1)
-        end = run_of(cython.address(picture.mask[i, 0]), first, width, 0)
-        if run_of(cython.address(picture.mask[i, 0]), end, width, 1) < width:
-            first = -1
-        picture.runs[i, 0] = cython.cast(cython.int, first)
-        picture.runs[i, 1] = cython.cast(cython.int, end)
 
 
 @cython.cfunc
@@ -161,31 +122,11 @@ def squares(
 @cython.cfunc
 @cython.nogil
 @cython.exceptval(check=False)
-def area_of(
-    box: MaskedPixels, sample: MaskedPixels, top: cython.Py_ssize_t, left: cython.Py_ssize_t
-) -> cython.longlong:
-    """How many pixels of the box count where it lies on the sample, or one pixel beyond."""
-    cython.declare(i=cython.Py_ssize_t, j=cython.Py_ssize_t, run=cython.int)
-    first: cython.Py_ssize_t = max(0, -left - 1)
-    last: cython.Py_ssize_t = min(box.pixels.shape[1], sample.pixels.shape[1] - left + 1)
-    area: cython.longlong = 0
-    for i in range(max(0, -top - 1), min(box.pixels.shape[0], sample.pixels.shape[0] - top + 1)):
-        if box.runs[i, 0] >= 0:
-            area += max(0, min(last, box.runs[i, 1]) - max(first, box.runs[i, 0]))
-            continue
-        run = 0
-        for j in range(first, last):
-            run += box.mask[i, j]
-        area += run
-    return area
-
-
-@cython.cfunc
-@cython.nogil
-@cython.exceptval(check=False)
 def mismatch(
-    box: MaskedPixels,
-    sample: MaskedPixels,
+    box: cython.const[cython.uchar][:, :, ::1],
+    known: cython.const[cython.uchar][:, ::1],
+    sample: cython.const[cython.uchar][:, :, ::1],
+    usable: cython.const[cython.uchar][:, ::1],
     top: cython.Py_ssize_t,
     left: cython.Py_ssize_t,
     whole: cython.bint,
@@ -196,35 +137,22 @@ def mismatch(
     Infinite where nothing counts in both, or once the sum is `most` or more. `whole`: all pixels
     of the sample count.
     """
-    cython.declare(i=cython.Py_ssize_t, j=cython.Py_ssize_t, at=cython.Py_ssize_t)
-    cython.declare(end=cython.Py_ssize_t, turn=cython.int)
-    cython.declare(here=cython.p_const_uchar, there=cython.p_const_uchar)
-    channels: cython.Py_ssize_t = box.pixels.shape[2]
+    cython.declare(i=cython.Py_ssize_t, j=cython.Py_ssize_t, end=cython.Py_ssize_t)
+    cython.declare(here=cython.p_const_uchar, there=cython.p_const_uchar, turn=cython.int)
+    channels: cython.Py_ssize_t = box.shape[2]
     at_once: cython.Py_ssize_t = 32768 // channels  # pixels whose squares fit into an int
     first: cython.Py_ssize_t = max(0, -left)
-    last: cython.Py_ssize_t = min(box.pixels.shape[1], sample.pixels.shape[1] - left)
+    last: cython.Py_ssize_t = min(box.shape[1], sample.shape[1] - left)
     upper: cython.Py_ssize_t = max(0, -top)
-    lower: cython.Py_ssize_t = min(box.pixels.shape[0], sample.pixels.shape[0] - top)
+    lower: cython.Py_ssize_t = min(box.shape[0], sample.shape[0] - top)
     total: cython.longlong = 0
     area: cython.longlong = 0
     if first >= last:
         return INFINITY
     for turn in range(8):  # every eighth row first, so that bad places end early
         for i in range(upper + turn, lower, 8):
-            if whole and box.runs[i, 0] >= 0:  # mostly
-                at = max(first, box.runs[i, 0])
-                end = min(last, box.runs[i, 1])
-                area += max(0, end - at)
-                while at < end:
-                    total += squares(
-                        cython.address(box.pixels[i, at, 0]),
-                        cython.address(sample.pixels[top + i, left + at, 0]),
-                        min(end - at, at_once) * channels,
-                    )
-                    at += at_once
-                continue
-            here = cython.address(box.mask[i, 0])
-            there = cython.address(sample.mask[top + i, left + first]) - first
+            here = cython.address(known[i, 0])
+            there = cython.address(usable[top + i, left + first]) - first
             j = run_of(here, first, last, 1)
             while j < last:
                 if not (whole or there[j]):
@@ -234,8 +162,8 @@ def mismatch(
                 if not whole:
                     end = run_of(there, j + 1, end, 0)
                 total += squares(
-                    cython.address(box.pixels[i, j, 0]),
-                    cython.address(sample.pixels[top + i, left + j, 0]),
+                    cython.address(box[i, j, 0]),
+                    cython.address(sample[top + i, left + j, 0]),
                     (end - j) * channels,
                 )
                 area += end - j
@@ -247,69 +175,67 @@ def mismatch(
     return cython.cast(cython.double, total) / area
 
 
-@cython.cfunc
-@cython.nogil
-@cython.exceptval(check=False)
 def match(
-    box: MaskedPixels,
-    sample: MaskedPixels,
+    box: cython.const[cython.uchar][:, :, ::1],
+    known: cython.const[cython.uchar][:, ::1],
+    sample: cython.const[cython.uchar][:, :, ::1],
+    usable: cython.const[cython.uchar][:, ::1],
     allowed: cython.const[cython.uchar][:, ::1],
     offset: cython.const[cython.int][::1],
     whole: cython.bint,
     costs: cython.double[:, ::1],
-) -> cython.void:
+):
     """Fill in the mismatch at each place; the box's corner lies on (place - offset)."""
     cython.declare(y=cython.Py_ssize_t, x=cython.Py_ssize_t)
     for y in range(allowed.shape[0]):
         for x in range(allowed.shape[1]):
             if allowed[y, x]:
-                costs[y, x] = mismatch(box, sample, y - offset[0], x - offset[1], whole, INFINITY)
+                costs[y, x] = mismatch(
+                    box, known, sample, usable, y - offset[0], x - offset[1], whole, INFINITY
+                )
 
 
-@cython.cfunc
-@cython.nogil
-@cython.exceptval(check=False)
 def nudge(
-    box: MaskedPixels,
-    sample: MaskedPixels,
+    box: cython.const[cython.uchar][:, :, ::1],
+    known: cython.const[cython.uchar][:, ::1],
+    sample: cython.const[cython.uchar][:, :, ::1],
+    usable: cython.const[cython.uchar][:, ::1],
     allowed: cython.const[cython.uchar][:, ::1],
     offset: cython.const[cython.int][::1],
-    place: cython.int[::1],
     whole: cython.bint,
-) -> cython.void:
-    """Move a place to the best match among itself and its eight neighbors, the first of them.
+    places: cython.int[:, ::1],
+):
+    """Move each place to the best match among itself and its eight neighbors, the first of them.
 
-    The box's corner lies on (place - offset) of the sample.
+    The box's corner lies on (place - offset) of the sample. Other threads may run.
     """
+    cython.declare(k=cython.Py_ssize_t, n=cython.Py_ssize_t, best=cython.double)
     cython.declare(y=cython.Py_ssize_t, x=cython.Py_ssize_t, cost=cython.double)
-    cython.declare(top=cython.Py_ssize_t, left=cython.Py_ssize_t, area=cython.double)
-    cython.declare(most=cython.double)
-    middle_y: cython.Py_ssize_t = place[0]
-    middle_x: cython.Py_ssize_t = place[1]
-    top = middle_y - offset[0]
-    left = middle_x - offset[1]
-    best: cython.double = INFINITY
-    # Of places on a lattice the one that a smaller copy found need not be one itself.
-    found: cython.bint = (
-        middle_y < allowed.shape[0]
-        and middle_x < allowed.shape[1]
-        and allowed[middle_y, middle_x] != 0
-    )
-    if found:
-        best = mismatch(box, sample, top, left, whole, INFINITY)
+    cython.declare(middle_y=cython.Py_ssize_t, middle_x=cython.Py_ssize_t, found=cython.bint)
     # A mean over no more pixels than this is no better once its sum is that of the best.
-    area = cython.cast(cython.double, area_of(box, sample, top, left)) * (1 + 1e-12)
-    for y in range(max(0, middle_y - 1), min(middle_y + 2, allowed.shape[0])):
-        for x in range(max(0, middle_x - 1), min(middle_x + 2, allowed.shape[1])):
-            if not allowed[y, x] or (y == middle_y and x == middle_x):
-                continue
-            most = best * area if best < INFINITY else INFINITY
-            cost = mismatch(box, sample, y - offset[0], x - offset[1], whole, most)
-            if cost < best or not found:
-                found = True
-                best = cost
-                place[0] = cython.cast(cython.int, y)
-                place[1] = cython.cast(cython.int, x)
+    area: cython.double = min(box.shape[0] * box.shape[1], sample.shape[0] * sample.shape[1])
+    area *= 1 + 1e-12
+    with cython.nogil:
+        for k in range(places.shape[0]):
+            middle_y = places[k, 0]
+            middle_x = places[k, 1]
+            best = INFINITY
+            found = False
+            for n in range(-1, 9):  # the place itself, which need not be allowed, then all nine
+                y = middle_y + (n // 3 - 1 if n >= 0 else 0)
+                x = middle_x + (n % 3 - 1 if n >= 0 else 0)
+                if n == 4 or not (0 <= y < allowed.shape[0] and 0 <= x < allowed.shape[1]):
+                    continue
+                if not allowed[y, x]:
+                    continue
+                cost = mismatch(
+                    box, known, sample, usable, y - offset[0], x - offset[1], whole, best * area
+                )
+                if cost < best or not found:
+                    found = True
+                    best = cost
+                    places[k, 0] = cython.cast(cython.int, y)
+                    places[k, 1] = cython.cast(cython.int, x)
 
 
 def best_places(
@@ -355,33 +281,3 @@ def best_places(
             ):
                 costs[at, x] = INFINITY
     return bits.shape[0]
-
-
-def make_half(whole: MaskedPixels, pixels, mask):
-    """Call `halve`."""
-    halve(whole, pixels, mask)
-
-
-def gather_box(canvas: MaskedPixels, rows, columns, pixels, mask):
-    """Call `gather`."""
-    gather(canvas, rows, columns, pixels, mask)
-
-
-def match_places(box: MaskedPixels, sample: MaskedPixels, allowed, offset, whole, costs):
-    """Call `match`."""
-    match(box, sample, allowed, offset, whole, costs)
-
-
-def nudge_places(
-    box: MaskedPixels,
-    sample: MaskedPixels,
-    allowed: cython.const[cython.uchar][:, ::1],
-    offset: cython.const[cython.int][::1],
-    places: cython.int[:, ::1],
-    whole: cython.bint,
-):
-    """Call `nudge` for each place, beside other threads."""
-    cython.declare(k=cython.Py_ssize_t)
-    with cython.nogil:
-        for k in range(places.shape[0]):
-            nudge(box, sample, allowed, offset, places[k], whole)

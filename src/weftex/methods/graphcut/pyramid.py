@@ -45,12 +45,6 @@ class Level:
         """To be matched with a picture that is not larger."""
         return self.spectra_of([fast_size(n) for n in self.mask.shape])
 
-    @cached_property
-    def kernel(self) -> kernels.MaskedPixels:
-        """For kernels."""
-        runs = np.empty((len(self.mask), 2), np.int32)
-        return kernels.MaskedPixels(self.pixels, self.mask, runs)
-
     def part(self, top: int, left: int, height: int, width: int) -> Level:
         """A box of it."""
         here = np.s_[top : top + height, left : left + width]
@@ -70,7 +64,7 @@ def levels_of(whole: Level, reduction: int) -> list[Level]:
     while reduction > 1:
         rows, columns = (n // 2 for n in levels[-1].mask.shape)
         half = _blank(rows, columns, whole)
-        kernels.make_half(levels[-1].kernel, half.pixels, half.mask)
+        kernels.halve(levels[-1].pixels, levels[-1].mask, half.pixels, half.mask)
         levels.append(half)
         reduction //= 2
     return levels
@@ -79,7 +73,7 @@ def levels_of(whole: Level, reduction: int) -> list[Level]:
 def box_of(canvas: Level, rows: NDArray[np.int32], columns: NDArray[np.int32]) -> Level:
     """Copy these rows and columns; nothing counts in those below 0."""
     box = _blank(len(rows), len(columns), canvas)
-    kernels.gather_box(canvas.kernel, rows, columns, box.pixels, box.mask)
+    kernels.gather(canvas.pixels, canvas.mask, rows, columns, box.pixels, box.mask)
     return box
 
 
@@ -122,8 +116,9 @@ def in_full_size(
     """
     steps = []
     for k in range(len(boxes) - 2, -1, -1):
-        sample, at = samples[k], np.array(offset, np.int32) >> k
-        steps.append((boxes[k].kernel, sample.kernel, allowed[k], at, sample.all_count))
+        box, sample, at = boxes[k], samples[k], np.array(offset, np.int32) >> k
+        both = box.pixels, box.mask, sample.pixels, sample.mask
+        steps.append((*both, allowed[k], at, sample.all_count))
     # Places side by side often lead to the same one, which is looked up once in full size.
     for some in (steps[:-1], steps[-1:]):
         different = list(dict.fromkeys(places))
@@ -137,7 +132,7 @@ def in_full_size(
 def _in_larger(steps: list[Any], places: list[tuple[int, int]]) -> list[tuple[int, int]]:
     """The best matches on one larger level after the other."""
     found = np.array(places, np.int32)
-    for box, sample, where, at, whole in steps:
+    for step in steps:
         found *= 2
-        kernels.nudge_places(box, sample, where, at, found, whole)
+        kernels.nudge(*step, found)
     return [(y, x) for y, x in found.tolist()]
