@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from weftex.methods.graphcut.lattice import LatticePlaces, on_smaller
+from weftex.analysis.canvas_lattice import VISIBLE_STRAIN, CanvasLattice, given_lattice
 from weftex.methods.graphcut.match_kernels import match
 from weftex.methods.graphcut.placement import Matches, Patch, size_on
 from weftex.methods.graphcut.pyramid import (
@@ -33,6 +33,10 @@ if TYPE_CHECKING:
 
 _AROUND = 32  # pixels around a hole that are matched, or half as many as it is wide
 _DIRECT = 2**22  # offsets times pixels up to which sums are faster than transforms
+_DRIFT = 16  # in photos a tile lies up to 1/16 of its shorter side off the lattice
+_MOST = 4.0  # pixels, at most
+_LEAST = 0.75  # pixels, so that there is a whole one at each multiple of the vectors
+_UNIT = 1 << 16  # of `CanvasLattice.phase`
 
 
 class Found(NamedTuple):
@@ -69,7 +73,11 @@ class EntirePatchMatching:
         # How far the sample reaches from a pixel that it covers, in whole pixels of all levels.
         self._reach = [-(-(n - 1) // self.reduction) * self.reduction for n in self.usable.shape]
         self._holes = holes_of(growth)
-        self._lattice = LatticePlaces(lattice, self.canvas) if lattice else None
+        self._lattice = None
+        if lattice:
+            self._lattice = CanvasLattice(lattice, self.canvas, VISIBLE_STRAIN)
+            shortest = min(np.hypot(*vector) for vector in given_lattice(lattice).reduced().vectors)
+            self._drift = min(max(float(shortest) / _DRIFT, _LEAST), _MOST)
 
     def matches(
         self, pixel: tuple[int, int], number: int, centered: bool, map_: Callable[..., Any] = map
@@ -134,11 +142,24 @@ class EntirePatchMatching:
         In the middle where that is possible, and on the lattice, or `near` it too.
         """
         if self._lattice is not None:
-            on = self._lattice.of(pixel, self.usable.shape, near=near)
+            on = self._on_lattice(self._lattice, pixel, self._drift if near else _LEAST)
             for some in (middle, self.usable):
                 if (found := on & (some != 0)).any():
                     return on_smaller(found, len(self.levels))
         return on_levels(middle if middle.any() else self.usable, self.levels)
+
+    def _on_lattice(
+        self, lattice: CanvasLattice, pixel: tuple[int, int], most: float
+    ) -> NDArray[np.bool_]:
+        """Mark the pixels of the sample that lie on a pixel after a lattice shift; `most` px off."""
+        first = lattice.phase(*(np.array(at) for at in pixel)) / _UNIT
+        y, x = (np.arange(n) - at for n, at in zip(self.usable.shape, first, strict=True))
+        rest = []  # of multiples of the vectors
+        for down, along in np.linalg.inv(lattice.sample).T:
+            times = np.add.outer(down * y, along * x)
+            rest.append(times - np.rint(times))
+        off = [one * rest[0] + other * rest[1] for one, other in lattice.sample.T]
+        return (abs(off[0]) <= most) & (abs(off[1]) <= most)
 
     def _lines(self, pixel: tuple[int, int]) -> list[NDArray[np.int32]]:
         """The rows and columns that the sample may cover with this pixel, -1 beyond the canvas."""
@@ -211,3 +232,13 @@ def holes_of(growth: Growth) -> list[tuple[int, int]]:
         all_ = wraps or not len(some)
         holes.append((0, n) if all_ else (int(some[0]), int(some[-1]) + 1))
     return holes
+
+
+def on_smaller(places: NDArray[np.bool_], count: int) -> list[NDArray[np.uint8]]:
+    """Levels of a mask, each half as large: 1 where one of four pixels is; whole squares only."""
+    copies = [places.view(np.uint8)]
+    while len(copies) < count:
+        rows, columns = (n // 2 * 2 for n in copies[-1].shape)
+        either = copies[-1][:rows:2, :columns] | copies[-1][1:rows:2, :columns]
+        copies.append(either[:, ::2] | either[:, 1::2])
+    return copies
