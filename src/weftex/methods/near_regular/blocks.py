@@ -20,9 +20,9 @@ if TYPE_CHECKING:
 
 _GAPS_AT_A_TIME = 32  # that a thread fills, at most
 _MOST_COMPARED = 512  # similar windows that a gap is compared with
-_STRIDE = (
-    40503  # between windows tried in the unconstrained mode; those beside each other are alike
-)
+_MOST_DRAWN = 2048  # windows that it is compared with in the unconstrained mode, by a few runs
+_FEW = 48
+_ALL = 2**31  # runs of a border
 _DRAWN_NEAR = [(-2, 0), (-1, -1), (-1, 1), (0, -2), (0, 2), (1, -1), (1, 1), (2, 0)]
 _NEIGHBORS = [(-1, 0), (0, -1), (1, 0), (0, 1)]
 
@@ -45,16 +45,15 @@ def draw_constrained_blocks(plan: Plan, sources: NDArray[np.int32]) -> NDArray[n
 
     Of four colors, one after the other, no block is near another of its own color.
     """
-    sources, windows = sources.copy(), plan.sample.windows
-    stride = _STRIDE if plan.method.unconstrained else 1
+    sources, sample = sources.copy(), plan.sample.kernel
+    flat = sources.reshape(-1)
     i, j = plan.layout.rows.numbers[:, None], plan.layout.columns.numbers[None, :]
     color = (i + j) // 2 % 2 * 2 + (i - j) // 2 % 2
     for k in range(4):
         for offsets, cells in _with_offsets(plan, np.argwhere(plan.hole.drawn & (color == k))):
             kernels.draw_blocks(
-                windows.usable, windows.period, offsets, stride,
-                *_tables(plan, cells, len(offsets), _DRAWN_NEAR), sources.reshape(-1),
-            )  # fmt: skip
+                sample, offsets, *_tables(plan, cells, len(offsets), _DRAWN_NEAR), flat
+            )
     return sources
 
 
@@ -67,37 +66,20 @@ def fill_gaps(
 ) -> NDArray[np.int32]:
     """Return `sources` with the windows that best fit the borders of these gaps (section 4.2.2)."""
     method, sample, layout, hole, each = plan
-    sources, windows = sources.copy(), sample.windows
-    # Known pixels around a hole make borders of any shape, which the search is not built for.
-    search = None if hole.exists else sample.search
-    arrays = sample.pixels, sample.turned, windows.usable, windows.period
+    sources, kernel = sources.copy(), sample.kernel
+    most, few = (_MOST_DRAWN, _FEW) if method.unconstrained else (_MOST_COMPARED, _ALL)
+    rule = method.tolerance, most, few, round(256 * method.variety), method.match == "gncc"
     count = int(np.count_nonzero(gaps))
     progress = Progress(callback, count, stage, lambda: layout.preview(sample, sources))
 
     def fill(portion: tuple[NDArray[np.int64], ...]) -> int:
         cells, offsets, blocks, near = portion
-        wedges, runs, border = hole.border_of(method, sample, layout, *cells[0].tolist())
-        if method.unconstrained and not len(runs):
+        border = hole.border_of(method, sample, layout, *cells[0].tolist())
+        if method.unconstrained and not len(border[1]):
             sources.reshape(-1)[blocks[:, 0]] = blocks[:, 6]
             return len(cells)
-        numbers = search.zone.blocks.size // 2 * border.shape[2] if search else 0
-        gap = kernels.GapSearch(
-            arrays,
-            (wedges, runs, border),
-            tolerance=method.tolerance,
-            most=len(sample.offsets) if method.unconstrained else _MOST_COMPARED,
-            variety=round(256 * method.variety),
-            by_correlation=method.match == "gncc",
-            windows=search and search.kernel,
-            query=np.empty(np.count_nonzero(wedges) * border.shape[2], np.uint8),
-            means=np.empty(numbers, np.int32),
-            coordinates=np.empty(len(search.pca.basis) if search else 0, np.int16),
-            wanted=method.candidates,
-            keys=np.empty(method.candidates, np.int64),
-            places=np.empty(method.candidates, np.int32),
-            partial=np.empty(sample.pixels.shape[1], np.int32),
-            total=np.empty(sample.pixels.shape[1], np.int64),
-        )
+        best = np.empty(method.candidates, np.int64), np.empty(method.candidates, np.int32)
+        gap = kernels.Gaps(kernel, border, rule, *best)
         kernels.fill_gaps(gap, offsets, blocks, near, sources.reshape(-1))
         return len(cells)
 

@@ -84,7 +84,7 @@ def resolve(method: Any, exemplar: Exemplar) -> Any:
         blend=blend_of(method),
         tolerance=tolerance,
         rectify=rectify,
-        candidates=method.candidates or (_ALL_SIMILAR if paper else 6),
+        candidates=method.candidates or (_ALL_SIMILAR if paper and not unconstrained else 6),
         variety=(0.0 if paper else 1.0) if method.variety is None else method.variety,
     )
 

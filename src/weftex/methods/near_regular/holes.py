@@ -11,9 +11,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from weftex.errors import InvalidInputError
-from weftex.methods.near_regular.sample import shuffled
+from weftex.methods.near_regular.sample import runs_of
 from weftex.raster.masks import grown
-from weftex.search.boundary_zone import runs_over
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -58,7 +57,7 @@ class Hole:
         there, at = inside[:, None] & within, np.ix_(y, x)
         wedges[~there | ~self.missing[at]] = 0
         wedges[there & self.near[at]] = _KNOWN
-        return wedges, shuffled(runs_over(wedges > 0)), np.ascontiguousarray(self.known[at])
+        return wedges, runs_of(wedges > 0), np.ascontiguousarray(self.known[at])
 
     def around(self, layout: Layout, pad: int) -> tuple[NDArray[np.uint8], NDArray[np.uint8]]:
         """Known pixels and the states of pixels, padded for `seam_kernels` beyond the canvas."""

@@ -14,16 +14,13 @@ from weftex.methods.near_regular.defaults import vectors_around
 from weftex.methods.near_regular.rectification import rectified
 from weftex.methods.near_regular.rows import Courses, axis_of_rows, courses_of
 from weftex.random import draw
-from weftex.search.boundary_zone import boundary_zone, runs_over
+from weftex.search.vocabulary_kernels import Sample
 from weftex.search.windows import Windows, windows_of
-from weftex.search.zone_search import QuadtreePyramid, ZoneSearch
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-_BLOCK_SIDE = 16  # of the low resolution that unconstrained gaps are searched by
-_NUMBERS = 288  # that describe a border there, at most
-_VARIANCE = 0.97  # of borders that their principal components keep
+_RUN = 32  # pixels, at most
 _SOFT = 40  # squared difference of a channel, two pixels apart, that halves the visibility
 
 
@@ -31,7 +28,7 @@ class Border(NamedTuple):
     """The pixels of a gap's window that must match."""
 
     wedges: NDArray[np.uint8]  # 1 to 4: of the neighbor above, left, below, right; 0 off the border
-    runs: NDArray[np.int32]  # the border as runs of pixels, as in `BoundaryZone`
+    runs: NDArray[np.int32]  # (n, 3): the border as runs of pixels, y, x and length, shuffled
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,13 +43,11 @@ class BlockSample:
     windows: Windows  # by their upper left corners
     lookup: NDArray[np.int32] | None  # (H, W): the pixel at each place, if the sample is rectified
     pixels: NDArray[np.uint8]  # (H', W', K), the windows' pixels, rectified
-    turned: NDArray[np.uint8]  # with their axes exchanged
     visibility: NDArray[np.uint16]  # (H', W'), of a seam at each of them
     offsets: NDArray[np.int64]  # (n, 2), shuffled
     multiples: NDArray[np.int64]  # (n,), of the first vector in each; empty if unconstrained
     row_axis: int | None  # along which rows change that have a color each, see `axis_of_rows`
     courses: tuple[Courses | None, ...]  # rows that blocks keep to, along both axes
-    search: ZoneSearch | None  # all windows by their borders, in the unconstrained mode
     _borders: dict[tuple[int, ...], Border] = field(default_factory=dict, repr=False)
 
     def border(self, height: int, width: int, margin: int, reach: int) -> Border:
@@ -60,8 +55,13 @@ class BlockSample:
         key = height, width, margin, reach
         if key not in self._borders:
             wedges = wedges_of(*key)
-            self._borders[key] = Border(wedges, shuffled(runs_over(wedges > 0)))
+            self._borders[key] = Border(wedges, runs_of(wedges > 0))
         return self._borders[key]
+
+    @property
+    def kernel(self) -> Sample:
+        """The windows as kernels take them."""
+        return Sample(self.pixels, self.windows.usable, self.windows.period)
 
     def has_window(self, y: NDArray[np.int64], x: NDArray[np.int64]) -> NDArray[np.bool_]:
         """Whether whole windows begin at these places, which wrap where the sample tiles."""
@@ -85,12 +85,11 @@ def prepare(method: Any, exemplar: Exemplar) -> BlockSample:
     if method.rectify:
         lookup = rectified(pixels, vectors, method.rectify, by_rows=method.by_rows)
         pixels = np.ascontiguousarray(pixels.reshape(-1, pixels.shape[2])[lookup])
-    search, row_axis = None, None
+    row_axis = None
     courses: list[Courses | None] = [None, None]
     if method.unconstrained:
-        search = _search(method, pixels, windows)
         offsets = np.stack(np.divmod(windows.centers, pixels.shape[1]), axis=1).astype(np.int64)
-        offsets, multiples = offsets << 16, np.zeros(0, np.int64)
+        offsets, multiples = shuffled(offsets, "steps") << 16, np.zeros(0, np.int64)
     else:
         lattice = CanvasLattice(vectors)
         offsets = shuffled(lattice.steps(*exemplar.shape), "steps")
@@ -104,36 +103,11 @@ def prepare(method: Any, exemplar: Exemplar) -> BlockSample:
         windows=windows,
         lookup=lookup,
         pixels=pixels,
-        turned=np.ascontiguousarray(pixels.transpose(1, 0, 2)),
         visibility=visibility(pixels, method.seam_cost == "gradient"),
         offsets=offsets,
         multiples=multiples,
         row_axis=row_axis,
         courses=tuple(courses),
-        search=search,
-    )
-
-
-def _search(method: Any, pixels: NDArray[np.uint8], windows: Windows) -> ZoneSearch:
-    """All windows, to be searched by the border of a gap (section 5.2)."""
-    size, margin = method.block_size, method.margin
-    zone = boundary_zone(
-        wedges_of(size, size, margin, margin) > 0,
-        max(1, 2 * margin),
-        block_side=_BLOCK_SIDE,
-        most_blocks=max(16, _NUMBERS // pixels.shape[2]),
-    )
-    rows, columns = (n - method.window_side + 1 for n in pixels.shape[:2])
-    usable = np.ascontiguousarray(windows.usable[:rows, :columns])
-    return ZoneSearch(
-        zone,
-        QuadtreePyramid(pixels),
-        usable,
-        np.flatnonzero(usable).astype(np.int32),
-        search="pca",
-        candidates=method.candidates,
-        variance=_VARIANCE,
-        often=True,
     )
 
 
@@ -150,6 +124,18 @@ def wedges_of(height: int, width: int, margin: int, reach: int) -> NDArray[np.ui
     nearest = away.min(axis=0)
     border = (nearest >= 0) & (nearest < 2 * reach)
     return np.where(border, away.argmin(axis=0) + 1, 0).astype(np.uint8)
+
+
+def runs_of(border: NDArray[np.bool_]) -> NDArray[np.int32]:
+    """Cover a border with runs of at most 32 pixels in a row, shuffled; see `Border`."""
+    rows, columns = border.shape
+    parts = np.zeros((rows, -(-columns // _RUN), _RUN + 2), np.int8)
+    padded = np.pad(border, ((0, 0), (0, -columns % _RUN)))
+    parts[..., 1:-1] = padded.reshape(rows, -1, _RUN)
+    change = np.diff(parts, axis=2)
+    y, part, start = np.nonzero(change == 1)
+    stop = np.nonzero(change == -1)[2]
+    return shuffled(np.stack([y, part * _RUN + start, stop - start], axis=1).astype(np.int32))
 
 
 def shuffled(values: NDArray[Any], purpose: str = "runs") -> NDArray[Any]:
