@@ -151,7 +151,7 @@ class EntirePatchMatching:
     def _on_lattice(
         self, lattice: CanvasLattice, pixel: tuple[int, int], most: float
     ) -> NDArray[np.bool_]:
-        """Mark the pixels of the sample that lie on a pixel after a lattice shift; `most` px off."""
+        """Mark the pixels that lattice shifts lead to a pixel of the canvas, `most` pixels off."""
         first = lattice.phase(*(np.array(at) for at in pixel)) / _UNIT
         y, x = (np.arange(n) - at for n, at in zip(self.usable.shape, first, strict=True))
         rest = []  # of multiples of the vectors

@@ -14,7 +14,12 @@ Phases (eq. 3.29) and offsets, sums of multiples of the lattice vectors, are in 
 import cython
 from cython.cimports.libc.math import sqrt
 from cython.cimports.weftex.repeats.overlap_kernels import repeated_pixels
-from cython.cimports.weftex.search.vocabulary_kernels import Sample
+from cython.cimports.weftex.search.window_kernels import (
+    Sample,
+    gather_runs,
+    run_distance,
+    usable_place,
+)
 
 NEVER = cython.declare(cython.longlong, 1 << 60)  # more than any mismatch
 HALF = cython.declare(cython.longlong, 1 << 15)  # a pixel, in 1/65536
@@ -28,7 +33,7 @@ class Gaps:
 
     `wedges` tells from which neighbor each pixel comes, or that `border` has it already; `runs`
     (y, x, length) cover the border, and similar windows are compared by the first `few` of them.
-    `rule` is the tolerance, the number of windows to compare, `few`, `variety` in 1/256, and
+    `rule` is the tolerance, the number of windows to compare, `variety` in 1/256, and
     whether they are compared by correlation. The best windows are kept in `keys` and `places`.
     """
 
@@ -41,6 +46,7 @@ class Gaps:
     few: cython.Py_ssize_t
     variety: cython.longlong
     by_correlation: cython.bint
+    query: cython.uchar[::1]  # the bytes of the border, run after run
     keys: cython.longlong[::1]
     places: cython.int[::1]
     # Of the gap in hand: its size, and the neighbors above, left, below and right.
@@ -50,29 +56,12 @@ class Gaps:
     dy: cython.longlong[4]
     dx: cython.longlong[4]
 
-    def __init__(self, sample: Sample, border, rule, keys, places):
+    def __init__(self, sample: Sample, border, few, rule, query, keys, places):
         self.sample = sample
         self.wedges, self.runs, self.border = border
-        self.tolerance, self.most, self.few, self.variety, self.by_correlation = rule
-        self.keys, self.places = keys, places
-
-
-@cython.cfunc
-@cython.inline
-@cython.nogil
-@cython.exceptval(check=False)
-def source_at(sample: Sample, y: cython.longlong, x: cython.longlong) -> cython.int:
-    """The source at (y, x), wrapped where the sample tiles; -1 if no whole window lies there."""
-    if sample.period[2]:
-        y = y % sample.period[2]
-        x = x % sample.period[3]
-        y = y + sample.period[2] if y < 0 else y
-        x = x + sample.period[3] if x < 0 else x
-    if y < 0 or x < 0 or y >= sample.usable.shape[0] or x >= sample.usable.shape[1]:
-        return -1
-    if not sample.usable[y, x]:
-        return -1
-    return cython.cast(cython.int, y * sample.usable.shape[1] + x)
+        self.tolerance, self.most, self.variety, self.by_correlation = rule
+        self.few = min(few, len(self.runs))
+        self.query, self.keys, self.places = query, keys, places
 
 
 @cython.cfunc
@@ -83,11 +72,11 @@ def similar(
     sample: Sample,
     offsets: cython.const[cython.longlong][:, ::1], k: cython.Py_ssize_t,
     blocks: cython.const[cython.longlong][:, ::1], n: cython.Py_ssize_t,
-) -> cython.int:  # fmt: skip
+) -> cython.Py_ssize_t:  # fmt: skip
     """The window that is similar to block n by the k-th offset (eq. 4.3, Fig. 4.7b), or -1."""
     y: cython.longlong = (blocks[n, 1] + offsets[k, 0] + HALF) >> 16
     x: cython.longlong = (blocks[n, 2] + offsets[k, 1] + HALF) >> 16
-    return source_at(sample, y, x)
+    return usable_place(sample.usable, sample.period, y, x)
 
 
 @cython.cfunc
@@ -156,34 +145,6 @@ def draw_blocks(
 @cython.cfunc
 @cython.nogil
 @cython.exceptval(check=False)
-def difference(
-    gaps: Gaps, y: cython.Py_ssize_t, x: cython.Py_ssize_t, few: cython.Py_ssize_t,
-    bound: cython.longlong,
-) -> cython.longlong:  # fmt: skip
-    """Eq. (4.4): squared differences of the border and the window at (y, x); may stop past `bound`.
-
-    By the first `few` runs.
-    """
-    cython.declare(r=cython.Py_ssize_t, i=cython.Py_ssize_t, d=cython.short, part=cython.int)
-    cython.declare(here=cython.p_const_uchar, there=cython.p_const_uchar)
-    channels: cython.Py_ssize_t = gaps.border.shape[2]
-    total: cython.longlong = 0
-    for r in range(min(few, gaps.runs.shape[0])):
-        here = cython.address(gaps.border[gaps.runs[r, 0], gaps.runs[r, 1], 0])
-        there = cython.address(gaps.sample.pixels[y + gaps.runs[r, 0], x + gaps.runs[r, 1], 0])
-        part = 0
-        for i in range(gaps.runs[r, 2] * channels):
-            d = cython.cast(cython.short, here[i]) - cython.cast(cython.short, there[i])
-            part += cython.cast(cython.int, d) * d
-        total += part
-        if total > bound:
-            break
-    return total
-
-
-@cython.cfunc
-@cython.nogil
-@cython.exceptval(check=False)
 def correlation(
     gaps: Gaps, y: cython.Py_ssize_t, x: cython.Py_ssize_t, few: cython.Py_ssize_t
 ) -> cython.longlong:
@@ -199,7 +160,7 @@ def correlation(
         for i in range(5):
             sums[i] = 0
         n = 0
-        for r in range(min(few, gaps.runs.shape[0])):
+        for r in range(few):
             here = cython.address(gaps.border[gaps.runs[r, 0], gaps.runs[r, 1], 0])
             there = cython.address(gaps.sample.pixels[y + gaps.runs[r, 0], x + gaps.runs[r, 1], 0])
             for i in range(gaps.runs[r, 2]):
@@ -244,7 +205,9 @@ def mismatch(
     x = here % columns
     if gaps.by_correlation:
         return factor * correlation(gaps, y, x, few)
-    return factor * difference(gaps, y, x, few, bound // factor)
+    return factor * run_distance(
+        gaps.sample.pixels, y, x, gaps.runs, few, gaps.query, bound // factor
+    )
 
 
 @cython.cfunc
@@ -269,6 +232,7 @@ def compose_border(gaps: Gaps) -> cython.void:
             )
             for k in range(channels):
                 here[k] = there[k]
+    gather_runs(gaps.border, 0, 0, gaps.runs, gaps.runs.shape[0], gaps.query)
 
 
 @cython.cfunc
@@ -313,7 +277,7 @@ def best_similar(
 def best_within_tolerance(gaps: Gaps, count: cython.Py_ssize_t) -> cython.int:
     """The best window within the tolerance around the listed ones (section 4.2.2), or -1."""
     cython.declare(t=cython.Py_ssize_t, y=cython.longlong, x=cython.longlong, v=cython.longlong)
-    cython.declare(key=cython.longlong, here=cython.int)
+    cython.declare(u=cython.longlong, key=cython.longlong, here=cython.int)
     columns: cython.Py_ssize_t = gaps.sample.pixels.shape[1]
     every: cython.Py_ssize_t = gaps.runs.shape[0]
     if count == 0:
@@ -324,7 +288,8 @@ def best_within_tolerance(gaps: Gaps, count: cython.Py_ssize_t) -> cython.int:
         for y in range(-gaps.tolerance, gaps.tolerance + 1):
             for x in range(-gaps.tolerance, gaps.tolerance + 1):
                 v = gaps.places[t] // columns + y
-                here = source_at(gaps.sample, v, gaps.places[t] % columns + x)
+                u = gaps.places[t] % columns + x
+                here = usable_place(gaps.sample.usable, gaps.sample.period, v, u)
                 if here < 0:
                     continue
                 key = mismatch(gaps, here, every, least)

@@ -20,9 +20,8 @@ if TYPE_CHECKING:
 
 _GAPS_AT_A_TIME = 32  # that a thread fills, at most
 _MOST_COMPARED = 512  # similar windows that a gap is compared with
-_MOST_DRAWN = 2048  # windows that it is compared with in the unconstrained mode, by a few runs
-_FEW = 48
-_ALL = 2**31  # runs of a border
+_MOST_DRAWN = 2048  # windows that it is compared with in the unconstrained mode
+_PART, _ALL = 1024, 2**62  # pixels of the border that similar windows are compared by
 _DRAWN_NEAR = [(-2, 0), (-1, -1), (-1, 1), (0, -2), (0, 2), (1, -1), (1, 1), (2, 0)]
 _NEIGHBORS = [(-1, 0), (0, -1), (1, 0), (0, 1)]
 
@@ -67,8 +66,8 @@ def fill_gaps(
     """Return `sources` with the windows that best fit the borders of these gaps (section 4.2.2)."""
     method, sample, layout, hole, each = plan
     sources, kernel = sources.copy(), sample.kernel
-    most, few = (_MOST_DRAWN, _FEW) if method.unconstrained else (_MOST_COMPARED, _ALL)
-    rule = method.tolerance, most, few, round(256 * method.variety), method.match == "gncc"
+    most, pixels = (_MOST_DRAWN, _PART) if method.unconstrained else (_MOST_COMPARED, _ALL)
+    rule = method.tolerance, most, round(256 * method.variety), method.match == "gncc"
     count = int(np.count_nonzero(gaps))
     progress = Progress(callback, count, stage, lambda: layout.preview(sample, sources))
 
@@ -78,9 +77,11 @@ def fill_gaps(
         if method.unconstrained and not len(border[1]):
             sources.reshape(-1)[blocks[:, 0]] = blocks[:, 6]
             return len(cells)
+        query = np.empty(np.count_nonzero(border[0]) * border[2].shape[2], np.uint8)
         best = np.empty(method.candidates, np.int64), np.empty(method.candidates, np.int32)
-        gap = kernels.Gaps(kernel, border, rule, *best)
-        kernels.fill_gaps(gap, offsets, blocks, near, sources.reshape(-1))
+        few = int(np.searchsorted(border[1][:, 2].cumsum(), pixels)) + 1
+        same = kernels.Gaps(kernel, border, few, rule, query, *best)
+        kernels.fill_gaps(same, offsets, blocks, near, sources.reshape(-1))
         return len(cells)
 
     for done in each(fill, list(_portions(plan, np.argwhere(gaps)))):

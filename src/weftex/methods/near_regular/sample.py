@@ -14,13 +14,12 @@ from weftex.methods.near_regular.defaults import vectors_around
 from weftex.methods.near_regular.rectification import rectified
 from weftex.methods.near_regular.rows import Courses, axis_of_rows, courses_of
 from weftex.random import draw
-from weftex.search.vocabulary_kernels import Sample
+from weftex.search.window_kernels import Sample
 from weftex.search.windows import Windows, windows_of
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-_RUN = 32  # pixels, at most
 _SOFT = 40  # squared difference of a channel, two pixels apart, that halves the visibility
 
 
@@ -127,15 +126,10 @@ def wedges_of(height: int, width: int, margin: int, reach: int) -> NDArray[np.ui
 
 
 def runs_of(border: NDArray[np.bool_]) -> NDArray[np.int32]:
-    """Cover a border with runs of at most 32 pixels in a row, shuffled; see `Border`."""
-    rows, columns = border.shape
-    parts = np.zeros((rows, -(-columns // _RUN), _RUN + 2), np.int8)
-    padded = np.pad(border, ((0, 0), (0, -columns % _RUN)))
-    parts[..., 1:-1] = padded.reshape(rows, -1, _RUN)
-    change = np.diff(parts, axis=2)
-    y, part, start = np.nonzero(change == 1)
-    stop = np.nonzero(change == -1)[2]
-    return shuffled(np.stack([y, part * _RUN + start, stop - start], axis=1).astype(np.int32))
+    """Cover a border with runs of pixels in a row, shuffled; see `Border`."""
+    change = np.diff(np.pad(border, ((0, 0), (1, 1))).astype(np.int8), axis=1)
+    (y, start), stop = np.nonzero(change == 1), np.nonzero(change == -1)[1]
+    return shuffled(np.stack([y, start, stop - start], axis=1).astype(np.int32))
 
 
 def shuffled(values: NDArray[Any], purpose: str = "runs") -> NDArray[Any]:
