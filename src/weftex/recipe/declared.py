@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from typing import NamedTuple
 
 from weftex.recipe.options import (
     AXES,
@@ -120,8 +120,7 @@ def _map(value: object) -> object:
     return {k: GRADIENT[k].checked(v) if k in GRADIENT else v for k, v in value.items()}
 
 
-@dataclass(frozen=True)
-class Task:
+class Task(NamedTuple):
     """What can be made of materials."""
 
     options: dict[str, Option]  # beside materials, a method and a seed

@@ -140,7 +140,7 @@ class Fields:
     def _check_several(self, named: Callable[[str], str]) -> None:
         """Refuse what can be said of one material only."""
         given = {name for spec in self.materials for name in spec}
-        alone = [name for name in ("map_weights", "mask", "repeats") if name in given]
+        alone: list[str] = [n for n in ("map_weights", "mask", "repeats") if n in given]
         if {"path", "maps"} <= given:
             alone.append("maps")
         if self.options["sample_guide"] is not None:

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from weftex.canvas import as_canvas
 from weftex.exemplar import Exemplar
@@ -29,8 +29,7 @@ if TYPE_CHECKING:
 __all__ = ["Loaded", "Opened", "loaded", "material_of", "opened"]
 
 
-@dataclass(frozen=True)
-class Loaded:
+class Loaded(NamedTuple):
     """A material in memory."""
 
     spec: Mapping[str, Any]  # its description in the recipe
@@ -134,13 +133,13 @@ def opened(
     return Opened(recipe, tuple(open_one(spec) for spec in recipe.materials), look)
 
 
-@dataclass(frozen=True)
 class Opened:
     """A recipe whose materials are in memory."""
 
-    recipe: Fields
-    loaded: tuple[Loaded, ...]
-    open_picture: OpenPicture
+    def __init__(
+        self, recipe: Fields, materials: tuple[Loaded, ...], open_picture: OpenPicture
+    ) -> None:
+        self.recipe, self.loaded, self.open_picture = recipe, materials, open_picture
 
     @cached_property
     def _pairs(self) -> tuple[list[Exemplar], list[str]]:

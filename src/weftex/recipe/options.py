@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 from weftex.errors import InvalidInputError, did_you_mean, shown
@@ -23,8 +22,7 @@ class Kind(NamedTuple):
     values: str = ""  # a pattern of the words that are values of such an option
 
 
-@dataclass(frozen=True)
-class Option:
+class Option(NamedTuple):
     """An option of a job; its range and default are printed by the program."""
 
     name: str  # in JSON and in Python

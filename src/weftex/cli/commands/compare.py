@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from time import perf_counter
 from typing import TYPE_CHECKING
 
@@ -37,8 +36,8 @@ def run(argv: list[str]) -> None:
     add("sample", metavar="SAMPLE", help="image, folder of maps, or sample:NAME")
     add("-o", "--output", metavar="OUT.html", help="page to write")
     add("--methods", metavar="A,B,...", help="only these methods; see 'weftex methods'")
-    size = replace(OUTPUT_SIZE, default_text="twice the sample's, at most 512")
-    seed = replace(SEED, help="random seed of all methods", default_text="1")
+    size = OUTPUT_SIZE._replace(default_text="twice the sample's, at most 512")
+    seed = SEED._replace(help="random seed of all methods", default_text="1")
     text = "compare tileable outputs: along both axes, or only along x or y"
     parser.take(size, seed)
     parser.take(TILEABLE, help=text)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
@@ -40,7 +39,7 @@ def run(argv: list[str]) -> None:
     parser.add_argument("output", metavar="OUT", help="folder, or image, to write")
     text = "row and column of the pixel; default: one past the middle"
     parser.add_argument("--at", metavar="Y,X", help=text)
-    options = [replace(OUTPUT_SIZE, default_text="128"), TILEABLE, SEED]
+    options = [OUTPUT_SIZE._replace(default_text="128"), TILEABLE, SEED]
     usual = "patch-sampling"
     args, recipe = parse_task("synth", parser, argv, options, method=usual, usual=usual)
     if args.threads is not None:
