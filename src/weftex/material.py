@@ -15,6 +15,8 @@ if TYPE_CHECKING:
 
     from weftex.io.pictures import Picture, StrPath
 
+__all__ = ["Material", "read_material"]
+
 _FIX = "rename them, or say which are its maps: --maps color=FILE,normal=FILE,..."
 
 

@@ -11,6 +11,8 @@ from weftex.errors import InvalidInputError, shown
 from weftex.method import Method
 from weftex.registry import METHODS
 
+__all__ = ["kind_of", "make_method", "method_of", "text_of"]
+
 
 def make_method(method: str | Method, parameters: Mapping[str, Any]) -> Method:
     """The method with this slug and parameters; errors name the nearest right name."""

@@ -16,7 +16,7 @@ from typing import Any
 
 from weftex.errors import InvalidInputError, did_you_mean, shown
 
-__all__ = ["ROLES", "Role"]
+__all__ = ["COLOR", "ROLES", "Role", "is_preview", "role_of", "words_of"]
 
 #: What the values of a map are, which decides how they are blended: light, vectors, a surface,
 #: names without an order, or plain numbers.

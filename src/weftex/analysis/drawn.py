@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from weftex.analysis.autocorrelations import ALPHA, SIGNIFICANT, autocorrelations
 from weftex.analysis.canvas_lattice import check_lattice, four_numbers, given_lattice
-from weftex.analysis.lattice import Lattice, rate_lattices
+from weftex.analysis.lattice import Lattice, Rated, rate_lattices
 from weftex.analysis.overlay import courses, lattice_lines
 from weftex.analysis.relief import smaller_copy
 from weftex.parameters import numbers_of
@@ -15,7 +15,7 @@ from weftex.parameters import numbers_of
 if TYPE_CHECKING:
     from weftex.exemplar import Exemplar
 
-__all__ = ["DrawnLattice", "LatticeRating", "draw"]
+__all__ = ["DrawnLattice", "Lattice", "LatticeRating", "Rated", "draw"]
 
 _LARGEST_SIDE = 1024  # pixels of the sample by which lines are put into joints
 

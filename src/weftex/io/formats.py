@@ -20,6 +20,8 @@ if TYPE_CHECKING:
 
     StrPath = str | os.PathLike[str]
 
+__all__ = ["FORMATS", "kind_of", "written_as"]
+
 SIGNATURES = {
     "png": (SIGNATURE,),
     "jpeg": (b"\xff\xd8\xff",),

@@ -13,6 +13,8 @@ if TYPE_CHECKING:
     from weftex.io.formats import StrPath
     from weftex.roles import Role
 
+__all__ = ["SCHEMES", "file_stem"]
+
 #: Where libraries keep the maps beside a scene file.
 _INNER = "textures"
 #: Pictures that weftex does not read, so that nobody misses one without a word.

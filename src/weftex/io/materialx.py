@@ -12,6 +12,8 @@ if TYPE_CHECKING:
 
     from weftex.roles import Role
 
+__all__ = ["materialx_document"]
+
 #: Inputs of the Standard Surface 1.0.1 by the roles that they take: numbers and colors.
 _NUMBERS = {
     "roughness": "specular_roughness", "gloss": "specular_roughness", "metallic": "metalness",

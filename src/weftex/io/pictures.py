@@ -59,7 +59,17 @@ if TYPE_CHECKING:
 
     StrPath = str | os.PathLike[str]
 
-__all__ = ["atomic", "check_output", "read_image", "write_image", "write_text"]
+__all__ = [
+    "MAX_PIXELS",
+    "Picture",
+    "atomic",
+    "check_output",
+    "read_image",
+    "read_mask",
+    "sample_names",
+    "write_image",
+    "write_text",
+]
 
 MAX_PIXELS = 2**28
 """The default limit on the width times height of a picture that is read."""

@@ -18,6 +18,8 @@ if TYPE_CHECKING:
     #: Row and column in the sample of the pixels of some rows: (rows, W, 2), -1 for no source.
     SourceOf = Callable[[slice], NDArray[np.int64]]
 
+__all__ = ["DRAWINGS"]
+
 #: What `Synthesis.draw` draws.
 DRAWINGS = ("sources", "seams", "error", "patches", "uncertainty")
 _REACH = 2  # pixels around one whose surroundings are compared

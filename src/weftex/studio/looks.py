@@ -13,7 +13,7 @@ from weftex.studio.refusals import Refusal
 
 if TYPE_CHECKING:
     from weftex import Exemplar
-    from weftex.analysis.lattice import Lattice, Rated
+    from weftex.analysis.drawn import Lattice, Rated
     from weftex.choice import Choice
     from weftex.recipe.making import Loaded
     from weftex.studio.sessions import Session

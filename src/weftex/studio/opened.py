@@ -6,7 +6,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from weftex.io.pictures import is_folder, sample_path
+from weftex.material import read_material
+from weftex.recipe import checked_material
 
 if TYPE_CHECKING:
     from weftex.studio.limits import Limits
@@ -15,32 +16,28 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Opened:
-    """What a page begins with."""
+    """What a page begins with: the description of a material, and the files of its maps."""
 
-    name: str
-    sample: str | None  # of a bundled sample, its name
-    files: dict[str, Path]  # else the files by the maps that they are
+    spec: dict[str, Any]
+    files: dict[str, Path]
 
     @classmethod
     def of(cls, path: str, limits: Limits) -> Opened:
         """Look at what the command was given."""
         if path.startswith("sample:") and "/" not in path:
-            sample_path(path)
-            return cls(path, path.removeprefix("sample:"), {})
-        from weftex.material import read_material
-
+            return cls(checked_material({"sample": path}), {})
         material = read_material(path, max_pixels=limits.upload_pixels)
-        if not is_folder(path):
+        if not material.folder:
             (picture,) = material.pictures.values()
-            return cls(material.name, None, {"color": Path(picture.path)})
+            return cls({}, {"color": Path(picture.path)})
         files = {name: Path(one.path) for name, one in material.pictures.items()}
-        return cls(material.name, None, files)
+        return cls({"name": material.name} if len(files) > 1 else {}, files)
 
     def give(self, session: Session) -> dict[str, Any]:
         """Put the files among a session's uploads; the material's description."""
-        if self.sample is not None:
-            return {"sample": self.sample}
+        if not self.files:
+            return self.spec
         from weftex.studio.uploads import file_in
 
         maps = {name: file_in(path, session)["id"] for name, path in self.files.items()}
-        return {"maps": maps} | ({"name": self.name} if len(maps) > 1 else {})
+        return {**self.spec, "maps": maps}

@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from weftex.io.png import png_bytes
-from weftex.raster.levels import to_stored
 from weftex.studio.refusals import Refusal
 
 if TYPE_CHECKING:
@@ -81,7 +80,9 @@ def shown(like: Exemplar, pixels: NDArray[Any]) -> Bytes:
     elif colors.dtype == np.uint16 and like.role.kind != "labels":
         levels = ((colors.astype(np.uint32) + 128) // 257).astype(np.uint8)
     elif colors.dtype.kind == "f" and like.role.kind == "color":
-        levels = np.rint(255 * to_stored(np.clip(colors.astype(np.float64), 0, 1))).astype(np.uint8)
+        light = np.clip(colors.astype(np.float64), 0, 1)
+        curve = np.where(light < 0.0031308, light * 12.92, 1.055 * light ** (1 / 2.4) - 0.055)
+        levels = np.rint(255 * curve).astype(np.uint8)  # sRGB, IEC 61966-2-1
     else:
         levels = like.as_matching(pixels)[..., : colors.shape[2]]
     if not alpha:

@@ -58,7 +58,7 @@ def _names() -> frozenset[str]:
     """All fields, of methods, recipes, materials and requests."""
     from dataclasses import fields
 
-    from weftex.methods import METHODS
+    from weftex import METHODS
 
     own = {field.name for slug in METHODS for field in fields(METHODS[slug])}
     return FIELDS | own | _OWN
