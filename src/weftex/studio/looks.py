@@ -12,6 +12,8 @@ from weftex.studio.materials import id_of
 from weftex.studio.refusals import Refusal
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
     from weftex import Exemplar
     from weftex.analysis.drawn import Lattice, Rated
     from weftex.choice import Choice
@@ -89,7 +91,8 @@ def rate(loaded: Loaded, vectors: str, session: Session) -> dict[str, Any]:
     def see() -> tuple[LatticeRating, int]:
         return LatticeRating(exemplar), 64 * exemplar.shape[0] * exemplar.shape[1]
 
-    return vars(session.find(see, "rating", id_of(loaded.spec)).rate(vectors))
+    rating: LatticeRating = session.find(see, "rating", id_of(loaded.spec))
+    return vars(rating.rate(vectors))
 
 
 def _own(exemplar: Exemplar, lattice: Lattice | None, rated: Rated | None) -> Any:
@@ -104,7 +107,9 @@ def _choice(choice: Choice) -> dict[str, Any]:
     return {"reason": choice.reason, "warnings": list(choice.warnings)}
 
 
-def _mending(spec: dict[str, Any], choice: Choice, lattice: Lattice | None) -> list[dict[str, Any]]:
+def _mending(
+    spec: Mapping[str, Any], choice: Choice, lattice: Lattice | None
+) -> list[dict[str, Any]]:
     """What would help, each with what is to be added to the material's description."""
     found = []
     for line in choice.warnings:

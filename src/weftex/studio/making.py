@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass, replace
 from functools import partial
 from time import perf_counter
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 from weftex.recipe.making import opened
 from weftex.studio.materials import id_of, load, map_of, size_of
@@ -100,4 +100,5 @@ def make(job: Opened, session: Session, progress: ProgressCallback) -> Made:
     result = job.make(fit=partial(fitted, job, session), progress=progress)
     result.image  # rendering is part of the work  # noqa: B018
     seconds, folder = perf_counter() - start, any(one.folder for one in job.materials)
-    return Made(job.recipe, result, job.materials[0].name, folder, job.pictures, seconds)
+    recipe = cast("Recipe", job.recipe)
+    return Made(recipe, result, job.materials[0].name, folder, job.pictures, seconds)
