@@ -5,8 +5,6 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-__all__ = ["FIGURES", "Figure"]
-
 _WORST = 16.0  # a figure that is further off counts as this
 
 

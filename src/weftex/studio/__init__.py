@@ -1,7 +1,7 @@
 """A studio in the browser: a server on this machine, and the page that it serves.
 
 `server` starts it, `app` has its routes, `guard` keeps others out; a tab is a session of
-`sessions`, what it makes is a job of `jobs`. The same recipe (`recipes`) makes the same bytes.
+`sessions`, what it makes is a job of `jobs`, from a recipe of `weftex.recipe`.
 """
 
 from weftex.studio.notebook import view

@@ -10,7 +10,7 @@ import weftex
 from weftex.io.map_files import SCHEMES
 from weftex.io.pictures import sample_names
 from weftex.naming import kind_of
-from weftex.quality.figures import FIGURES
+from weftex.quality import FIGURES
 from weftex.recipe import TASKS
 from weftex.results.drawing import DRAWINGS
 
