@@ -16,10 +16,9 @@ from materials import wall
 from weftex import cli
 from weftex.analysis.autocorrelations import Field, find_peaks, fit_vectors
 from weftex.analysis.correlation import correlate
-from weftex.analysis.goodness import GOODNESS, rate, tile_shares
 from weftex.analysis.lattice import Lattice, find_lattice, rate_lattices
 from weftex.analysis.overlay import draw_correlation, draw_lattice, gncc
-from weftex.analysis.pairs import reduced
+from weftex.analysis.pairs import GOODNESS, rate, reduced, tile_shares
 from weftex.errors import InvalidInputError
 from weftex.exemplar import Exemplar
 from weftex.reference.lattice import goodness, identifiers

@@ -156,20 +156,16 @@ def test_where_refinement_breaks_lines_joints_alone_are_refined():
         assert choice.parameters == ({"joints": 24} if "only" in kept else {})
 
 
-def test_likeness_is_the_correlation_of_what_may_be_used():
+def test_likeness_is_the_correlation_of_what_overlaps():
     levels = noise((30, 40, 3)).astype(np.int64)
     levels[:, 7:] += levels[:, :-7]
-    mask = noise((30, 40, 1))[..., 0] < 200
-    for x, y in ((7, 0), (-7, 0), (3, -2), (0, 5)):
-        there = np.roll(levels, (-y, -x), (0, 1))
-        both = mask & np.roll(mask, (-y, -x), (0, 1))
-        both &= np.pad(
-            np.ones((30 - abs(y), 40 - abs(x)), bool),
-            ((max(0, -y), max(0, y)), (max(0, -x), max(0, x))),
-        )
-        here, there = (one[both] - one[both].mean(0) for one in (levels, there))
+    for x, y in ((7, 0), (3, 2), (0, 5)):
+        here, there = levels[: 30 - y, : 40 - x], levels[y:, x:]
+        here, there = (one - one.mean(axis=(0, 1)) for one in (here, there))
         expected = 2 * (here * there).sum() / ((here**2).sum() + (there**2).sum())
-        assert like_itself(levels, (x, y), mask) == pytest.approx(expected)
+        assert like_itself(levels, (x, y)) == pytest.approx(expected)
+        assert like_itself(levels, (-x, -y)) == pytest.approx(expected)
+    assert like_itself(levels[:, ::-1], (-3, 2)) == pytest.approx(like_itself(levels, (3, 2)))
     assert like_itself(np.full((9, 9, 1), 7), (1, 1)) == like_itself(levels, (40, 0)) == 0
 
 

@@ -2,7 +2,7 @@
 
 The lattice by chapter 3 of the thesis on near-regular textures, in its order; `weftex.reference`
 has it as one function: `correlation` (3.1 and 3.2), `autocorrelations` and their peaks (3.3, step
-1), `goodness` (step 5), `pairs` (steps 2 to 6), `lattice`.
+1), `pairs` and their goodness (steps 2 to 6), `lattice`.
 
 What the thesis lacks, and photos need, can be skipped: `candidates` weighs the evidence for a
 lattice and for rows, from `tiles` (smaller and larger ones), `rows` (ridges), `joints` and `bonds`.

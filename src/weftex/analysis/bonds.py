@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from weftex.analysis.goodness import PHASES
+from weftex.analysis.pairs import PHASES
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

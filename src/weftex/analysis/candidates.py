@@ -21,9 +21,17 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from weftex.analysis.bonds import Bonds
-from weftex.analysis.goodness import contrast_of, rate, reach_of
 from weftex.analysis.joints import Courses, checked, find_courses, rated
-from weftex.analysis.pairs import MOST_MULTIPLES, fitted, highest, rated_pairs, reduced
+from weftex.analysis.pairs import (
+    MOST_MULTIPLES,
+    contrast_of,
+    fitted,
+    highest,
+    rate,
+    rated_pairs,
+    reach_of,
+    reduced,
+)
 from weftex.analysis.rows import find_rows, ridges
 from weftex.analysis.tiles import alternating, made_of, settled, stand_out
 

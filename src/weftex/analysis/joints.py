@@ -15,7 +15,7 @@ import numpy as np
 
 from weftex.analysis import kernels
 from weftex.analysis.correlation import wrapped_length
-from weftex.analysis.goodness import PHASES
+from weftex.analysis.pairs import PHASES
 from weftex.analysis.relief import means, mixed
 from weftex.raster.arrays import median
 

@@ -28,8 +28,15 @@ from weftex.analysis.candidates import (
     row_candidate,
     with_alternation,
 )
-from weftex.analysis.goodness import check_rule, rate, reach_of
-from weftex.analysis.pairs import MOST_MULTIPLES, highest, rated_pairs, reduced
+from weftex.analysis.pairs import (
+    MOST_MULTIPLES,
+    check_rule,
+    highest,
+    rate,
+    rated_pairs,
+    reach_of,
+    reduced,
+)
 from weftex.analysis.relief import maps_alone
 from weftex.analysis.rows import ridges
 from weftex.errors import InvalidInputError
@@ -154,7 +161,7 @@ def find_lattice(
     """Find the translations under which a sample looks the same, once for each sample.
 
     Section 3.3 of the paper on near-regular textures, with pairs rated by contrast; see
-    `weftex.analysis.goodness`. Where a sample with its maps shows none, the maps alone are looked
+    `weftex.analysis.pairs`. Where a sample with its maps shows none, the maps alone are looked
     at: stones of many colors hide joints that normals show.
 
     Parameters

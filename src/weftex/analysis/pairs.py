@@ -1,17 +1,26 @@
-"""The pair of peaks of an autocorrelation that are the vectors of the lattice.
+"""The pair of peaks of an autocorrelation that are the vectors of the lattice, by their goodness.
 
 Section 3.3 of the thesis, steps 2 to 6: pairs of up to some hundred peaks are rated by their
 nearest multiples; the best are fitted below a pixel and rated by all multiples.
+
+A pair is rated by the correlation at its multiples (eq. 3.22), of those at which what overlaps
+holds at least 85 % of a tile (section 3.3.1). `height` is that. A ridge, such as the courses of a
+wall, is high everywhere, so weftex's own `contrast` is what the multiples have above the places
+half and a third of the way between them, and `dominance` lets only peaks count that nothing higher
+is near to.
 """
 
 from __future__ import annotations
 
+import numbers
+from dataclasses import dataclass
+from functools import lru_cache
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from weftex.analysis.autocorrelations import Field, Peaks, fit_vectors
-from weftex.analysis.goodness import rate, reach_of
+from weftex.errors import InvalidInputError, did_you_mean, shown
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -26,6 +35,17 @@ MOST_MULTIPLES = 24  # multiples of each vector that are rated
 _PEAKS = 40  # that pairs are made of, of each octave of lengths the highest
 _DOMINANT = 0.25  # of the shorter vector: the region that both peaks must dominate
 _PAIRS = 24  # pairs that are fitted, and rated by all their multiples
+
+MOST_ALPHA = 4.0  # by far the smallest tile wins
+UNSURE = 0.25  # standard error of the contrast of one multiple, about
+GOODNESS = ("contrast", "height", "dominance")
+
+#: Multiples themselves, and half and a third of the way between them.
+PHASES = (0.0, 1 / 2, 1 / 3, 2 / 3)
+# Half and a third of the way between multiples, in both directions: every lattice of two or three
+# times the tile has multiples of the right one at some of these, and so no contrast.
+_BETWEEN = [(0.5, 0.0), (0.0, 0.5), (0.5, 0.5)]
+_BETWEEN += [(1 / 3, 0.0), (0.0, 1 / 3), (1 / 3, 1 / 3), (1 / 3, 2 / 3)]
 
 
 def highest(tried: Sequence[tuple[Floats, float]]) -> Floats | None:
@@ -96,3 +116,184 @@ def _candidates(peaks: Peaks) -> Floats:
     angle = 2 * abs((shifts[i] * shifts[j]).sum(axis=1)) <= shorter**2 + 2 * shorter
     keep = angle & (np.minimum(dominance[i], dominance[j]) >= _DOMINANT * shorter)
     return np.stack([shifts[i[keep]], shifts[j[keep]]], axis=1).astype(np.float64)
+
+
+@dataclass(frozen=True, eq=False)
+class Rating:
+    """The goodness of n pairs of vectors."""
+
+    goodness: Floats  # (n,); 0 is no lattice
+    value: Floats  # (n,): the mean correlation of eq. 3.23, or the contrast in its place
+    count: Floats  # (n,) of significant multiples
+
+
+def check_rule(goodness: str, alpha: float, significant: float) -> None:
+    """Raise `InvalidInputError` for an unknown goodness, or a number out of range."""
+    if goodness not in GOODNESS:
+        raise InvalidInputError(f"goodness is {goodness!r}{did_you_mean(str(goodness), GOODNESS)}")
+    for name, value in (("alpha", alpha), ("significant", significant)):
+        if not isinstance(value, numbers.Real) or isinstance(value, bool):
+            raise InvalidInputError(f"{name} is {shown(value)}; it must be a number")
+    if not 1 <= alpha <= MOST_ALPHA:
+        raise InvalidInputError(f"alpha is {shown(alpha)}; it must be from 1 to {MOST_ALPHA:g}")
+    if not 0 < significant <= 1:
+        raise InvalidInputError(
+            f"significant is {shown(significant)}; it must be above 0, at most 1"
+        )
+
+
+def rate(field: Field, pairs: Floats, reach: int, kind: str, *, exact: bool = False) -> Rating:
+    """Rate pairs of vectors (n, 2, 2) by multiples of up to `reach` times each vector.
+
+    `exact` counts the wrapped positions of each overlap (section 3.3.1); otherwise its sides and
+    area say whether it is significant.
+    """
+    area = abs(pairs[:, 0, 0] * pairs[:, 1, 1] - pairs[:, 0, 1] * pairs[:, 1, 0])
+    times = multiples(reach, (0, 0))
+    x, y, counts = places(field, pairs, times, exact)
+    ones = np.array([[1.0, 0.0], [0.0, 1.0]])
+    both = places(field, pairs, ones, exact)[2].all(axis=1)  # each vector itself is significant
+    count = counts.sum(axis=1).astype(np.float64)
+    heights = field.values(x, y, pairs)
+    if kind == "height":
+        value = _mean(heights, counts)
+    elif kind == "dominance":
+        value = _mean(field.held(x, y, pairs) * heights, counts)
+    else:
+        weights = counts * field.shares(x, y)
+        contrasts = heights - _between(field, pairs, reach)[:, None]
+        if field.unsure is None:
+            value = _mean(contrasts, weights)
+        else:
+            value = _above_chance(contrasts, weights, times, field.unsure)
+    number = count if exact else 2 * field.width * field.height / np.maximum(area, 1)
+    goodness = np.maximum(value, 0) ** field.alpha * np.maximum(number, 1) ** (field.alpha - 1)
+    return Rating(np.where(both, goodness, 0), value, count)
+
+
+def contrast_of(field: Field, pair: Floats, reach: int) -> float:
+    """Return the correlation at multiples above that between them, less its error."""
+    found = rate(field, pair[None], reach, "contrast")
+    if field.unsure is not None:
+        return float(found.value[0])
+    return float(found.value[0] - UNSURE / max(found.count[0], 1) ** 0.5)
+
+
+def tile_shares(vectors: NDArray[np.int64], wide: Floats, high: Floats) -> Floats:
+    """Return the share of the tile that rectangles hold, by wrapped positions (eqs. 3.25-3.30).
+
+    Positions that differ by multiples are one. Multiples of whole vectors come in rows q apart,
+    where they are p apart and each row is moved by s; so rows of a rectangle are arcs of a circle
+    of p positions, and what they cover together is counted.
+    """
+    (ux, uy), (vx, vy) = ((int(x), int(y)) for x, y in vectors)
+    area = abs(ux * vy - vx * uy)
+    (r, a, b), (t, c, d) = (uy, 1, 0), (vy, 0, 1)
+    while t:
+        times = r // t
+        (r, a, b), (t, c, d) = (t, c, d), (r - times * t, a - times * c, b - times * d)
+    apart = abs(r)
+    around = area // apart
+    moved = (a * ux + b * vx) * (1 if r > 0 else -1)
+    shares = np.empty(len(wide))
+    for k, (w, h) in enumerate(zip(wide, high, strict=True)):
+        rows = -(-int(h) // apart)
+        full = int(h) - (rows - 1) * apart  # this many have `rows` arcs, the others one less
+        covered = full * _arcs(rows, moved, around, int(w))
+        covered += (apart - full) * _arcs(rows - 1, moved, around, int(w))
+        shares[k] = covered / area
+    return shares
+
+
+def _arcs(rows: int, moved: int, around: int, length: int) -> int:
+    """Return how many positions of a circle arcs cover, each shifted from the one before."""
+    if rows <= 0 or length <= 0:
+        return 0
+    starts = np.arange(rows) * moved % around
+    starts.sort()
+    last = int(starts[0]) + around - int(starts[-1])
+    return int(np.minimum(starts[1:] - starts[:-1], length).sum()) + min(last, length)
+
+
+def reach_of(field: Field, vectors: Floats, most: int) -> int:
+    """Return how many times each vector, at most `most`, leads to a shift within the picture."""
+    far = abs(np.linalg.inv(vectors)).T @ [field.width, field.height]
+    return max(1, min(most, int(np.ceil(far.max()))))
+
+
+@lru_cache(maxsize=256)
+def multiples(reach: int, phase: tuple[float, float]) -> Floats:
+    """Return multiples of each vector: whole ones in the right half, or those off by a phase."""
+    b, a = np.mgrid[-reach : reach + 1, -reach : reach + 1].reshape(2, -1)
+    times = np.stack([a, b], axis=1).astype(np.float64)
+    chosen: Floats = times + phase if any(phase) else times[(b > 0) | ((b == 0) & (a > 0))]
+    chosen.flags.writeable = False
+    return chosen
+
+
+@lru_cache(maxsize=64)
+def _multiples_between(reach: int) -> Floats:
+    """Return the multiples off by each phase of `_BETWEEN`, one after the other."""
+    chosen = np.concatenate([multiples(reach, phase) for phase in _BETWEEN])
+    chosen.flags.writeable = False
+    return chosen
+
+
+def places(
+    field: Field, pairs: Floats, times: Floats, exact: bool = False
+) -> tuple[Floats, Floats, NDArray[np.bool_]]:
+    """Return where multiples lie, each (n, m), and whether their overlaps are significant."""
+    x = times[:, 0] * pairs[:, 0, :1] + times[:, 1] * pairs[:, 1, :1]
+    y = times[:, 0] * pairs[:, 0, 1:] + times[:, 1] * pairs[:, 1, 1:]
+    wide, high = field.width - abs(x), field.height - abs(y)
+    area = abs(pairs[:, 0, 0] * pairs[:, 1, 1] - pairs[:, 0, 1] * pairs[:, 1, 0])[:, None]
+    box = abs(pairs).sum(axis=1)  # sides of the box around the tile
+    counts = (wide >= 1) & (high >= 1) & (wide * high >= field.significant * area)
+    if not exact:
+        counts &= (wide >= box[:, :1] / 2) & (high >= box[:, 1:] / 2) & (wide * high >= area)
+        return x, y, counts
+    unsure = counts & ~((wide >= box[:, :1]) & (high >= box[:, 1:]))
+    for k in np.flatnonzero(unsure.any(axis=1)):
+        at = unsure[k]
+        whole = np.rint(pairs[k]).astype(np.int64)
+        counts[k, at] = tile_shares(whole, wide[k, at], high[k, at]) >= field.significant
+    return x, y, counts
+
+
+def _between(field: Field, pairs: Floats, reach: int) -> Floats:
+    """Return the highest mean correlation half or a third of the way between multiples."""
+    x, y, counts = places(field, pairs, _multiples_between(reach))
+    weights = counts * field.shares(x, y)
+    sums = weights * field.values(x, y, pairs)
+    highest = np.full(len(pairs), -1.0)
+    for part, weight in zip(*(np.split(a, len(_BETWEEN), 1) for a in (sums, weights)), strict=True):
+        highest = np.maximum(highest, part.sum(axis=1) / np.maximum(weight.sum(axis=1), 1e-9))
+    return highest
+
+
+def _above_chance(contrasts: Floats, weights: Floats, times: Floats, unsure: float) -> Floats:
+    """Return the least mean contrast, less chance, with the highest multiple or a line left out.
+
+    One multiple may be high by chance or by a copied part, and rows are high along one line.
+    """
+    parts = contrasts * weights
+    total, weight = parts.sum(axis=1), weights.sum(axis=1)
+    at = parts.argmax(axis=1)[:, None]
+    out = [(np.take_along_axis(parts, at, 1)[:, 0], np.take_along_axis(weights, at, 1)[:, 0])]
+    for line in (
+        times[:, 1] == 0,
+        times[:, 0] == 0,
+        *(times[:, 0] == k * times[:, 1] for k in (1, -1)),
+    ):
+        out.append((parts[:, line].sum(axis=1), weights[:, line].sum(axis=1)))
+    least = _mean(contrasts, weights)
+    for part, share in out:
+        left = weight - share
+        mean = (total - part) / np.maximum(left, 1e-9) - unsure / np.sqrt(np.maximum(left, 1e-9))
+        least = np.where(left > 1e-9, np.minimum(least, mean), -1.0)
+    return least
+
+
+def _mean(values: Floats, weights: Floats | NDArray[np.bool_]) -> Floats:
+    mean: Floats = (values * weights).sum(axis=1) / np.maximum(weights.sum(axis=1), 1e-9)
+    return mean

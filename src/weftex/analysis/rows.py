@@ -13,7 +13,7 @@ import numpy as np
 
 from weftex.analysis import kernels
 from weftex.analysis.correlation import correlate
-from weftex.analysis.goodness import PHASES
+from weftex.analysis.pairs import PHASES
 from weftex.analysis.relief import mixed
 
 if TYPE_CHECKING:

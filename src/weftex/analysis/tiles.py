@@ -16,8 +16,16 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from weftex.analysis.goodness import contrast_of, multiples, places, reach_of
-from weftex.analysis.pairs import MOST_MULTIPLES, SHORTEST, fitted, reduced
+from weftex.analysis.pairs import (
+    MOST_MULTIPLES,
+    SHORTEST,
+    contrast_of,
+    fitted,
+    multiples,
+    places,
+    reach_of,
+    reduced,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

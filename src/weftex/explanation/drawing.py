@@ -33,9 +33,9 @@ def made(pixels: NDArray[Any], done: NDArray[Any]) -> NDArray[np.uint8]:
     return picture
 
 
-def enlarged(picture: NDArray[np.uint8], least: int = _ENLARGED) -> NDArray[np.uint8]:
+def enlarged(picture: NDArray[np.uint8]) -> NDArray[np.uint8]:
     """Enlarge a small picture by a whole number, so that its pixels can be seen."""
-    times = max(1, least // max(picture.shape[:2]))
+    times = max(1, _ENLARGED // max(picture.shape[:2]))
     return picture.repeat(times, 0).repeat(times, 1)
 
 

@@ -44,7 +44,7 @@ class Assessment:
     color, color_difference : float or None
         See `weftex.quality.appearance.color_distance`.
     autocorrelation, lattice : float or None
-        See `weftex.quality.autocorrelation`.
+        See `weftex.quality.appearance`.
     seams : float or None
         See `weftex.quality.seams.seams`.
     sharpness : float or None

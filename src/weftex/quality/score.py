@@ -11,7 +11,7 @@ import numpy as np
 
 from weftex.analysis.lattice import find_lattice
 from weftex.exemplar import Exemplar
-from weftex.quality.autocorrelation import autocorrelation_distance, lattice_kept
+from weftex.quality.appearance import autocorrelation_distance, lattice_kept
 from weftex.quality.seams import StepModel, seams
 from weftex.quality.view import View, middle, view_beside, view_of, window_corners
 from weftex.raster.levels import resized

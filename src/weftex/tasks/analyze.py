@@ -12,9 +12,9 @@ import numpy as np
 
 from weftex.analysis import canvas_lattice
 from weftex.analysis.autocorrelations import ALPHA, SIGNIFICANT, autocorrelations
-from weftex.analysis.goodness import check_rule
 from weftex.analysis.lattice import Lattice, Rated, lattice_in, rate_lattices
 from weftex.analysis.overlay import courses
+from weftex.analysis.pairs import check_rule
 from weftex.analysis.properties import SEAMLESS, Evenness, border_steps, regularity
 from weftex.analysis.scale import DominantScale, dominant_scale
 from weftex.choice import Choice

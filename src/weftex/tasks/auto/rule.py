@@ -47,14 +47,16 @@ def choose(findings: Findings, canvas: Canvas) -> Choice:
 
     It is that of the first rule that applies.
     """
-    for rule in (_too_small, _regular, _fine, _irregular):
-        choice = rule(findings, canvas)
-        if choice is not None:
-            break
+    choice = (
+        _too_small(findings)
+        or _regular(findings, canvas)
+        or _fine(findings, canvas)
+        or _irregular(findings, canvas)
+    )
     return replace(choice, warnings=(*_warnings(findings), *choice.warnings))
 
 
-def _too_small(findings: Findings, canvas: Canvas) -> Choice | None:
+def _too_small(findings: Findings) -> Choice | None:
     """Return graph cut where nothing can be analyzed."""
     if min(findings.shape) >= SMALLEST_ANALYZED:
         return None

@@ -131,29 +131,16 @@ def _likeness(made: Synthesis, lattice: Lattice, exemplar: Exemplar) -> float:
     return float(np.mean([like_itself(fine, vector) for vector in lattice.vectors]))
 
 
-def like_itself(
-    values: NDArray[np.integer],
-    vector: tuple[float, float],
-    usable: NDArray[np.bool_] | None = None,
-) -> float:
-    """Return the correlation of usable pixels (H, W, K) with themselves, shifted by (x, y).
+def like_itself(values: NDArray[np.integer], vector: tuple[float, float]) -> float:
+    """Return the correlation of pixels (H, W, K) with themselves, shifted by (x, y).
 
     In integers, so that it is the same on every machine; 0 where there is nothing to compare.
     """
     x, y = (round(part) for part in vector)
     height, width = values.shape[:2]
-    if abs(y) >= height or abs(x) >= width:
-        return 0.0
-    first = (slice(max(0, -y), height - max(0, y)), slice(max(0, -x), width - max(0, x)))
-    second = (slice(max(0, y), height - max(0, -y)), slice(max(0, x), width - max(0, -x)))
-    here, there = values[first].astype(np.int64), values[second].astype(np.int64)
-    if usable is None:
-        here, there = (part.reshape(-1, values.shape[2]) for part in (here, there))
-    else:
-        both = usable[first] & usable[second]
-        here, there = here[both], there[both]
-    if not len(here):
-        return 0.0
+    first = values[max(0, -y) : height - max(0, y), max(0, -x) : width - max(0, x)]
+    second = values[max(0, y) : height - max(0, -y), max(0, x) : width - max(0, -x)]
+    here, there = (part.reshape(-1, values.shape[2]).astype(np.int64) for part in (first, second))
     together = _variance(here, here) + _variance(there, there)
     return 2 * _variance(here, there) / together if together else 0.0
 
