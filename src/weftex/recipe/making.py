@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Mapping
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -133,13 +133,13 @@ def opened(
     return Opened(recipe, tuple(open_one(spec) for spec in recipe.materials), look)
 
 
+@dataclass(frozen=True)
 class Opened:
     """A recipe whose materials are in memory."""
 
-    def __init__(
-        self, recipe: Fields, materials: tuple[Loaded, ...], open_picture: OpenPicture
-    ) -> None:
-        self.recipe, self.loaded, self.open_picture = recipe, materials, open_picture
+    recipe: Fields
+    loaded: tuple[Loaded, ...]
+    open_picture: OpenPicture
 
     @cached_property
     def _pairs(self) -> tuple[list[Exemplar], list[str]]:
