@@ -36,21 +36,7 @@ _CHANCE = 0.7  # of chance: the least spread, about, of a photograph along its r
 class Bonds:
     """What joints within rows say of the bonds that rows may have.
 
-    Parameters
-    ----------
-    correlation : float64 array (2 * H - 1, 2 * W - 1)
-        Of the whitened sample, no shift in the middle.
-    rows : float64 array (2,)
-        The vector from one row to the next, as (x, y).
-
-    Examples
-    --------
-    >>> y, x = np.mgrid[-59:60, -99:100]
-    >>> tall = np.cos(2 * np.pi * x / 30 + np.pi * y / 12) * np.cos(np.pi * y / 12) ** 8
-    >>> bonds = Bonds(tall + np.cos(np.pi * y / 6), np.array([0.0, 12.0]))
-    >>> vectors, sure = bonds.best()
-    >>> (vectors.round() + 0).tolist(), sure > 3, abs(bonds.of(vectors) - sure) < 1e-9
-    ([[30.0, 0.0], [15.0, 12.0]], True, True)
+    `correlation` is that of the whitened sample, `rows` the vector (x, y) from one row to the next.
     """
 
     def __init__(self, correlation: Floats, rows: Floats) -> None:
@@ -63,19 +49,11 @@ class Bonds:
         self.spread = max(float(np.sqrt(power)), 1e-12)
 
     def best(self, chance: float = 0.0) -> tuple[Floats, float] | None:
-        """The bond that is told best, right or not; None where rows are too short.
+        """The bond that is told best, right or not, and how surely; None where rows are too short.
 
-        Parameters
-        ----------
-        chance : float
-            The spread of the correlation by chance; stairs of a drawing come back, far below it.
-
-        Returns
-        -------
-        (float64 array (2, 2), float) or None
-            Vectors along a row and to the next, and how surely they are told: how far multiples
-            are above what is between them, times the root of their number, in units of the spread
-            of all, or of chance if that is more.
+        Vectors lead along a row and to the next. How far multiples are above what is between them,
+        times the root of their number, is in units of the spread of all, or of `chance` if that is
+        more: stairs of a drawing come back, far below it.
         """
         best, found = 0.0, None
         shortest = max(_FINEST, _SHORTEST * self.distance)

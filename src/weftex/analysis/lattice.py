@@ -158,37 +158,13 @@ def find_lattice(
     alpha: float = ALPHA,
     significant: float = SIGNIFICANT,
 ) -> Lattice | None:
-    """Find the translations under which a sample looks the same, once for each sample.
+    """Return the lattice of a sample, its rows, or None where neither repeats or pieces lie apart.
 
-    Section 3.3 of the paper on near-regular textures, with pairs rated by contrast; see
-    `weftex.analysis.pairs`. Where a sample with its maps shows none, the maps alone are looked
-    at: stones of many colors hide joints that normals show.
+    Section 3.3 of the thesis; pairs of vectors are rated by `goodness`, with the exponent `alpha`
+    of eq. 3.22 and the `significant` share of a tile, see `weftex.analysis.pairs`. Slow lighting is
+    taken off first. Where a sample with its maps shows none, the maps alone are looked at: stones
+    of many colors hide joints that normals show.
 
-    Parameters
-    ----------
-    exemplar : Exemplar
-        The sample; a mask may leave out parts of it. Slow lighting is taken off first.
-    goodness : str
-        How pairs of vectors are rated: "contrast", "height" (eq. 3.22 of the paper) or "dominance".
-    alpha : float
-        That of eq. 3.22, from 1 to 4; the larger, the rather it is a small tile.
-    significant : float
-        Share of a tile that the overlap at a multiple must hold to count (section 3.3.1).
-
-    Returns
-    -------
-    Lattice or None
-        Its shortest vectors, rounded to hundredths of a pixel; one vector where a sample repeats
-        along one direction only, as boards do, and None where it does not repeat or has
-        pieces that lie apart.
-
-    Raises
-    ------
-    InvalidInputError
-        If there is no such goodness, or a number is out of its range.
-
-    Examples
-    --------
     >>> from weftex.exemplar import Exemplar
     >>> tile = np.random.default_rng(0).integers(0, 255, (12, 16), np.uint8)
     >>> find_lattice(Exemplar(np.tile(tile, (6, 5)))).vectors
@@ -250,29 +226,16 @@ def _plain(vectors: NDArray[np.float64]) -> tuple[Vector, ...]:
 
 @dataclass(frozen=True)
 class Rated:
-    """A lattice and how good it is by section 3.3 of the paper on near-regular textures.
+    """A lattice or rows, and how good it is by section 3.3 of the thesis.
 
-    Attributes
-    ----------
-    vectors : tuple of (float, float)
-        Its shortest vectors (x, y) in pixels; one of rows.
-    goodness : float
-        Of eq. 3.22; what is compared. 0 if a vector has no significant multiple.
-    mean : float
-        The mean of eq. 3.24: of the correlation for "height", of what stands for it otherwise.
-    multiples : int
-        n of eq. 3.22: those whose overlap is significant.
-
-    Notes
-    -----
     Of rows the mean is how far the ridges of the correlation are above what is between them,
     without the highest, and n is the number of ridges.
     """
 
-    vectors: tuple[tuple[float, float], ...]
-    goodness: float
-    mean: float
-    multiples: int
+    vectors: tuple[tuple[float, float], ...]  # the shortest (x, y) in pixels; one of rows
+    goodness: float  # of eq. 3.22; 0 if a vector has no significant multiple
+    mean: float  # of eq. 3.24: the correlation for "height", what stands for it otherwise
+    multiples: int  # n of eq. 3.22: those whose overlap is significant
 
 
 def rate_lattices(

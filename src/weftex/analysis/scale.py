@@ -67,37 +67,18 @@ _SUREST = 0.95
 class DominantScale:
     """The scale of the structure in a sample.
 
-    Attributes
-    ----------
-    scale : float
-        In pixels of the sample, rounded to hundredths; 1 where there is no curve.
-    confidence : float
-        From 0 to 1, rounded to hundredths: that of the lattice; the share of the ring's power that
-        neither the spectrum around it nor chance explains; or about how often the size of things
-        is what a person reads.
-    source : str
-        "lattice", "period" (of the strongest ring), "things", or "none" where there is no curve.
-    frequencies : float64 array (n,)
-        Of the rings, in waves a pixel, rising.
-    power : float64 array (n,)
-        Sum of the power spectrum over each ring; the largest is 1.
-    background : float64 array (n,)
-        Median of `power` from half to twice each frequency.
-    lattice : Lattice or None
-        That of the sample; None too where it does not come back to itself.
-
-    Notes
-    -----
     The three arrays are empty for a constant sample and for one of less than 8 pixels a side.
     """
 
-    scale: float
+    scale: float  # in pixels of the sample, rounded to hundredths; 1 where there is no curve
+    #: From 0 to 1: that of the lattice; the share of the ring's power that neither the spectrum
+    #: around it nor chance explains; or how often the size of things is what a person reads.
     confidence: float
-    source: str
-    frequencies: NDArray[np.float64]
-    power: NDArray[np.float64]
-    background: NDArray[np.float64]
-    lattice: Lattice | None = None
+    source: str  # "lattice", "period" (of the strongest ring), "things", or "none"
+    frequencies: NDArray[np.float64]  # (n,) of the rings, in waves a pixel, rising
+    power: NDArray[np.float64]  # (n,) of the spectrum over each ring; the largest is 1
+    background: NDArray[np.float64]  # (n,): the median power from half to twice each frequency
+    lattice: Lattice | None = None  # None too where the sample does not come back to itself
 
     @property
     def window_width(self) -> int:

@@ -180,13 +180,6 @@ def real_crops(sample: Exemplar) -> dict[str, float | None]:
     """Return the mean figures of the sample's halves, each as if made from the other half.
 
     Halves that the mask does not leave whole are left out; figures of the source are None.
-
-    Examples
-    --------
-    >>> import weftex
-    >>> found = real_crops(weftex.load_exemplar("sample:pebbles"))
-    >>> 0.8 < found["sharpness"] < 1.25
-    True
     """
     y, x = (side // 2 for side in sample.shape)
     boxes = (np.s_[:y], np.s_[-y:] if y else np.s_[:0]), (np.s_[:, :x], np.s_[:, -x:])

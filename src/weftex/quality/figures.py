@@ -10,37 +10,19 @@ _WORST = 16.0  # a figure that is further off counts as this
 
 @dataclass(frozen=True)
 class Figure:
-    """One figure of an `Assessment`.
-
-    Attributes
-    ----------
-    title, unit : str
-        Its name and unit.
-    good : str
-        "low", "high", "one" (near 1) or "" where it only describes.
-    limit : float or None
-        The last value that passes; a factor for "one", None where it only describes.
-    meaning : str
-        One sentence for a reader who does not know the measure.
-    blind : str
-        What it cannot detect.
-    wrong : str
-        What a result beyond the limit does, to follow "it"; below and above 1 with a "|".
-    base : float
-        For "low", the value up to which nothing is wrong.
-    agrees : float or None
-        The share of judged pairs in which it is further off for the worse picture, ties as half;
-        0.5 is a coin. None where it needs more than the two pictures.
-    """
+    """One figure of an `Assessment`."""
 
     title: str
     unit: str
-    good: str
-    limit: float | None
-    meaning: str
-    blind: str
+    good: str  # "low", "high", "one" (near 1) or "" where it only describes
+    limit: float | None  # the last value that passes; a factor for "one"
+    meaning: str  # one sentence for a reader who does not know the measure
+    blind: str  # what it cannot detect
+    #: What a result beyond the limit does, to follow "it"; below and above 1 with a "|".
     wrong: str = ""
-    base: float = 0.0
+    base: float = 0.0  # for "low", the value up to which nothing is wrong
+    #: The share of judged pairs in which it is further off for the worse picture, ties as half;
+    #: 0.5 is a coin. None where it needs more than the two pictures.
     agrees: float | None = None
 
     def off(self, value: float) -> float:

@@ -71,18 +71,7 @@ def weigh(figures: Mapping[str, Any]) -> float | None:
 
 
 class Scorer:
-    """Scores pictures that were made from one sample.
-
-    Examples
-    --------
-    >>> import weftex
-    >>> sample = weftex.load_exemplar("sample:bricks")
-    >>> scorer = Scorer(sample)
-    >>> good = weftex.synthesize(sample, 256, method="near-regular", seed=1)
-    >>> bad = weftex.synthesize(sample, 256, method="patch-sampling", patch_size=12, seed=1)
-    >>> scorer.score(good.image) < scorer.score(bad.image)
-    True
-    """
+    """Scores pictures that were made from one sample."""
 
     def __init__(self, exemplar: Exemplar) -> None:
         self.exemplar = exemplar
@@ -209,17 +198,6 @@ class MapsScorer:
 
     The score is a mean of scores. All maps together count as much as the color, each by its
     weight in matching; maps of labels do not count.
-
-    Examples
-    --------
-    >>> import weftex
-    >>> sample = weftex.load_exemplar("sample:stone_wall")
-    >>> made = weftex.synthesize(sample, 200, method="quilting", seed=1)
-    >>> planes = [sample, *map(sample.map, sample.maps)]
-    >>> own = [Scorer(one).score(made.render(one)) for one in planes]
-    >>> expected = (own[0] + sum(own[1:]) / len(own[1:])) / 2
-    >>> abs(MapsScorer(sample).score(made) - expected) < 0.001
-    True
     """
 
     def __init__(self, exemplar: Exemplar) -> None:

@@ -31,24 +31,12 @@ _SMOOTH = 4  # slow lighting is the mean over a square of 1 / 4 of the side
 
 @dataclass(frozen=True, eq=False)
 class View:
-    """A picture as the measures see it.
+    """A picture as the measures see it."""
 
-    Attributes
-    ----------
-    values : uint8 array (H, W, K)
-        As `Exemplar.as_matching` makes them: alpha multiplied in, other depths as bytes.
-    usable : bool array (H, W)
-        Where the sample may be used; True everywhere in a result.
-    axis : int64 array (K,)
-        The color direction in which the sample varies most, in whole numbers.
-    sample : (int, int)
-        The sample's height and width.
-    """
-
-    values: NDArray[np.uint8]
-    usable: NDArray[np.bool_]
-    axis: NDArray[np.int64]
-    sample: tuple[int, int]
+    values: NDArray[np.uint8]  # (H, W, K) as `Exemplar.as_matching` makes them
+    usable: NDArray[np.bool_]  # (H, W): True everywhere in a result
+    axis: NDArray[np.int64]  # (K,): the direction in which the sample's color varies most
+    sample: tuple[int, int]  # the sample's height and width
 
     @property
     def shape(self) -> tuple[int, int]:

@@ -24,35 +24,13 @@ def lit(
     depth: float = 16.0,
     directx: bool = False,
 ) -> NDArray[np.uint8]:
-    """Return a matte surface in parallel light.
+    """Return a matte surface in parallel light, uint8 (H, W, 3) in sRGB.
 
-    Parameters
-    ----------
-    color : array (H, W) or (H, W, C)
-        uint8, uint16 or floats of 0 to 1, in sRGB; three channels or one, others are left out.
-    normal : array (H, W, 3), optional
-        A normal map, y up (OpenGL).
-    height : array (H, W), optional
-        A height map, from which normals are taken where none are given.
-    light : (x, y, z)
-        Where the light comes from: right, up, out of the surface.
-    depth : float
-        How many pixels high the height map's largest number stands.
-    directx : bool
-        The normal map has y down.
+    `color` is uint8, uint16 or floats of 0 to 1, in sRGB, of three channels or one; `normal` a map
+    with y up, or down if `directx`; without it normals are taken from a `height` map, whose largest
+    number stands `depth` pixels high. `light` is where it comes from: right, up, out of the
+    surface. What faces the light is as bright as the color.
 
-    Returns
-    -------
-    uint8 array (H, W, 3)
-        In sRGB. What faces the light is as bright as the color.
-
-    Raises
-    ------
-    InvalidInputError
-        If neither normals nor heights are given, or their size is not the color's.
-
-    Examples
-    --------
     >>> gray, ramp = np.full((8, 8), 128, np.uint8), np.arange(8.0) * np.ones((8, 1)) / 8
     >>> left, right = (lit(gray, height=ramp, light=(x, 0, 1)).mean() for x in (-1, 1))
     >>> bool(left > right)

@@ -55,16 +55,6 @@ def best_of(
     """Make several outputs and return the one with the best score, the first of equal ones.
 
     Its provenance has its own method and seed, and in "best_of" all scores and a line about them.
-
-    Examples
-    --------
-    >>> import weftex
-    >>> from weftex.canvas import Canvas
-    >>> sample = weftex.load_exemplar("sample:weave")
-    >>> best = best_of(tries(weftex.Quilting(), 2), sample, Canvas(96, 96), seed=7)
-    >>> again = weftex.Quilting().fit(sample).sample(96, seed=best.provenance["seed"])
-    >>> bool((again.image == best.image).all()), sorted(best.provenance["best_of"]["scores"])
-    (True, ['7', '8'])
     """
     first = seed_number(seed)
     seeds = [(first + further) % 2**64 for _, further in tried]
