@@ -6,11 +6,29 @@ around a hole, and are empty without a hole. Positions in a band are flat indice
 """
 
 import cython
-from cython.cimports.weftex.seams.boundary_kernels import Band, least_boundary, pixel_difference
 
 BOX = cython.declare(cython.Py_ssize_t, 3)  # half the side of what is compared at a corner
 BESIDE = cython.declare(cython.int, 1)  # the state of a known pixel beside a hole; 0 in the hole
 OFF = cython.declare(cython.int, 2)  # the state of any other
+NEVER = cython.declare(cython.longlong, 1 << 60)  # more than any boundary costs
+
+
+@cython.cclass
+class Band:
+    """The costs of a band: `error` (lines, depth), `beyond` (lines or 0, depth + 1) of crossings.
+
+    `total`, `came` are scratch; `path` (lines,) receives the boundary.
+    """
+
+    error: cython.longlong[:, ::1]
+    beyond: cython.longlong[:, ::1]
+    total: cython.longlong[:, ::1]
+    came: cython.int[:, ::1]
+    path: cython.int[::1]
+
+    def __init__(self, error, beyond, total, came, path):
+        self.error, self.beyond, self.total, self.came = error, beyond, total, came
+        self.path = path
 
 
 @cython.cfunc
@@ -93,6 +111,79 @@ def find_corners(
                         corners[n, 1] = cython.cast(cython.int, x)
 
 
+@cython.cfunc
+@cython.nogil
+@cython.exceptval(check=False)
+def least_boundary(
+    band: Band, length: cython.Py_ssize_t, depth: cython.Py_ssize_t,
+    begin: cython.Py_ssize_t, end: cython.Py_ssize_t,
+) -> cython.void:  # fmt: skip
+    """Find the cheapest boundary along a band between two given positions.
+
+    Line i belongs to one side up to path[i]. The pixels on both sides of each piece count, also
+    where it crosses lines; it moves one position a line, and can always reach both ends.
+    """
+    cython.declare(i=cython.Py_ssize_t, k=cython.Py_ssize_t, low=cython.Py_ssize_t)
+    cython.declare(high=cython.Py_ssize_t, left=cython.longlong)
+    for k in range(depth + 1):
+        band.total[0, k] = NEVER
+    band.total[0, begin] = 0
+    band.came[0, begin] = cython.cast(cython.int, begin)
+    for i in range(1, length):
+        low = max(1, begin - i, end - (length - 1 - i))
+        high = min(depth - 1, begin + i, end + (length - 1 - i))
+        for k in range(depth + 1):
+            band.total[i, k] = band.total[i - 1, k]
+            band.came[i, k] = cython.cast(cython.int, k)
+        for k in range(1, depth + 1):  # across to the right, then to the left
+            if band.total[i, k - 1] < NEVER:
+                left = band.total[i, k - 1]
+                left += band.error[i - 1, k - 1] + band.error[i, k - 1]
+                if left < band.total[i, k]:
+                    band.total[i, k] = left
+                    band.came[i, k] = band.came[i, k - 1]
+        for k in range(depth - 1, -1, -1):
+            if band.total[i, k + 1] < NEVER:
+                left = band.total[i, k + 1] + band.error[i - 1, k] + band.error[i, k]
+                if left < band.total[i, k]:
+                    band.total[i, k] = left
+                    band.came[i, k] = band.came[i, k + 1]
+        for k in range(depth + 1):
+            if k < low or k > high:
+                band.total[i, k] = NEVER
+            elif band.total[i, k] < NEVER:
+                band.total[i, k] += band.error[i, k - 1] + band.error[i, k]
+                if band.beyond.shape[0]:
+                    band.total[i, k] += band.beyond[i, k]
+    k = end
+    for i in range(length - 1, -1, -1):
+        band.path[i] = cython.cast(cython.int, k)
+        k = band.came[i, k]
+
+
+@cython.cfunc
+@cython.inline
+@cython.nogil
+@cython.exceptval(check=False)
+def continues(
+    pixels: cython.const[cython.uchar][:, :, ::1],
+    visibility: cython.const[cython.ushort][:, ::1],
+    at: cython.Py_ssize_t,
+    known: cython.const[cython.uchar][:, :, ::1],
+    y: cython.Py_ssize_t,
+    x: cython.Py_ssize_t,
+) -> cython.longlong:
+    """Twice the weighted difference of a pixel of the sample and a known pixel of the canvas."""
+    cython.declare(k=cython.Py_ssize_t, d=cython.longlong)
+    v: cython.Py_ssize_t = at // pixels.shape[1]
+    u: cython.Py_ssize_t = at % pixels.shape[1]
+    total: cython.longlong = 0
+    for k in range(pixels.shape[2]):
+        d = cython.cast(cython.int, pixels[v, u, k]) - known[y, x, k]
+        total += d * d
+    return 4 * total * visibility[v, u]
+
+
 def cut_edges(
     pixels: cython.const[cython.uchar][:, :, ::1],
     visibility: cython.const[cython.ushort][:, ::1],
@@ -143,22 +234,3 @@ def cut_edges(
                     paths[e, t] = cython.cast(cython.int, edges[e, 5])
                 else:
                     paths[e, t] = band.path[t - start]
-
-
-@cython.cfunc
-@cython.inline
-@cython.nogil
-@cython.exceptval(check=False)
-def continues(
-    pixels: cython.const[cython.uchar][:, :, ::1],
-    visibility: cython.const[cython.ushort][:, ::1],
-    at: cython.Py_ssize_t,
-    known: cython.const[cython.uchar][:, :, ::1],
-    y: cython.Py_ssize_t,
-    x: cython.Py_ssize_t,
-) -> cython.longlong:
-    """Twice the weighted difference of a pixel of the sample and a known pixel of the canvas."""
-    v: cython.Py_ssize_t = at // pixels.shape[1]
-    u: cython.Py_ssize_t = at % pixels.shape[1]
-    weight: cython.longlong = 2 * visibility[v, u]
-    return 2 * weight * pixel_difference(pixels, v, u, known, y, x)

@@ -8,7 +8,6 @@ import numpy as np
 
 from weftex.methods.near_regular import seam_kernels as kernels
 from weftex.results.patches import PatchSynthesis, RectifiedSynthesis
-from weftex.seams.boundary_kernels import Band
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -39,9 +38,9 @@ class _Cutter:
         least = min(int(axis.sizes.min()) for axis in (layout.rows, layout.columns))
         self.slack = min(self.reach // 2, (least - 1) // 4)  # that corners move, at most
 
-    def _band(self) -> Band:
+    def _band(self) -> kernels.Band:
         lines, depth = self.side, 2 * self.reach
-        return Band(
+        return kernels.Band(
             np.empty((lines, depth), np.int64),
             np.empty((lines if len(self.state) else 0, depth + 1), np.int64),
             np.empty((lines, depth + 1), np.int64),
