@@ -169,7 +169,7 @@ def _unseen_borders(result):
     owner = np.full((height, length, 4), -1, np.int32)
     share = np.zeros((height, length, 4), np.float32)
     layout = paste_kernels.Layout(result.placements, result.weights, result.cuts, *result.shape)
-    paste_kernels.layer_all(owner, share, 0, 0, layout)
+    paste_kernels.layer_all(owner, share, layout)
     owner = owner[..., 0]
 
     def looked(patch, y, x):

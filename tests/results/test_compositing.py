@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from twins import compositing as reference
 from weftex.raster.mixing import Kind
 from weftex.results import paste_kernels
-from weftex.results.paste_kernels import Layout, View
+from weftex.results.paste_kernels import Layout
 
 DTYPES = (np.uint8, np.uint16, np.float32, np.float64)
 
@@ -47,8 +47,7 @@ def layout(rng, canvas, sample, rows, columns, count, cut):
 def check(out, source, top, left, canvas, layout, scale, alpha):
     expected = out.copy()
     reference.paste_all(expected, source, top, left, canvas, *layout, scale, alpha)
-    view = View(top, left, scale, alpha)
-    paste_kernels.paste_all(out, source, Layout(*layout, *canvas), view)
+    paste_kernels.paste_all(out, source, Layout(*layout, *canvas, top, left, scale, alpha))
     if out.dtype == np.float32 and alpha:
         # The kernel sums in float32 what the twin sums in float64.
         assert np.allclose(out, expected, rtol=1e-5, atol=1e-6)
@@ -88,8 +87,7 @@ def test_vectors_and_labels_are_the_slow_twin(dtype, channels, signed, seed):
         out = np.ascontiguousarray(np.resize(source[::-1], (9, 11, channels)))
         expected = out.copy()
         reference.paste_all(expected, source, 0, 0, (9, 11), *plan, blend=blend)
-        view = View(0, 0, 1, kind, middle)
-        paste_kernels.paste_all(out, source, Layout(*plan, 9, 11), view)
+        paste_kernels.paste_all(out, source, Layout(*plan, 9, 11, 0, 0, 1, kind, middle))
         if np.dtype(dtype).kind == "f" or kind is Kind.VECTORS:
             # Sums in another order may round a half to the other side.
             step = 2 if np.dtype(dtype).kind == "u" else 1e-5
@@ -103,8 +101,8 @@ def test_opposite_vectors_are_not_mixed_to_nothing():
     one, none = np.array([[0, 0, 0, 0, 0]], np.int32), np.zeros((0, 0), np.uint16)
     for weight, expected in ((128, down), (127, up)):
         out = up.reshape(1, 1, 3).copy()
-        layout = Layout(one, np.full((1, 1, 1), weight, np.uint16), none, 1, 1)
-        paste_kernels.paste_all(out, down.reshape(1, 1, 3), layout, View(0, 0, 1, Kind.VECTORS))
+        layout = Layout(one, np.full((1, 1, 1), weight, np.uint16), none, 1, 1, mixing=Kind.VECTORS)
+        paste_kernels.paste_all(out, down.reshape(1, 1, 3), layout)
         if weight == 128:
             assert np.array_equal(out[0, 0], expected)
         else:  # a shade nearer to the old one
@@ -118,7 +116,7 @@ def test_layers_are_the_slow_twin(cut, count, seed):
     plan = layout(rng, canvas, (6, 7), 5, 4, count, cut)
     patch = np.full((6, 5, 4), -1, np.int32)
     share = np.zeros((6, 5, 4), np.float32)
-    paste_kernels.layer_all(patch, share, 1, 2, Layout(*plan, *canvas))
+    paste_kernels.layer_all(patch, share, Layout(*plan, *canvas, 1, 2))
     for at, entries in reference.layers(window, canvas, *plan).items():
         got = [(int(p), float(s)) for p, s in zip(patch[at], share[at], strict=True) if s > 0]
         assert got == [(p, float(s)) for p, s in entries]
@@ -134,8 +132,8 @@ def test_clear_pixels_bleed_no_color(dtype):
     half = np.full((1, 1, 1), 128, np.uint16)
     for old, new in ((red, clear_green), (clear_green, red)):
         out = old.reshape(1, 1, 4).copy()
-        layout = Layout(one, half, np.zeros((0, 0), np.uint16), 1, 1)
-        paste_kernels.paste_all(out, new.reshape(1, 1, 4), layout, View(0, 0, 1, True))
+        layout = Layout(one, half, np.zeros((0, 0), np.uint16), 1, 1, mixing=Kind.ALPHA)
+        paste_kernels.paste_all(out, new.reshape(1, 1, 4), layout)
         assert out[0, 0, :3].tolist() == red[:3].tolist()
         assert abs(float(out[0, 0, 3]) - full / 2) <= 0.5
 
@@ -147,5 +145,5 @@ def test_numbers_that_floats_just_hold_stay_numbers(dtype, alpha):
     largest = np.finfo(dtype).max
     source, out = (rng.choice([-1, 0, 0.25, 1], (9, 9, 4)).astype(dtype) * largest for _ in "ab")
     plan = layout(rng, (9, 9), (9, 9), 5, 5, 20, cut=False)
-    paste_kernels.paste_all(out, source, Layout(*plan, 9, 9), View(0, 0, 1, alpha))
+    paste_kernels.paste_all(out, source, Layout(*plan, 9, 9, mixing=alpha))
     assert np.isfinite(out).all()

@@ -18,8 +18,6 @@ cdef class Layout:
     cdef const unsigned short[:, ::1] cuts
     cdef Py_ssize_t height
     cdef Py_ssize_t width
-
-cdef class View:
     cdef Py_ssize_t top
     cdef Py_ssize_t left
     cdef Py_ssize_t scale
@@ -31,4 +29,4 @@ cdef double length(const value* vector, double middle) noexcept nogil
 cdef double middle_of(value* sort, double given) noexcept nogil
 
 cdef void paste(value[:, :, ::1] out, const value[:, :, ::1] source, Layout layout,
-                Py_ssize_t k, Py_ssize_t zone, View view) noexcept nogil
+                Py_ssize_t k, Py_ssize_t zone) noexcept nogil

@@ -15,32 +15,22 @@ ALPHA, VECTORS, LABELS = 1, 2, 3  # of `weftex.raster.mixing.Kind`
 
 
 class Layout:
-    """Patches on a canvas, in the order in which they cover each other.
+    """Patches on a canvas, in the order in which they cover each other, and how they are rendered.
 
     `placements` (n, 5) is y, x, source y, source x and row of `weights` (zones, rows, columns), in
-    1/256; `cuts` (n, 2 * (rows + columns)) or (0, 0), see `effective`.
+    1/256; `cuts` (n, 2 * (rows + columns)) or (0, 0), see `effective`. Arrays show the canvas from
+    `top` and `left` in sample pixels on. `scale` is pixels per sample pixel, `mixing` a `Kind`,
+    `middle` the zero of float vectors.
     """
 
-    def __init__(self, placements, weights, cuts, height, width):
-        self.placements = placements
-        self.weights = weights
-        self.cuts = cuts
-        self.height = height
-        self.width = width
-
-
-class View:
-    """The part of a canvas that an array shows, from `top` and `left` in sample pixels.
-
-    `scale` is pixels per sample pixel, `mixing` a `Kind`, `middle` the zero of float vectors.
-    """
-
-    def __init__(self, top, left, scale, mixing, middle=0.0):
-        self.top = top
-        self.left = left
-        self.scale = scale
-        self.mixing = mixing
-        self.middle = middle
+    def __init__(
+        self, placements, weights, cuts, height, width,
+        top=0, left=0, scale=1, mixing=0, middle=0.0,
+    ):  # fmt: skip
+        self.placements, self.weights, self.cuts = placements, weights, cuts
+        self.height, self.width = height, width
+        self.top, self.left, self.scale = top, left, scale
+        self.mixing, self.middle = mixing, middle
 
 
 @cython.cfunc
@@ -166,26 +156,26 @@ def blend(
     old: cython.pointer(value),
     channels: cython.Py_ssize_t,
     weight: cython.int,
-    view: View,
+    layout: Layout,
 ) -> cython.void:
     """Mix one pixel into `old`; straight alpha weighs colors, so clear pixels bleed nothing."""
     cython.declare(k=cython.Py_ssize_t, mixed=cython.int, share=cython.double)
     cython.declare(num=cython.longlong, den=cython.longlong)
     cython.declare(part_old=cython.longlong, part_new=cython.longlong)
-    if view.mixing == LABELS:
+    if layout.mixing == LABELS:
         if weight >= 128:
             for k in range(channels):
                 old[k] = new[k]
         return
-    if view.mixing != ALPHA:
-        for k in range(3 if view.mixing == VECTORS else 0, channels):
+    if layout.mixing != ALPHA:
+        for k in range(3 if layout.mixing == VECTORS else 0, channels):
             if value is cython.uchar or value is cython.ushort:
                 mixed = old[k] * (256 - weight) + new[k] * weight + 128
                 old[k] = mixed >> 8
             else:
                 old[k] = between(old[k], new[k], weight * 0.00390625)
-        if view.mixing == VECTORS:
-            blend_vectors(new, old, weight, middle_of(old, view.middle))
+        if layout.mixing == VECTORS:
+            blend_vectors(new, old, weight, middle_of(old, layout.middle))
         return
     if value is cython.uchar or value is cython.ushort:
         part_old = (256 - weight) * cython.cast(cython.longlong, old[channels - 1])
@@ -207,7 +197,7 @@ def blend(
         old[k] = between(old[k], new[k], weight * 0.00390625)
 
 
-def paste(out, source, layout, k, zone, view):
+def paste(out, source, layout, k, zone):
     """Paste patch `k` with the weights of `zone`; positions in sample pixels wrap at borders."""
     placements: cython.p_const_int = cython.address(layout.placements[k, 0])
     y: cython.Py_ssize_t = placements[0]
@@ -216,9 +206,9 @@ def paste(out, source, layout, k, zone, view):
     source_x: cython.Py_ssize_t = placements[3]
     height: cython.Py_ssize_t = layout.height
     width: cython.Py_ssize_t = layout.width
-    top: cython.Py_ssize_t = view.top
-    left: cython.Py_ssize_t = view.left
-    scale: cython.Py_ssize_t = view.scale
+    top: cython.Py_ssize_t = layout.top
+    left: cython.Py_ssize_t = layout.left
+    scale: cython.Py_ssize_t = layout.scale
     rows: cython.Py_ssize_t = layout.weights.shape[1]
     columns: cython.Py_ssize_t = layout.weights.shape[2]
     channels: cython.Py_ssize_t = out.shape[2]
@@ -254,7 +244,7 @@ def paste(out, source, layout, k, zone, view):
                     for q in range(scale):
                         to = cython.address(out[row, cx * scale + q, 0])
                         origin = cython.address(source[fy * scale + r, fx * scale + q, 0])
-                        blend(origin, to, channels, w, view)
+                        blend(origin, to, channels, w, layout)
                 u += 1
                 continue
             limit = min(
@@ -276,25 +266,22 @@ def paste_all(
     out: value[:, :, ::1],
     source: cython.const[value][:, :, ::1],
     layout: Layout,
-    view: View,
 ):
     """Replay the patches of a layout in their order."""
     k: cython.Py_ssize_t
     with cython.nogil:
         for k in range(layout.placements.shape[0]):
-            paste(out, source, layout, k, layout.placements[k, 4], view)
+            paste(out, source, layout, k, layout.placements[k, 4])
 
 
 def layer_all(
     patch: cython.int[:, :, ::1],
     share: cython.float[:, :, ::1],
-    top: cython.Py_ssize_t,
-    left: cython.Py_ssize_t,
     layout: Layout,
 ):
     """Write which patches show at each pixel and their shares, heaviest first; -1 is none.
 
-    Both arrays are (rows, columns, layers) and begin at row `top`, column `left` of the canvas.
+    Both arrays are (rows, columns, layers).
     """
     rows: cython.Py_ssize_t = layout.weights.shape[1]
     columns: cython.Py_ssize_t = layout.weights.shape[2]
@@ -312,12 +299,12 @@ def layer_all(
             if layout.cuts.shape[0] > 0:
                 line = cython.address(layout.cuts[k, 0])
             for v in range(rows):
-                cy = (y + v) % layout.height - top
+                cy = (y + v) % layout.height - layout.top
                 if cy < 0 or cy >= patch.shape[0]:
                     continue
                 weight = cython.address(layout.weights[layout.placements[k, 4], v, 0])
                 for u in range(columns):
-                    cx = (x + u) % layout.width - left
+                    cx = (x + u) % layout.width - layout.left
                     w = effective(weight[u], line, v, u, rows, columns)
                     if w == 0 or cx < 0 or cx >= patch.shape[1]:
                         continue

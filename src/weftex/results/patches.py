@@ -51,8 +51,8 @@ class PatchSynthesis(Synthesis):
         top, left, height, width = window[0] + down, window[1] + right, *window[2:]
         patch = np.full((height, width, _MOST_LAYERS), -1, np.int32)
         share = np.zeros((height, width, _MOST_LAYERS), np.float32)
-        layout = paste_kernels.Layout(self.placements, self.weights, self.cuts, rows, columns)
-        paste_kernels.layer_all(patch, share, top, left, layout)
+        patches = self.placements, self.weights, self.cuts, rows, columns
+        paste_kernels.layer_all(patch, share, paste_kernels.Layout(*patches, top, left))
         y, x, _ = there = np.nonzero((patch >= 0) & (share > 0))
         shown = patch[there]
         at = self.placements[shown].astype(np.int64)
@@ -66,8 +66,9 @@ class PatchSynthesis(Synthesis):
     def _lay(self, out: NDArray[Any], pixels: NDArray[Any], window: Window, mixing: Mixing) -> None:
         rows, columns, down, right = self._frame
         top, left, scale = window[0] + down, window[1] + right, out.shape[0] // window[2]
-        layout = paste_kernels.Layout(self.placements, self.weights, self.cuts, rows, columns)
-        paste_kernels.paste_all(out, pixels, layout, paste_kernels.View(top, left, scale, *mixing))
+        patches = self.placements, self.weights, self.cuts, rows, columns
+        layout = paste_kernels.Layout(*patches, top, left, scale, *mixing)
+        paste_kernels.paste_all(out, pixels, layout)
 
     def _error(self) -> NDArray[np.int16]:
         """The difference in the overlaps as they were before they were cut."""

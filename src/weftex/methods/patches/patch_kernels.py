@@ -9,7 +9,7 @@ from cython.cimports.weftex.repeats.overlap_kernels import (
     bar_repeats,
     best_unrepeated,
 )
-from cython.cimports.weftex.results.paste_kernels import Layout, View, paste
+from cython.cimports.weftex.results.paste_kernels import Layout, paste
 from cython.cimports.weftex.search.zone_kernels import (
     ALL,
     Shortlist,
@@ -351,7 +351,6 @@ def lay_patches(
 
     All have the zone of `windows`; `layout` has its weights alone.
     """
-    whole: View = View(0, 0, 1, 0)
     width: cython.Py_ssize_t = windows.usable.shape[1]
     cython.declare(p=cython.Py_ssize_t, chosen=cython.Py_ssize_t)
     with cython.nogil:
@@ -363,7 +362,7 @@ def lay_patches(
                 cut_bands(
                     canvas, patches.pixels, layout, windows.bands, p, found.path, patches.cuts
                 )
-            paste(canvas, patches.pixels, layout, p, 0, whole)
+            paste(canvas, patches.pixels, layout, p, 0)
 
 
 def find_cuts(canvas, pixels, layout: Layout, bands, p, cost, cuts):
