@@ -1,4 +1,4 @@
-"""Exact neighborhood matching: what the model settles on, an output, and what it cost.
+"""Exact neighborhood matching: the values of the parameters, an output, and its cost.
 
 python examples/exact_matching.py -o FOLDER
 """

@@ -1,4 +1,4 @@
-"""Hole filling: what surrounds a hole goes on in it, and no other pixel changes.
+"""Hole filling: the surroundings continue into the hole, and no other pixel changes.
 
 python examples/fill.py -o FOLDER
 """

@@ -1,4 +1,4 @@
-"""Iterative refinement: a start is gone over again and again until every window is the sample's.
+"""Iterative refinement: an initial image improves until every window is like the sample's.
 
 python examples/refinement.py -o FOLDER
 """

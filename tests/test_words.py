@@ -9,7 +9,7 @@ import pytest
 
 ROOT = Path(__file__).parent.parent
 PAGES = sorted([
-    ROOT / "README.md",
+    *(ROOT / name for name in ("README.md", "CHANGELOG.md", "CONTRIBUTING.md", "SECURITY.md")),
     *(p for p in ROOT.glob("docs/**/*.md") if "lab" not in p.relative_to(ROOT).parts),
 ])  # fmt: skip
 RULES = {

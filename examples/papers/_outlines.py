@@ -1,4 +1,4 @@
-"""Whether outlines go on across seams: what `papers/patch_sampling.py edges` counts."""
+"""Whether outlines continue across seams, which `papers/patch_sampling.py edges` counts."""
 
 from __future__ import annotations
 

@@ -57,7 +57,7 @@ def crop(name: str, side: int) -> np.ndarray:
 
 
 def reduced(pixels: np.ndarray, colors: int) -> np.ndarray:
-    """The picture in at most so many colors."""
+    """Reduce the picture to at most this number of colors."""
     quantized = Image.fromarray(pixels).quantize(colors, dither=Image.Dither.NONE)
     return np.asarray(quantized.convert("RGB"))
 

@@ -356,7 +356,7 @@ def blocks(folder: Path, suffix: str) -> None:
 
 
 def holes(folder: Path, suffix: str) -> None:
-    """Holes that go on with the lattice, beside methods that know of none."""
+    """Holes filled along the lattice, beside methods without one."""
     y, x = np.indices((256, 256)) - 128
     angle, away = np.arctan2(y, x), np.hypot(y, x)
     hole = away < 44 * (1 + 0.25 * np.sin(3 * angle) + 0.1 * np.sin(7 * angle))

@@ -262,7 +262,7 @@ def evenness(folder: Path, suffix: str) -> None:
 
 
 def coherence(folder: Path, suffix: str) -> None:
-    """How much nearer what goes on from no neighbor must be, and the sources."""
+    """Results and sources for several values of `coherence`."""
     rows = []
     for name in some(("pebbles", "stone_wall")):
         sample = load(name, 192)

@@ -127,7 +127,7 @@ def constrained(folder: Path, suffix: str) -> None:
 
 
 def tileable(folder: Path, suffix: str) -> None:
-    """Twice as high and wide: the causal pass alone, and with the border gone over again."""
+    """Two by two tiles: the causal pass alone, and with the border processed again."""
 
     def twice(result: weftex.Synthesis) -> np.ndarray:
         return np.tile(result.image, (2, 2, 1))
