@@ -47,10 +47,10 @@ class Canvas:
     origin : (int, int)
         Where in an endless plane the canvas's corner is, from -2**40 to 2**40.
     guide : array (H, W) or (H, W, C), optional
-        A picture that the output is to follow: in the terms of the sample's guide if that has
-        one (see `Exemplar`), else compared with its pixels, so of their dtype and channels.
+        Image that the output follows. It is compared with the sample's guide if there is one (see
+        `Exemplar`), else with the sample's pixels, and has their dtype and channels.
     shown : int32 array (H, W), optional
-        For a block of a plane: flat indices of what is there already in the sample, -1 for nothing.
+        For a block of a plane: flat indices of the sample for pixels that exist already, else -1.
         In the hole too, where methods may begin with it.
 
     Raises

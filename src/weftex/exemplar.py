@@ -31,7 +31,7 @@ _LABELS = 32  # a sample's guide with at most so many colors is a map of labels
 
 
 class Exemplar(Shown):
-    """A sample: pixels, and what belongs to them.
+    """A sample: its pixels, maps, mask and guide.
 
     Parameters
     ----------
@@ -41,31 +41,30 @@ class Exemplar(Shown):
     maps : mapping of str to array or Exemplar, optional
         Aligned maps (normal, roughness, height …), of any dtype and channel count; of the same
         height and width, or an integer multiple or fraction of both. They take part in matching,
-        so that seams show in none of them. An array's role follows from its name.
+        so that no map shows seams. An array's role follows from its name.
     mask : bool array (H, W), optional
         True where a pixel may be used; everywhere by default.
     guide : array (H, W) or (H, W, C), optional
-        What stands for the sample in a canvas's guide: a map of labels, which is what at most 32
-        colors or whole numbers are, or any picture. Without it guides are compared with the
-        sample's own pixels.
+        Image that a canvas's guide is compared with: a map of at most 32 labels (colors or whole
+        numbers), or any other image. By default the sample's own pixels.
     tileable : bool, optional
-        The sample repeats without a seam, so windows may run over its borders.
+        The sample repeats without a seam, so patches can cross its borders.
     alpha : bool, optional
-        The last channel is straight alpha; by default it is for 2 and 4 channels. Given, it also
-        says that the channels are last indeed where a shape looks like (channels, height, width).
+        The last channel is straight alpha; by default with 2 and 4 channels. If given, the shape is
+        taken as (height, width, channels), even if it looks like channels first.
     icc : bytes, optional
-        Color profile, carried along to files.
+        Color profile, written to files.
     name : str, optional
-        What to call it in messages.
+        Name for messages.
     role : Role or str, optional
-        What the pixels show, or its name in `weftex.roles.ROLES`; by default a normal map if its
-        name says so and else a color.
+        Role of the pixels, or its name in `weftex.roles.ROLES`; by default from `name`, else color.
     turn, copy_shape : str and (int, int), optional
         Which copies of a smaller sample it is made of, of what size; see `weftex.prepare.turned`.
     pieces : bool, optional
         It has pieces that lie apart, which share no lattice, as copies and several samples do.
     weights : mapping of str to float, optional
-        Of maps in matching; 1 each by default, together as much as the pixels. 0 is not at all.
+        Weights of the maps in matching, 1 each by default: all maps together count as much as the
+        pixels. 0 ignores a map.
 
     Attributes
     ----------

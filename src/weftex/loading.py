@@ -25,17 +25,17 @@ _MODES = ("L", "LA", "RGB", "RGBA", "I", "I;16", "I;16B", "I;16L", "I;16N", "F")
 def load_exemplar(
     sample: Sample, *, files: Mapping[str, str] | None = None, **options: Any
 ) -> Exemplar:
-    """Make an Exemplar of whatever shows a material.
+    """Load a sample: a file, a folder of maps, an array or a PIL image.
 
     Parameters
     ----------
     sample : path, array, PIL image or Exemplar
-        A folder holds the maps of one material, known by their names (see `weftex.roles`); it is
-        matched on the color, which gives the pixels, and on all others. "sample:NAME" is one that
+        A folder holds the maps of one material, recognized by their names (see `weftex.roles`). Its
+        color is the pixels, and all maps take part in matching. "sample:NAME" is a sample that
         ships with weftex.
     files : mapping of str to str, optional
         Which files of the folder are its maps, and what each is, such as
-        ``{"color": "front.png", "normal": "n.png"}``; others are passed over.
+        ``{"color": "front.png", "normal": "n.png"}``; others are ignored.
     **options
         For `Exemplar` (mask, tileable, alpha, maps).
 

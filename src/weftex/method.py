@@ -80,13 +80,13 @@ class Model(ABC):
         Parameters
         ----------
         size : Canvas, int or (int, int)
-            What to make: height and width, or a Canvas.
+            Height and width of the output, or a Canvas.
         seed : int, numpy Generator or None
             The same seed gives the same bytes, at any number of threads.
         tileable : bool or {"x", "y"}
-            Axes that are to repeat without a seam.
+            Axes along which the output repeats without a seam.
         threads : int, optional
-            At most so many; by default as many as there are processors.
+            Maximum number of threads; one for each processor by default.
         progress : callable, optional
             See `weftex.progress.ProgressCallback`.
         """
@@ -105,12 +105,12 @@ class Model(ABC):
         channels_first: bool = False,
         threads: int | None = None,
     ) -> Iterator[NDArray[Any]]:
-        """Make many pictures, one after the other, for whoever trains on them.
+        """Yield many images, such as for training.
 
         Parameters
         ----------
         count : int or None
-            How many; None goes on for ever.
+            Number of images; None for no end.
         size, tileable
             As for `sample`.
         seed : int, numpy Generator or None
@@ -119,7 +119,7 @@ class Model(ABC):
             (C, H, W) as PyTorch takes pictures, and not (H, W, C) as Albumentations and all of
             weftex do; gray ones are (1, H, W) then.
         threads : int, optional
-            So many pictures are made at a time.
+            Number of images that are made at a time.
 
         Yields
         ------
@@ -161,16 +161,16 @@ class Model(ABC):
     ) -> Synthesis:
         """Make a window of an endless plane.
 
-        Every pixel hangs on the sample, parameters, seed and place alone (docs/how-to/windows.md).
+        Every pixel depends only on the sample, the parameters, the seed and its position.
 
         Parameters
         ----------
         top, left, height, width : int
             The window's upper left corner, from -2**40 to 2**40, and its size.
         period : int or (int, int), optional
-            The plane comes back to itself after so many pixels, up to 2**40, down and across.
+            Number of pixels after which the plane repeats, down and across, up to 2**40.
         seed, threads, progress
-            As for `sample`; give a number, or no two windows belong together.
+            As for `sample`. Without a seed, windows do not belong to the same plane.
 
         Raises
         ------

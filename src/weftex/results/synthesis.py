@@ -65,9 +65,9 @@ class Synthesis(ShownResult, ABC):
     copy_shape : (int, int), optional
         Height and width of the sample that was turned, likewise.
     is_window : bool
-        It is a part of an endless plane, laid as it is: joining asks for what lies around.
+        The result is a part of an endless plane; steps at its seams are not joined.
     threads : int
-        Steps of heights and tones are joined in at most so many.
+        Maximum number of threads that join steps of heights and tones.
     """
 
     #: The arrays that say where pixels come from, by the name of the parameter, and their types.

@@ -13,18 +13,17 @@ LOWEST, HIGHEST = 160, 4000  # pixels of the screen
 
 
 def view(thing: Synthesis | Any, *, height: int = 480) -> Any:
-    """Show a result, or a sample, in a notebook: to be panned and zoomed to single pixels.
+    """Show a result or a sample in a notebook, to pan and zoom to single pixels.
 
     The views are those of `weftex studio`: repeated, beside the repeated sample, all maps side by
     side, under a light that follows the pointer, with the coordinates in the sample, the patches
-    and the seams laid over it. Needs the extra ``notebook``, and Python to answer while it is
-    looked at.
+    and the seams drawn over it. Needs the extra ``notebook``, and a running kernel.
 
     Parameters
     ----------
     thing : Synthesis, or what `weftex.load_exemplar` takes
     height : int
-        Of the picture on the screen, from 160 to 4000 pixels.
+        Height on the screen, from 160 to 4000 pixels.
 
     Returns
     -------

@@ -74,29 +74,28 @@ def fill(
         Take patches from this instead of the photo; of the photo's dtype and channels, with maps
         of the same roles.
     method : str or Method
-        A name in `weftex.METHODS`, or a method with its parameters. By default `graphcut` in a
-        photo of up to 512x512 that surely has a lattice or rows, as tiles and boards have, or that
-        shows things as large as a twelfth of it; `near-regular` in a larger one with a lattice;
-        else `patch-sampling`, which parameters belong to; the result's `provenance` says why.
+        A name in `weftex.METHODS`, or a method with its parameters. By default `graphcut` for
+        photos up to 512x512 with a lattice, rows, or features larger than a twelfth of the side;
+        `near-regular` for larger photos with a lattice; else, and if `parameters` are given,
+        `patch-sampling`. The result's `provenance` has the reason.
     overlap : int
         Pixels around the holes that may change too: the boundary between photo and filling is
         then cut where they differ least, so that it does not follow the outline of the mask.
     match_tone : bool, optional
-        Shift the tone inside of the holes, where it differs from that along their border by more
-        than the texture itself does; see `weftex.results.tone.match_tone`. By default where weftex
-        chooses the method, as others only copy.
+        Match the tone inside of the holes to that along their border, where both differ by more
+        than the texture varies. By default only if weftex chooses the method.
     seed : int, numpy Generator or None
         The same seed gives the same bytes.
     tileable : bool or {"x", "y"}
         Axes along which the photo repeats without a seam, so that holes may cross its border.
     threads : int, optional
-        At most so many.
+        Maximum number of threads; one for each processor by default.
     progress : callable, optional
         See `weftex.progress.ProgressCallback`; the preview shows the surroundings of the holes.
     **parameters
-        Of the method. By default `boundary_width` is 4, `epsilon` 0.02, `candidates` 400, and
-        `patch_size` 48 to 128 pixels, about two fifths of how wide the holes are; at most a fifth
-        of the photo's shorter side, and less where the holes leave few windows of that size.
+        Parameters of the method. By default `boundary_width` is 4, `epsilon` 0.02, `candidates`
+        400, and `patch_size` 48 to 128 pixels: about two fifths of the width of the holes, at most
+        a fifth of the photo's shorter side, and less where holes leave few windows of that size.
 
     Returns
     -------

@@ -96,7 +96,7 @@ def fuse(
     progress : callable, optional
         See `weftex.progress.ProgressCallback`.
     **parameters
-        Of the method.
+        Parameters of the method.
 
     Returns
     -------

@@ -40,7 +40,7 @@ def synthesize(
     progress: ProgressCallback | None = None,
     **parameters: Any,
 ) -> Synthesis:
-    """Make as much of a material as is needed from a small sample of it.
+    """Synthesize an image of any size from a sample of a material.
 
     Parameters
     ----------
@@ -49,34 +49,34 @@ def synthesize(
     size : int, (int, int) or Canvas
         Height and width of the output in pixels.
     method : str or Method
-        A name in `weftex.METHODS`, or a method with its parameters. By default `Auto` looks at the
-        sample and chooses; the result's `provenance` says what and why.
+        A name in `weftex.METHODS`, or a method with its parameters. By default `Auto` analyzes the
+        sample and chooses; the result's `provenance` has the choice and its reason.
     seed : int, numpy Generator or None
         The same seed gives the same bytes, whatever the number of threads.
     tileable : bool or {"x", "y"}
-        Axes that are to repeat without a seam.
+        Axes along which the output repeats without a seam.
     guide : path, array, PIL image or Exemplar, optional
-        A picture of the output's size that the output is to follow; not every method can. It is
-        compared with the sample, so it has its dtype and channels (an alpha that is full everywhere
-        may be there too), or with its guide.
+        An image of the output's size that the output follows, for methods that support it. It has
+        the dtype and channels of the sample, or of `sample_guide` if there is one; an opaque alpha
+        is ignored.
     sample_guide : path, array, PIL image or Exemplar, optional
-        A picture of the sample's size that stands for it in the guide, see `Exemplar`: a map of
-        labels, or anything else that says what is where.
+        An image of the sample's size that `guide` is compared with, such as a map of labels; see
+        `Exemplar`.
     best_of : int, or sequence of str and Method
-        Make so many with different seeds, from `seed` on, or one with each of these methods, and
-        keep the one that `weftex.quality` likes best; its provenance has its own method and seed,
-        and the scores of all.
+        Number of results with successive seeds from `seed` on, or methods for one result each. The
+        result with the best score is returned; its provenance has its method, its seed and all
+        scores.
     threads : int, optional
-        At most so many.
+        Maximum number of threads; one for each processor by default.
     progress : callable, optional
         See `weftex.progress.ProgressCallback`.
     **parameters
-        Of the method.
+        Parameters of the method.
 
     Returns
     -------
     Synthesis
-        With the picture as `image`.
+        The result; `image` has its pixels.
 
     Raises
     ------

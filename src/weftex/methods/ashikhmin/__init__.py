@@ -28,8 +28,8 @@ _PROPOSED_WIDTH = 5
 class Ashikhmin(WindowedMethod):
     """Synthesis of natural textures from coherent candidates.
 
-    A pixel is copied from a place where the source of one of its neighbors goes on, so pieces of
-    the sample of any shape grow until another one fits better. A guide makes the picture follow
+    A pixel is copied from where the source of one of its neighbors continues, so pieces of the
+    sample of any shape grow until another one fits better. A guide makes the picture follow
     another one.
 
     Examples

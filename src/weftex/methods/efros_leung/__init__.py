@@ -37,7 +37,7 @@ class EfrosLeung(WindowedMethod):
     """Non-parametric sampling.
 
     The picture grows in layers from a seed, or into a hole from its border. A pixel is drawn from
-    those of the sample whose window matches what is known around it nearly as well as the best.
+    the sample pixels whose window matches its known neighbors nearly as well as the best one.
 
     Raises
     ------

@@ -57,7 +57,7 @@ class Refinement(WindowedMethod):
     """Iterative refinement.
 
     A grid of seed points, or the result of another method, is refined again and again: every
-    pixel takes the place of the sample whose window is most like its own.
+    pixel is copied from the sample pixel whose window is most like its own.
 
     Examples
     --------
