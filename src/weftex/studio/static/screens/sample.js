@@ -83,7 +83,7 @@ export class SampleScreen {
         "dl",
         { class: "facts" },
         h("dt", {}, t("sample.scale")),
-        h("dd", {}, t("sample.px", { n: number(look.scale, 1) }), " ", look.confidence === null ? null : h("span", { class: "hint" }, t("sample.from", { what: look.scale_source, n: number(100 * look.confidence) }))),
+        h("dd", {}, t("sample.px", { n: number(look.scale, 1) }), " ", look.confidence === null ? null : h("span", { class: "hint" }, t("sample.from", { what: t(`scale.${look.scale_source}`), n: number(100 * look.confidence) }))),
         look.regularity === null ? null : [h("dt", {}, t("sample.regularity")), h("dd", {}, number(look.regularity, 2))],
         look.tiles === null ? null : [h("dt", {}, t("sample.tiles")), h("dd", {}, tiling(look.tiles))],
         look.colors ? [h("dt", {}, t("sample.colors")), h("dd", {}, number(look.colors))] : null,
