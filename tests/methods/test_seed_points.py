@@ -4,6 +4,7 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
+import weftex
 from families import noise
 from twins import seed_points as reference
 from weftex.exemplar import Exemplar
@@ -33,3 +34,15 @@ def test_it_is_the_slow_twin(sample, shape, wrap, spacing, matches, colors, mask
     assert sorted({(int(v), int(u)) for v in y for u in x}) == sorted(expected)
     for i, j in np.ndindex(places.shape):
         assert divmod(int(places[i, j]), sample[1]) == expected[y[i], x[j]]
+
+
+def test_a_seed_point_of_the_nearest_search_is_the_pixel_that_was_matched(rng):
+    """Windows there are whole, so no tile has a corner nearer to the border of the sample."""
+    exemplar = Exemplar(noise((40, 44), rng=rng))
+    method = weftex.Refinement(search="nearest", init="seeds", window_width=9, seed_scale=6.0)
+    level = method.fit(exemplar).prepared.levels[0]
+    places, _, _ = plant_seeds(level.pyramid, (60, 60), (False, False), 6, 5, seed=1)
+    taken = level.at(*np.divmod(level.pyramid.to_sample(places), 44))
+    assert np.array_equal(
+        level.pixels.reshape(-1)[taken], exemplar.pixels.ravel()[level.pyramid.to_sample(places)]
+    )

@@ -11,7 +11,7 @@ from weftex.exemplar import Exemplar
 from weftex.search import nearest_kernels as kernels
 from weftex.search import window_kernels
 from weftex.search.nearest import nearest_search
-from weftex.search.window_kernels import Query
+from weftex.search.picture_kernels import Query
 from weftex.search.windows import windows_of
 
 
@@ -32,7 +32,7 @@ def found_and_expected(search, window, there, near=()):
     )
     query = np.append(window[there].ravel(), np.zeros(1, np.uint8))
     near = np.array(near, np.int32)
-    place = kernels.nearest(search.bundle(), Query(runs, query), count, near)
+    place = kernels.nearest(*search.bundles(), Query(runs, query), count, near)
     every = all_windows(search.windows, reach).astype(int)
     apart = ((every - window)[:, there] ** 2).reshape(len(every), -1).sum(axis=1)
     return place, int(search.windows.centers[apart.argmin()])

@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 
 import weftex
 from twins import windows as reference
+from weftex.search import picture_kernels
 from weftex.search import window_kernels as kernels
 from weftex.search.windows import windows_of
 
@@ -110,7 +111,7 @@ def test_a_place_is_usable_where_a_window_may_be_centered(y, x, tileable, seed):
         windows = windows_of(exemplar, (1, 1, 1, 1))
     except weftex.InvalidInputError:
         return
-    got = kernels.place_at(windows.usable, windows.period, y, x)
+    got = picture_kernels.place_at(windows.usable, windows.period, y, x)
     top, left = windows.period[:2].tolist()
     own = (y - top, x - left)
     if tileable:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from weftex.search import exhaustive_kernels as kernels
-from weftex.search.window_kernels import Picture
+from weftex.search.picture_kernels import Picture
 from weftex.search.windows import query_room
 
 if TYPE_CHECKING:

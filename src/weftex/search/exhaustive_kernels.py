@@ -8,7 +8,7 @@ Compiled by Cython, see setup.py.
 
 import cython
 from cython.cimports.libc.string import memset
-from cython.cimports.weftex.search.window_kernels import (
+from cython.cimports.weftex.search.picture_kernels import (
     Picture,
     Query,
     Sample,
@@ -81,8 +81,7 @@ def look(
     cython.declare(n=cython.Py_ssize_t, r=cython.Py_ssize_t, i=cython.Py_ssize_t)
     cython.declare(k=cython.Py_ssize_t, cy=cython.Py_ssize_t, cx=cython.Py_ssize_t)
     cython.declare(row=cython.Py_ssize_t, column=cython.Py_ssize_t, at=cython.Py_ssize_t)
-    cython.declare(first=cython.Py_ssize_t, last=cython.Py_ssize_t, count=cython.int)
-    cython.declare(total=cython.longlong, weight=cython.short)
+    cython.declare(total=cython.longlong, weight=cython.short, count=cython.int)
     height = picture.done.shape[0]
     width = picture.done.shape[1]
     reach = windows.reach
@@ -111,23 +110,15 @@ def look(
                 known.weights[at] = weight
                 at += 1
             cx = cx + 1 if cx + 1 < width else 0
-    # The runs are sorted by row: take them from the middle outwards.
+    # The rows with anything known, from the middle outwards: 0, 1, -1, 2 and so on.
     count = 0
-    last = 0
-    while last < n and known.query.runs[last, 0] < 0:
-        last += 1
-    first = last - 1
-    while first >= 0 or last < n:
-        if last < n and (first < 0 or known.query.runs[last, 0] <= -known.query.runs[first, 0]):
-            r = last
-            last += 1
-        else:
-            r = first
-            first -= 1
-        row = known.query.runs[r, 0] + reach
-        if count == 0 or known.rows[count] != row:
-            count += 1
-            known.rows[count] = cython.cast(cython.int, row)
+    for i in range(2 * reach + 1):
+        row = reach + ((i + 1) // 2 if i % 2 else -(i // 2))
+        for r in range(n):
+            if known.query.runs[r, 0] + reach == row:
+                count += 1
+                known.rows[count] = cython.cast(cython.int, row)
+                break
     known.rows[0] = count
     return total
 
@@ -227,6 +218,21 @@ def pick_terms(windows: WeightedWindows, known: Known, limit: cython.longlong) -
 
 
 @cython.cfunc
+@cython.inline
+@cython.nogil
+@cython.exceptval(check=False)
+def term(
+    byte: cython.short, value: cython.short, weight: cython.ushort, cap: cython.ushort
+) -> cython.ushort:
+    """floor(w d**2 / 2**16), the squared difference of two bytes capped."""
+    cython.declare(d=cython.short, square=cython.ushort)
+    d = byte - value
+    square = cython.cast(cython.ushort, d * d)
+    square = square if square < cap else cap
+    return cython.cast(cython.ushort, (cython.cast(cython.uint, square) * weight) >> 16)
+
+
+@cython.cfunc
 @cython.nogil
 @cython.exceptval(check=False)
 def bounds(
@@ -235,52 +241,28 @@ def bounds(
 ) -> cython.ushort:  # fmt: skip
     """Add terms to the lower bounds of a block of neighboring windows; return the smallest bound.
 
-    A bound is the sum of floor(w d**2 / 2**16) in 16 bits, which doubles the lanes of 32. Squares
-    are capped so that no term passes LARGEST_TERM; sums stop at LARGEST_BOUND. A pass adds four
-    terms.
+    A bound is a sum of terms in 16 bits, which doubles the lanes of 32. No term passes
+    LARGEST_TERM, as squares are capped; sums stop at LARGEST_BOUND. A pass adds four terms.
     """
-    cython.declare(t=cython.Py_ssize_t, j=cython.Py_ssize_t, least=cython.ushort)
-    cython.declare(a=cython.p_const_uchar, va=cython.short, wa=cython.ushort, ma=cython.ushort)
-    cython.declare(b=cython.p_const_uchar, vb=cython.short, wb=cython.ushort, mb=cython.ushort)
-    cython.declare(c=cython.p_const_uchar, vc=cython.short, wc=cython.ushort, mc=cython.ushort)
-    cython.declare(e=cython.p_const_uchar, ve=cython.short, we=cython.ushort, me=cython.ushort)
-    cython.declare(d=cython.short, s=cython.ushort, p=cython.ushort)
+    cython.declare(t=cython.Py_ssize_t, j=cython.Py_ssize_t, i=cython.Py_ssize_t)
+    cython.declare(sum=cython.ushort, least=cython.ushort)
+    row = cython.declare(cython.p_const_uchar[4])
+    value = cython.declare(cython.short[4])
+    weight = cython.declare(cython.ushort[4])
+    cap = cython.declare(cython.ushort[4])
     for t in range(first, last, 4):
-        a = planes + known.at[t]
-        b = planes + known.at[t + 1]
-        c = planes + known.at[t + 2]
-        e = planes + known.at[t + 3]
-        va = known.value[t]
-        vb = known.value[t + 1]
-        vc = known.value[t + 2]
-        ve = known.value[t + 3]
-        wa = known.weight[t]
-        wb = known.weight[t + 1]
-        wc = known.weight[t + 2]
-        we = known.weight[t + 3]
-        ma = known.cap[t]
-        mb = known.cap[t + 1]
-        mc = known.cap[t + 2]
-        me = known.cap[t + 3]
+        for i in range(4):
+            row[i] = planes + known.at[t + i]
+            value[i] = known.value[t + i]
+            weight[i] = known.weight[t + i]
+            cap[i] = known.cap[t + i]
         for j in range(BLOCK_WINDOWS):
-            d = cython.cast(cython.short, a[j]) - va
-            s = cython.cast(cython.ushort, d * d)
-            s = s if s < ma else ma
-            p = cython.cast(cython.ushort, (cython.cast(cython.uint, s) * wa) >> 16)
-            d = cython.cast(cython.short, b[j]) - vb
-            s = cython.cast(cython.ushort, d * d)
-            s = s if s < mb else mb
-            p += cython.cast(cython.ushort, (cython.cast(cython.uint, s) * wb) >> 16)
-            d = cython.cast(cython.short, c[j]) - vc
-            s = cython.cast(cython.ushort, d * d)
-            s = s if s < mc else mc
-            p += cython.cast(cython.ushort, (cython.cast(cython.uint, s) * wc) >> 16)
-            d = cython.cast(cython.short, e[j]) - ve
-            s = cython.cast(cython.ushort, d * d)
-            s = s if s < me else me
-            p += cython.cast(cython.ushort, (cython.cast(cython.uint, s) * we) >> 16)
-            p += out[j]
-            out[j] = p if p < LARGEST_BOUND else LARGEST_BOUND
+            sum = out[j]
+            sum += term(row[0][j], value[0], weight[0], cap[0])
+            sum += term(row[1][j], value[1], weight[1], cap[1])
+            sum += term(row[2][j], value[2], weight[2], cap[2])
+            sum += term(row[3][j], value[3], weight[3], cap[3])
+            out[j] = sum if sum < LARGEST_BOUND else LARGEST_BOUND
     least = 65535
     for j in range(BLOCK_WINDOWS):
         least = out[j] if out[j] < least else least

@@ -49,17 +49,21 @@ class NearestSearch:
     whole: LowerBound  # by all of a window but its center
     above: LowerBound  # by the pixels before the center in scan order
 
-    def bundle(self) -> Any:
-        """Return the kernels' view, with scratch; one bundle a thread."""
+    def bundles(self) -> tuple[Any, Any]:
+        """Return the kernels' views by the whole windows and by their parts above, with scratch."""
         apart = np.zeros(len(self.windows.centers), np.int32)
-        bounds = (
-            nearest_kernels.Bound(bound, *self._room(bound.components.basis), apart)
+        whole, above = (
+            nearest_kernels.NearestWindows(
+                self.windows,
+                self.reach,
+                bound,
+                np.zeros(bound.components.basis.shape[1], np.int32),
+                np.zeros(len(bound.components.basis), np.int16),
+                apart,
+            )
             for bound in (self.whole, self.above)
         )
-        return nearest_kernels.NearestWindows(self.windows, self.reach, *bounds)
-
-    def _room(self, basis: NDArray[np.int16]) -> tuple[NDArray[np.int32], NDArray[np.int16]]:
-        return np.zeros(basis.shape[1], np.int32), np.zeros(len(basis), np.int16)
+        return whole, above
 
 
 def nearest_search(windows: Windows, reach: int) -> NearestSearch:

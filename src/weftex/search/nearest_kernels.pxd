@@ -1,6 +1,9 @@
-from weftex.search.window_kernels cimport Query
+from weftex.search.picture_kernels cimport Query
 
-cdef class Bound:
+cdef class NearestWindows:
+    cdef const unsigned char[:, :, ::1] pixels
+    cdef const int[::1] centers
+    cdef Py_ssize_t reach
     cdef const short[:, ::1] basis
     cdef const int[::1] offset
     cdef int shift
@@ -10,12 +13,5 @@ cdef class Bound:
     cdef short[::1] coordinates
     cdef int[::1] apart
 
-cdef class NearestWindows:
-    cdef const unsigned char[:, :, ::1] pixels
-    cdef const int[::1] centers
-    cdef Py_ssize_t reach
-    cdef Bound whole
-    cdef Bound above
-
-cdef Py_ssize_t nearest_window(NearestWindows search, Query query, const int[::1] near,
-                               Py_ssize_t near_count) noexcept nogil
+cdef Py_ssize_t nearest_window(NearestWindows whole, NearestWindows above, Query query,
+                               const int[::1] near, Py_ssize_t near_count) noexcept nogil

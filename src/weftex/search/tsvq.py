@@ -44,10 +44,13 @@ class TSVQ:
                 depth[child : child + 2] = depth[node] + 1
         return int(depth.max())
 
-    def bundle(self) -> Any:
-        """Return the kernels' view, with scratch for the nodes that wait in a search."""
+    def bundle(self, spans: NDArray[np.int32]) -> Any:
+        """Return the kernels' view, with scratch for a search by spans (s, 2) of a vector."""
         waiting = np.empty(len(self.nodes), np.int64), np.empty(len(self.nodes), np.int32)
-        return kernels.Tree(self.rows, self.places, self.nodes, self.centroids, *waiting)
+        query = np.empty(self.rows.shape[1], np.uint8)
+        return kernels.Tree(
+            self.rows, self.places, self.nodes, self.centroids, *waiting, query, spans
+        )
 
     def nearest(
         self,
@@ -62,7 +65,7 @@ class TSVQ:
         if spans is None:
             spans = np.array([[0, queries.shape[1]]], np.int32)
         found = np.empty(len(queries), np.int32)
-        kernels.nearest_rows(self.bundle(), queries, spans, leaves, found)
+        kernels.nearest_rows(self.bundle(spans), queries, leaves, found)
         return found
 
 

@@ -6,11 +6,8 @@ cdef class Tree:
     cdef long long[::1] keys  # scratch: a heap of nodes that wait, by their distances
     cdef int[::1] pending
     cdef Py_ssize_t waiting
+    cdef unsigned char[::1] query  # the vector that is searched
+    cdef int[:, ::1] spans  # first byte and number of bytes of what is known of it
+    cdef Py_ssize_t known  # number of the spans
 
-cdef class Vector:
-    cdef unsigned char[::1] values  # as long as a vector
-    cdef int[:, ::1] spans  # first byte and number of bytes of what is known
-    cdef Py_ssize_t count  # of the spans
-    cdef Py_ssize_t leaves  # to look into; 1 goes down without backtracking
-
-cdef Py_ssize_t nearest(Tree tree, Vector query) noexcept nogil
+cdef Py_ssize_t nearest(Tree tree, Py_ssize_t leaves) noexcept nogil

@@ -6,26 +6,12 @@ from cython.cimports.weftex.raster.difference_kernels import squared
 
 
 class Tree:
-    """A tree over vectors, and scratch for a search."""
+    """A tree over vectors, the vector that is searched, and scratch for a search."""
 
-    def __init__(self, rows, places, nodes, centroids, keys, pending):
-        self.rows = rows
-        self.places = places
-        self.nodes = nodes
-        self.centroids = centroids
-        self.keys = keys
-        self.pending = pending
-        self.waiting = 0
-
-
-class Vector:
-    """A vector of which spans of bytes are known, and how many leaves are searched for it."""
-
-    def __init__(self, values, spans, count, leaves):
-        self.values = values
-        self.spans = spans
-        self.count = count
-        self.leaves = leaves
+    def __init__(self, rows, places, nodes, centroids, keys, pending, query, spans):
+        self.rows, self.places, self.nodes, self.centroids = rows, places, nodes, centroids
+        self.keys, self.pending, self.waiting = keys, pending, 0
+        self.query, self.spans, self.known = query, spans, len(spans)
 
 
 @cython.cclass
@@ -41,13 +27,8 @@ class Splitting:
     total: cython.longlong[:, ::1]  # scratch, two vectors
 
     def __init__(self, vectors, order, centroids, spread, side, kept, total):
-        self.vectors = vectors
-        self.order = order
-        self.centroids = centroids
-        self.spread = spread
-        self.side = side
-        self.kept = kept
-        self.total = total
+        self.vectors, self.order, self.centroids, self.spread = vectors, order, centroids, spread
+        self.side, self.kept, self.total = side, kept, total
 
 
 @cython.cfunc
@@ -138,16 +119,15 @@ def pop(tree: Tree) -> cython.int:
     return result
 
 
-def nearest(tree, query):
-    """The row nearest to the query in the leaves that are looked at; the first place of a tie."""
+def nearest(tree, leaves):
+    """The row nearest to the query in so many leaves, 1 without backtracking; ties: first place."""
     cython.declare(node=cython.int, child=cython.int, i=cython.Py_ssize_t, best=cython.Py_ssize_t)
     cython.declare(near=cython.longlong, far=cython.longlong, d=cython.longlong)
-    cython.declare(least=cython.longlong, n=cython.Py_ssize_t, leaves=cython.Py_ssize_t)
+    cython.declare(least=cython.longlong, n=cython.Py_ssize_t)
     cython.declare(values=cython.p_const_uchar, spans=cython.p_const_int)
-    values = cython.address(query.values[0])
-    spans = cython.address(query.spans[0, 0])
-    n = query.count
-    leaves = query.leaves
+    values = cython.address(tree.query[0])
+    spans = cython.address(tree.spans[0, 0])
+    n = tree.known
     tree.waiting = 0
     node = 0
     best = -1
@@ -304,8 +284,9 @@ def split(
     return s
 
 
-def nearest_rows(tree: Tree, queries, spans, leaves: cython.Py_ssize_t, found):
+def nearest_rows(tree: Tree, queries, leaves: cython.Py_ssize_t, found):
     """Call `nearest` for each of `queries`."""
     rows: cython.int[::1] = found
     for i in range(len(queries)):
-        rows[i] = nearest(tree, Vector(queries[i], spans, len(spans), leaves))
+        tree.query = queries[i]
+        rows[i] = nearest(tree, leaves)

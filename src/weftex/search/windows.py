@@ -10,7 +10,7 @@ import numpy as np
 
 from weftex.errors import InvalidInputError
 from weftex.raster.boxes import whole_windows
-from weftex.search.window_kernels import Query, Sample
+from weftex.search.picture_kernels import Query, Sample
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

@@ -6,16 +6,14 @@ Places are flat indices into the pixels of the sample's windows.
 
 import cython
 from cython.cimports.weftex.raster.difference_kernels import squared
-from cython.cimports.weftex.search.window_kernels import (
+from cython.cimports.weftex.search.picture_kernels import (
     Picture,
     Query,
     Sample,
     coherent_places,
-    copy_pixel,
-    gather_runs,
     known_runs,
-    run_distance,
 )
+from cython.cimports.weftex.search.window_kernels import copy_pixel, gather_runs, run_distance
 
 ONE = cython.declare(cython.longlong, 256)  # a weight of 1; distances are integers
 

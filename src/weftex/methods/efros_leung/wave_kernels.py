@@ -2,7 +2,7 @@
 """Kernels that order the pixels of a layer; compiled by Cython, see setup.py."""
 
 import cython
-from cython.cimports.weftex.search.window_kernels import known_runs
+from cython.cimports.weftex.search.picture_kernels import known_runs
 
 
 def count_known(

@@ -6,6 +6,7 @@ Shared types are declared in list_kernels.pxd.
 
 import cython
 from cython.cimports.weftex.search.color_kernels import near_colors
+from cython.cimports.weftex.search.picture_kernels import Query
 from cython.cimports.weftex.search.window_kernels import gather_runs, run_distance
 
 
@@ -68,42 +69,31 @@ def slot_of(lists: Lists, color: cython.int, stamp: cython.int) -> cython.int:
     return oldest
 
 
-@cython.cclass
-class Entries:
-    """The places of all lists, sorted by the sums of their windows' bytes within each."""
-
-    pixels: cython.const[cython.uchar][:, :, ::1]
-    runs: cython.const[cython.int][:, ::1]
-    size: cython.longlong  # bytes of a window
-    places: cython.const[cython.int][::1]
-    sums: cython.const[cython.longlong][::1]
-    query: cython.uchar[::1]  # room for a window
-    heads: cython.int[::1]  # room for a list
-
-    def __init__(self, pixels, runs, places, sums, query, heads):
-        self.pixels, self.runs, self.places, self.sums = pixels, runs, places, sums
-        self.query, self.heads, self.size = query, heads, len(query)
-
-
 def group_places(
-    entries: Entries,
+    pixels: cython.const[cython.uchar][:, :, ::1],
+    query: Query,
+    places: cython.const[cython.int][::1],
+    sums: cython.const[cython.longlong][::1],
     starts: cython.const[cython.int][::1],
     limit: cython.longlong,
+    heads: cython.int[::1],
     leader: cython.int[::1],
 ):
     """Fill `leader` with the first entry of each list whose window is within `limit` of an entry's.
 
-    `limit` is a squared difference. Lists are sorted by the windows' sums, so the inequality of
-    Cauchy and Schwarz ends the search early.
+    `places` are the entries of all lists, sorted by the `sums` of their windows' bytes within each.
+    `limit` is a squared difference. `query` has the runs of a window, `heads` is scratch.
     """
     cython.declare(c=cython.Py_ssize_t, i=cython.Py_ssize_t, count=cython.Py_ssize_t)
     with cython.nogil:
         for c in range(starts.shape[0] - 1):
             count = 0
             for i in range(starts[c], starts[c + 1]):
-                leader[i] = cython.cast(cython.int, leader_of(entries, i, count, limit))
+                leader[i] = cython.cast(
+                    cython.int, leader_of(pixels, query, places, sums, i, limit, heads, count)
+                )
                 if leader[i] == i:
-                    entries.heads[count] = cython.cast(cython.int, i)
+                    heads[count] = cython.cast(cython.int, i)
                     count += 1
 
 
@@ -111,27 +101,33 @@ def group_places(
 @cython.nogil
 @cython.exceptval(check=False)
 def leader_of(
-    entries: Entries, i: cython.Py_ssize_t, count: cython.Py_ssize_t, limit: cython.longlong
+    pixels: cython.const[cython.uchar][:, :, ::1],
+    query: Query,
+    places: cython.const[cython.int][::1],
+    sums: cython.const[cython.longlong][::1],
+    i: cython.Py_ssize_t,
+    limit: cython.longlong,
+    heads: cython.const[cython.int][::1],
+    count: cython.Py_ssize_t,
 ) -> cython.Py_ssize_t:
-    """The last of `count` leaders that entry i is alike to, or i itself."""
+    """The last of `count` leaders that entry i is alike to, or i itself.
+
+    By the inequality of Cauchy and Schwarz, sums that are far apart end the search.
+    """
     cython.declare(j=cython.Py_ssize_t, k=cython.Py_ssize_t, n=cython.Py_ssize_t)
-    cython.declare(columns=cython.Py_ssize_t, gap=cython.longlong)
-    columns, n = entries.pixels.shape[1], entries.runs.shape[0]
+    cython.declare(columns=cython.Py_ssize_t, gap=cython.longlong, size=cython.longlong)
+    columns, n, size = pixels.shape[1], query.runs.shape[0], query.values.shape[0]
     if count == 0:
         return i
-    if entries.sums[i] - entries.sums[entries.heads[count - 1]] <= limit * entries.size:
-        gather_runs(
-            entries.pixels, entries.places[i] // columns, entries.places[i] % columns,
-            entries.runs, n, entries.query,
-        )  # fmt: skip
+    if sums[i] - sums[heads[count - 1]] <= limit * size:
+        gather_runs(pixels, places[i] // columns, places[i] % columns, query.runs, n, query.values)
     for k in range(count - 1, -1, -1):
-        j = entries.heads[k]
-        gap = entries.sums[i] - entries.sums[j]
-        if gap * gap > limit * entries.size:
+        j = heads[k]
+        gap = sums[i] - sums[j]
+        if gap * gap > limit * size:
             return i
         if limit >= run_distance(
-            entries.pixels, entries.places[j] // columns, entries.places[j] % columns,
-            entries.runs, n, entries.query, limit,
-        ):  # fmt: skip
+            pixels, places[j] // columns, places[j] % columns, query.runs, n, query.values, limit
+        ):
             return j
     return i

@@ -10,6 +10,7 @@ import numpy as np
 from weftex.methods.exact_matching import list_kernels as kernels
 from weftex.methods.exact_matching.defaults import reach_of
 from weftex.search.color_index import ColorIndex
+from weftex.search.picture_kernels import Query
 from weftex.search.windows import windows_of
 
 if TYPE_CHECKING:
@@ -146,10 +147,9 @@ def _grouped(
         places[part], sums[part] = places[part][order], sums[part][order]
     limit = int(grouping * grouping * 255 * 255 * size)
     leader = np.empty(len(places), np.int32)
-    room = np.empty(size, np.uint8), np.empty(len(places), np.int32)
-    entries = kernels.Entries(windows.pixels, runs, places, sums, *room)
+    query, heads = Query(runs, np.empty(size, np.uint8)), np.empty(len(places), np.int32)
     for row in starts:
-        kernels.group_places(entries, row, limit, leader)
+        kernels.group_places(windows.pixels, query, places, sums, row, limit, heads, leader)
     order = np.argsort(leader, kind="stable")
     new = np.flatnonzero(np.diff(leader[order], prepend=-1))
     groups = np.append(new, len(places)).astype(np.int32)

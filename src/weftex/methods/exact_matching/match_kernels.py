@@ -7,16 +7,13 @@ indices into the pixels of the sample's windows.
 
 import cython
 from cython.cimports.weftex.methods.exact_matching.list_kernels import Lists, near_lists
+from cython.cimports.weftex.search.picture_kernels import Picture, Query, known_runs, usable_place
 from cython.cimports.weftex.search.window_kernels import (
-    Picture,
-    Query,
     causal_runs,
     copy_pixel,
     gather_runs,
-    known_runs,
     run_distance,
     turn_runs,
-    usable_place,
 )
 
 LAST_STAMP = cython.declare(cython.longlong, 2**31 - 1)

@@ -11,7 +11,7 @@ from weftex.notes import note, parts
 from weftex.random import draw
 from weftex.raster.masks import grown, peeled
 from weftex.raster.pyramids import children
-from weftex.search.window_kernels import Picture
+from weftex.search.picture_kernels import Picture
 from weftex.search.windows import query_room
 
 if TYPE_CHECKING:

@@ -13,7 +13,7 @@ from weftex.method import Method, Model
 from weftex.progress import Progress, ProgressCallback
 from weftex.random import seed_number
 from weftex.results.pixels import PixelSynthesis
-from weftex.search.window_kernels import Picture
+from weftex.search.picture_kernels import Picture
 from weftex.threads import thread_count
 
 if TYPE_CHECKING:

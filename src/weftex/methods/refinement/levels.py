@@ -35,7 +35,7 @@ class Level:
     to the pixel still fit on finer levels.
     """
 
-    pyramid: Windows  # the level of the pyramid, with windows of one pixel
+    pyramid: Windows  # the level of the pyramid, with the windows that seed points are drawn from
     tileable: bool  # whether the sample tiles
     # (H', W', K): bytes that are compared, with margins that make all windows whole
     pixels: NDArray[np.uint8]
@@ -147,7 +147,7 @@ def _nearest_level(exemplar: Exemplar, reach: int) -> NearestLevel:
     places = windows.to_sample(every).reshape(windows.usable.shape)
     index = windows.from_sample(every[: exemplar.shape[0] * exemplar.shape[1]])
     return NearestLevel(
-        pyramid=windows_of(exemplar, (0,) * 4),
+        pyramid=windows,  # seed points lie where windows are whole
         tileable=exemplar.tileable,
         pixels=windows.pixels,
         usable=windows.usable,

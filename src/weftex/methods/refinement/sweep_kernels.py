@@ -4,15 +4,14 @@
 import cython
 from cython.cimports.weftex.raster.difference_kernels import squared
 from cython.cimports.weftex.search.nearest_kernels import NearestWindows, nearest_window
-from cython.cimports.weftex.search.window_kernels import (
+from cython.cimports.weftex.search.picture_kernels import (
     Picture,
     Query,
     Sample,
     coherent_places,
-    gather_runs,
     known_runs,
-    run_distance,
 )
+from cython.cimports.weftex.search.window_kernels import gather_runs, run_distance
 
 _MOST_EXCESS = cython.declare(cython.longlong, 16384)  # in 1/256
 
@@ -236,7 +235,7 @@ def refine_coherently(
 
 
 def refine_to_nearest(
-    picture: Picture, sample: Sample, search: NearestWindows, query: Query,
+    picture: Picture, sample: Sample, whole: NearestWindows, above: NearestWindows, query: Query,
     places: cython.int[::1], order: cython.const[cython.int][::1],
 ):  # fmt: skip
     """Give each pixel in `order` the nearest of all windows; return how many changed."""
@@ -248,8 +247,8 @@ def refine_to_nearest(
         for p in range(order.shape[0]):
             y = order[p] // width
             x = order[p] % width
-            near = gather_coherent(picture, sample, query, places, y, x, search.reach)
-            look(picture, query, y, x, search.reach)
-            place = nearest_window(search, query, places, near)
+            near = gather_coherent(picture, sample, query, places, y, x, whole.reach)
+            look(picture, query, y, x, whole.reach)
+            place = nearest_window(whole, above, query, places, near)
             changed += take(picture, sample, y, x, place)
     return changed

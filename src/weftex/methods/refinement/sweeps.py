@@ -10,7 +10,7 @@ from weftex.methods.refinement import sweep_kernels as kernels
 from weftex.methods.refinement.levels import ONE, CoherentLevel, NearestLevel
 from weftex.methods.refinement.output import NO_GUIDE
 from weftex.random import draw
-from weftex.search.window_kernels import Picture, Sample
+from weftex.search.picture_kernels import Picture, Sample
 from weftex.search.windows import query_room
 
 if TYPE_CHECKING:
@@ -137,7 +137,7 @@ class NearestSweep:
         ]
         self._bundles = (
             _sample(level),
-            level.search.bundle(),
+            *level.search.bundles(),
             query_room(level.reach, output.pixels.shape[2]),
             np.zeros(_BESIDE, np.int32),
         )

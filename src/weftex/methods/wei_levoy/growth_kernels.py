@@ -2,8 +2,9 @@
 """The kernel of Wei and Levoy's method; compiled by Cython, see setup.py."""
 
 import cython
-from cython.cimports.weftex.search.tsvq_kernels import Tree, Vector, nearest
-from cython.cimports.weftex.search.window_kernels import Picture, copy_pixel
+from cython.cimports.weftex.search.picture_kernels import Picture
+from cython.cimports.weftex.search.tsvq_kernels import Tree, nearest
+from cython.cimports.weftex.search.window_kernels import copy_pixel
 
 
 @cython.cfunc
@@ -15,7 +16,7 @@ def gather(
     x: cython.Py_ssize_t,
     offsets: cython.const[cython.int][:, ::1],
     first: cython.Py_ssize_t,
-    query: Vector,
+    tree: Tree,
 ) -> cython.void:
     """Copy what is known of a window to its bytes of the query, from byte `first` on."""
     cython.declare(height=cython.Py_ssize_t, width=cython.Py_ssize_t, channels=cython.Py_ssize_t)
@@ -24,7 +25,7 @@ def gather(
     height = level.pixels.shape[0]
     width = level.pixels.shape[1]
     channels = level.pixels.shape[2]
-    n = query.count
+    n = tree.known
     at = first
     for i in range(offsets.shape[0]):
         cy = y + offsets[i, 0]
@@ -39,15 +40,15 @@ def gather(
                 cx += width
         if 0 <= cy < height and 0 <= cx < width and level.done[cy, cx]:
             for k in range(channels):
-                query.values[at + k] = level.pixels[cy, cx, k]
-            if n and query.spans[n - 1, 0] + query.spans[n - 1, 1] == at:
-                query.spans[n - 1, 1] += cython.cast(cython.int, channels)
+                tree.query[at + k] = level.pixels[cy, cx, k]
+            if n and tree.spans[n - 1, 0] + tree.spans[n - 1, 1] == at:
+                tree.spans[n - 1, 1] += cython.cast(cython.int, channels)
             else:
-                query.spans[n, 0] = cython.cast(cython.int, at)
-                query.spans[n, 1] = cython.cast(cython.int, channels)
+                tree.spans[n, 0] = cython.cast(cython.int, at)
+                tree.spans[n, 1] = cython.cast(cython.int, channels)
                 n += 1
         at += channels
-    query.count = n
+    tree.known = n
 
 
 def replace_pixels(
@@ -58,7 +59,7 @@ def replace_pixels(
     parents: cython.const[cython.int][:, ::1],
     places: cython.const[cython.int][::1],
     tree: Tree,
-    query: Vector,
+    leaves: cython.Py_ssize_t,
 ):
     """Replace the pixels at `places` in turn, each by the sample's pixel with the nearest window.
 
@@ -72,12 +73,12 @@ def replace_pixels(
         for i in range(places.shape[0]):
             y = places[i] // level.pixels.shape[1]
             x = places[i] % level.pixels.shape[1]
-            query.count = 0
+            tree.known = 0
             if parents.shape[0]:
-                gather(coarser, y // 2, x // 2, parents, 0, query)
-            gather(level, y, x, own, first, query)
+                gather(coarser, y // 2, x // 2, parents, 0, tree)
+            gather(level, y, x, own, first, tree)
             level.done[y, x] = 1
-            if query.count == 0:
+            if tree.known == 0:
                 continue
-            place = tree.places[nearest(tree, query)]
+            place = tree.places[nearest(tree, leaves)]
             copy_pixel(sample, place, level.pixels, level.source, y, x)

@@ -8,10 +8,9 @@ import numpy as np
 
 from weftex.methods.wei_levoy import growth_kernels as kernels
 from weftex.notes import note, parts
+from weftex.search.picture_kernels import Picture
 from weftex.search.pyramid_windows import parent_offsets, window_offsets, window_vectors
 from weftex.search.tsvq import TSVQ, build_tsvq
-from weftex.search.tsvq_kernels import Vector
-from weftex.search.window_kernels import Picture
 
 if TYPE_CHECKING:
     from weftex.exemplar import Exemplar
@@ -67,19 +66,18 @@ def replace_by_nearest(
     parents = parent_offsets(trees.parent_widths[level.number])
     spans = np.empty((len(own) + len(parents), 2), np.int32)
     leaves = min(step.leaves, len(tree.places))
-    query = Vector(np.empty(tree.rows.shape[1], np.uint8), spans, 0, leaves)
     here, above = (
         Picture(part.pixels, part.done, part.source, wrap)
         for part in (level, level.coarser or level)
     )
-    sample, bundle = level.sample.pixels, tree.bundle()
+    sample, bundle = level.sample.pixels, tree.bundle(spans)
     line = max(level.pixels.shape[1], _LEAST_PIXELS)
     for start in range(0, len(step.places), line):
         places = step.places[start : start + line]
         for part, asked in parts(places, level.pixels.shape[1], level=level.number):
             if asked:
                 note("window", level=level, own=own, tree=tree, wrap=wrap)
-            kernels.replace_pixels(here, above, sample, own, parents, places[part], bundle, query)
+            kernels.replace_pixels(here, above, sample, own, parents, places[part], bundle, leaves)
             if asked:
                 note("chosen", level=level)
         progress.advance(len(places))

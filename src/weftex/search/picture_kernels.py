@@ -1,0 +1,152 @@
+# mypy: ignore-errors
+"""The picture in the making, and what is known around a pixel; compiled, see setup.py, the .pxd.
+
+A window is a list of runs (dy, dx, length): stretches of a row, seen from its center.
+"""
+
+import cython
+
+
+class Sample:
+    """The windows of a sample, see `weftex.search.windows.Windows`."""
+
+    def __init__(self, pixels, usable, period):
+        self.pixels, self.usable, self.period = pixels, usable, period
+
+
+class Picture:
+    """The picture while it is made.
+
+    `done` is 1 where a pixel is known or made, `source` its flat index into the sample's pixels or
+    -1, `wrap` whether the vertical and the horizontal axis wrap.
+    """
+
+    def __init__(self, pixels, done, source, wrap):
+        self.pixels, self.done, self.source = pixels, done, source
+        self.wrap_y, self.wrap_x = wrap
+
+
+class Query:
+    """Room for the known part of the window around a pixel."""
+
+    def __init__(self, runs, values):
+        self.runs, self.values, self.count = runs, values, 0
+
+
+def known_runs(done, y, x, wrap_y, wrap_x, reach, runs):
+    """Write the known part of the square window around a pixel; return the number of runs.
+
+    The pixel itself is left out, and no pixel occurs twice on a wrapped axis shorter than the
+    window.
+    """
+    cython.declare(height=cython.Py_ssize_t, width=cython.Py_ssize_t, n=cython.Py_ssize_t)
+    cython.declare(dy=cython.Py_ssize_t, dx=cython.Py_ssize_t)
+    cython.declare(cy=cython.Py_ssize_t, cx=cython.Py_ssize_t)
+    cython.declare(running=cython.bint, known=cython.bint)
+    cython.declare(up=cython.Py_ssize_t, down=cython.Py_ssize_t)
+    cython.declare(left=cython.Py_ssize_t, right=cython.Py_ssize_t)
+    height, width = done.shape[0], done.shape[1]
+    n = 0
+    up = min(reach, (height - 1) // 2 if wrap_y else y)
+    down = min(reach, height // 2 if wrap_y else height - 1 - y)
+    left = min(reach, (width - 1) // 2 if wrap_x else x)
+    right = min(reach, width // 2 if wrap_x else width - 1 - x)
+    cy = (y - up + height) % height
+    for dy in range(-up, down + 1):
+        running = False
+        cx = (x - left + width) % width
+        for dx in range(-left, right + 1):
+            known = done[cy, cx] != 0 and (dy != 0 or dx != 0)
+            if known:
+                if running:
+                    runs[n - 1, 2] += 1
+                else:
+                    runs[n, 0] = cython.cast(cython.int, dy)
+                    runs[n, 1] = cython.cast(cython.int, dx)
+                    runs[n, 2] = 1
+                    n += 1
+            running = known
+            cx = cx + 1 if cx + 1 < width else 0
+        cy = cy + 1 if cy + 1 < height else 0
+    return n
+
+
+def usable_place(usable, period, y, x):
+    """Return the flat index of the window centered at (y, x), or -1 if none is usable there.
+
+    A place outside of a tileable sample wraps around.
+    """
+    if period[2]:
+        y = (y - period[0]) % period[2]
+        x = (x - period[1]) % period[3]
+        y = y + period[0] if y >= 0 else y + period[0] + period[2]
+        x = x + period[1] if x >= 0 else x + period[1] + period[3]
+    elif y < 0 or x < 0 or y >= usable.shape[0] or x >= usable.shape[1]:
+        return -1
+    return y * usable.shape[1] + x if usable[y, x] else -1
+
+
+def coherent_places(picture, sample, y, x, query, places, count):
+    """List the continued sources of (y, x)'s neighbors after `count` places; return the length.
+
+    Neighbors are the pixels of the query's runs, last run first; each place is listed once, and -1
+    once for all unusable ones. Runs reach no further along x than windows, so no row is left.
+    """
+    cython.declare(height=cython.Py_ssize_t, width=cython.Py_ssize_t, across=cython.Py_ssize_t)
+    cython.declare(size=cython.Py_ssize_t, may=cython.p_const_uchar, before=cython.Py_ssize_t)
+    cython.declare(r=cython.Py_ssize_t, i=cython.Py_ssize_t, k=cython.Py_ssize_t)
+    cython.declare(cy=cython.Py_ssize_t, cx=cython.Py_ssize_t, dx=cython.Py_ssize_t)
+    cython.declare(own=cython.Py_ssize_t, at=cython.Py_ssize_t)
+    height, width = picture.source.shape[0], picture.source.shape[1]
+    across = sample.usable.shape[1]
+    size = sample.usable.shape[0] * across
+    may = cython.address(sample.usable[0, 0])
+    before = -1 - size
+    for r in range(query.count - 1, -1, -1):
+        cy = y + query.runs[r, 0]
+        if cy < 0:
+            cy += height
+        elif cy >= height:
+            cy -= height
+        for i in range(query.runs[r, 2] - 1, -1, -1):
+            dx = query.runs[r, 1] + i
+            cx = x + dx
+            if cx < 0:
+                cx += width
+            elif cx >= width:
+                cx -= width
+            own = picture.source[cy, cx]
+            at = own - query.runs[r, 0] * across - dx
+            if own < 0 or at == before:
+                continue
+            before = at
+            if at < 0 or at >= size or not may[at]:
+                at = -1
+                if sample.period[2]:
+                    at = usable_place(
+                        sample.usable,
+                        sample.period,
+                        own // across - query.runs[r, 0],
+                        own % across - dx,
+                    )
+            k = 0
+            while k < count and places[k] != at:
+                k += 1
+            if k == count:
+                places[count] = cython.cast(cython.int, at)
+                count += 1
+    return count
+
+
+def place_at(usable, period, y, x):
+    """`usable_place`."""
+    u: cython.const[cython.uchar][:, ::1] = usable
+    p: cython.const[cython.int][::1] = period
+    return usable_place(u, p, y, x)
+
+
+def places_at(picture: Picture, sample: Sample, y, x, query: Query, n, places):
+    """`coherent_places` for the first `n` runs of a query; returns their number."""
+    out: cython.int[::1] = places
+    query.count = n
+    return coherent_places(picture, sample, y, x, query, out, 0)
