@@ -25,88 +25,63 @@ _RING = 7
 _UNIT = 1 << 16  # of a pixel, that distances of blocks are in
 
 
-class EndlessCuts:
-    """Where an endless axis is cut into blocks: every `size` pixels, or at joints of rows.
+class Cuts:
+    """Where an axis is cut into blocks: every `size` pixels, or at joints of rows.
 
-    `share` blocks share a row, 1 where a block has whole rows; no block is smaller than `least`.
+    An axis that wraps after `period` pixels has `count` blocks, a multiple of `by`: of 2 to have a
+    gap at every second block, of 4 to have the four colors of blocks wrap, too. `share` blocks
+    share a row, 1 where a block has whole rows; no block is smaller than `least`.
     """
 
-    start = 0  # where in the plane the edges count from
-
-    def __init__(self, size: int, courses: Courses | None) -> None:
-        self._step, self.share, self._first = size * _UNIT, 1, 0
-        if courses is not None:
+    def __init__(self, size: int, courses: Courses | None, period: int, by: int) -> None:
+        self.count, self.share, self._rows, self._period = 0, 1, 0, period
+        self.start = 0 if courses is None else courses.joint  # where in the plane edges count from
+        self._first, self._unit = self.start * _UNIT, _UNIT
+        self._step = size * _UNIT
+        if period:
+            self._wrap(size, courses, period, by)
+        elif courses is not None:
             rows, self.share = courses.division(size)
             self._step = round(courses.height * rows * _UNIT / self.share)
-            self._first = courses.joint * _UNIT
-        self.least = self._step // _UNIT
-
-    def edge(self, number: int) -> int:
-        """Where a block begins."""
-        return (number * self._step + self._first) // _UNIT
-
-    def name(self, number: int) -> int:
-        """The number that a block is drawn by."""
-        return number
-
-    def block_at(self, pixel: int) -> int:
-        """The number of the block that has this pixel."""
-        return _block_at(self, pixel, pixel * _UNIT // self._step)
-
-
-class CircularCuts:
-    """Where an axis that wraps after `length` pixels is cut into `count` blocks.
-
-    The count is a multiple of `by`: of 2 to have a gap at every second block, of 4 to have the four
-    colors of blocks wrap, too. See `EndlessCuts` for `share` and `least`.
-    """
-
-    def __init__(self, length: int, size: int, courses: Courses | None, by: int) -> None:
-        self._length, self.share, self._rows = length, 1, 0
-        self.start = 0 if courses is None else courses.joint
-        self.count = by * max(1, -(-length // (by * size)))
-        self.least = length // self.count
-        if courses is None:
-            return
-        rows = max(1, round(length / courses.height))
-        each, self.share = courses.division(size, length / rows)
-        self.count = by * -(-rows // (by * each))
-        if self.share == 1 and (self.count > rows or by * rows % 4):
-            self.share = 2
-        if self.share == 1:  # whole rows
-            self._rows = rows
-            self.least = rows // self.count * (length // rows)
-            return
-        while rows * self.share % by:  # or gaps would be beside gaps
-            self.share += 1
-        self.count = rows * self.share
-        self.least = length // self.count
-
-    def edge(self, number: int) -> int:
-        """Where a block begins, counted from `start`."""
-        turns, k = divmod(number, self.count)
+            self.start = 0  # as edges have it
+        self.least = self._step // self._unit
         if self._rows:
-            k = k * self._rows // self.count * self._length // self._rows
-        else:
-            k = k * self._length // self.count
-        return turns * self._length + k
+            self.least = self._rows // self.count * (period // self._rows)
+
+    def _wrap(self, size: int, courses: Courses | None, period: int, by: int) -> None:
+        self.count = by * max(1, -(-period // (by * size)))
+        if courses is not None:
+            rows = max(1, round(period / courses.height))
+            each, self.share = courses.division(size, period / rows)
+            self.count = by * -(-rows // (by * each))
+            if self.share == 1 and (self.count > rows or by * rows % 4):
+                self.share = 2
+            if self.share == 1:
+                self._rows = rows
+            else:
+                while rows * self.share % by:  # or gaps would be beside gaps
+                    self.share += 1
+                self.count = rows * self.share
+        self._first, self._step, self._unit = 0, period, self.count
+
+    def edge(self, number: int) -> int:
+        """Where a block begins; counted from `start` where the axis wraps."""
+        if self._rows:
+            return number * self._rows // self.count * self._period // self._rows
+        return (number * self._step + self._first) // self._unit
 
     def name(self, number: int) -> int:
         """The number that a block is drawn by, the same after each turn."""
-        return number % self.count
+        return number % self.count if self.count else number
 
     def block_at(self, pixel: int) -> int:
-        """The number of the block that has this pixel."""
-        return _block_at(self, pixel, pixel * self.count // self._length)
-
-
-def _block_at(cuts: EndlessCuts | CircularCuts, pixel: int, guess: int) -> int:
-    """The last block that begins at a pixel or before it."""
-    while cuts.edge(guess) > pixel:
-        guess -= 1
-    while cuts.edge(guess + 1) <= pixel:
-        guess += 1
-    return guess
+        """The number of the block that has this pixel: the last one that begins there or before."""
+        guess = pixel * self._unit // self._step
+        while self.edge(guess) > pixel:
+            guess -= 1
+        while self.edge(guess + 1) <= pixel:
+            guess += 1
+        return guess
 
 
 class Axis:
@@ -139,13 +114,10 @@ class Axis:
         courses: Courses | None,
     ) -> None:
         self.length, self.margin, self.side = length, method.margin, method.window_side
-        cuts: EndlessCuts | CircularCuts = EndlessCuts(method.block_size, courses)
-        if wraps or plane_period:
-            by = 2 if wraps else 4
-            cuts = CircularCuts(plane_period or length, method.block_size, courses, by)
+        period = plane_period or (length if wraps else 0)
+        cuts = Cuts(method.block_size, courses, period, 2 if wraps else 4)
         self.share, self.least, self.period = cuts.share, cuts.least, length if wraps else 0
         if wraps:
-            assert isinstance(cuts, CircularCuts)
             numbers, ring, first = range(cuts.count), 0, 0
             start = origin if courses is None else cuts.start
         else:
