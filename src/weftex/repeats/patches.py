@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from weftex.raster.boxes import box_sums
+from weftex.repeats import Usage
 from weftex.repeats import repeat_kernels as kernels
-from weftex.repeats.usage import Usage
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from weftex.repeats import Usage
 from weftex.repeats import repeat_kernels as kernels
-from weftex.repeats.usage import Usage
 from weftex.search.translation import correlations, fast_size
 
 if TYPE_CHECKING:
