@@ -12,7 +12,6 @@ from families import canvas_of, noise
 from twins import graphcut as reference
 from weftex.methods.graphcut import GraphCut
 from weftex.methods.graphcut.placement import chances_of, drawn_places
-from weftex.methods.graphcut.pyramid import Level
 from weftex.methods.graphcut.seams import CanvasSeams
 from weftex.search.translation import Spectra, fast_size, overlap_mismatch, window_mismatch
 
@@ -192,13 +191,6 @@ def test_chances_follow_the_exponential():
     assert np.allclose(chances / chances[0, 0], np.exp(-costs / 40), rtol=0.03)
     drawn = drawn_places(costs[::-1], np.ones((5, 10), bool), 0.0, (7, 0, 3), [0, 0])
     assert drawn == [(4, 0), (4, 1), (4, 2)]  # without a spread the best ones, in turn
-
-
-def test_variance_is_numpys():
-    pixels = material("leaves", 30, 31)
-    some = noise((30, 31)) < 200
-    level = Level(pixels, some.astype(np.uint8))
-    assert level.variance == pytest.approx(pixels[some].var(axis=0).sum(), rel=1e-12)
 
 
 def test_variety_keeps_repeats_apart():

@@ -2,56 +2,15 @@
 
 import numpy as np
 import pytest
-from tests.twins import graphcut_turned as twin
 
 import weftex
 from weftex.raster.turning import TURNS, turned_pixels
-from weftex.repeats import repeat_kernels as kernels
 from weftex.turns import copies_in
 
 
 def laid(sample, size=(330, 300), **given):
     given = {"method": "graphcut", "placement": "entire", "seed": 3} | given
     return weftex.synthesize(sample, size, **given)
-
-
-@pytest.mark.parametrize("seed", range(4))
-def test_the_kernel_equals_its_twin(seed):
-    rng = np.random.default_rng(seed)
-    high, wide, copies = 4, 5, 3
-    count = high * wide
-    shown = [
-        (int(cell), int(row), int(column), int(of))
-        for cell, row, column, of in zip(
-            np.sort(rng.integers(0, count, 60)),
-            rng.integers(-9, 10, 60),
-            rng.integers(-9, 10, 60),
-            rng.integers(0, copies, 60),
-            strict=True,
-        )
-    ]
-    counts, salience = rng.integers(0, 90, (2, count)).astype(np.int32)
-    weights = rng.integers(0, 64, (7, 9)).astype(np.int32)
-    mirrored, near, close = [0, 1, 0], 9, 4
-    where = np.array([(*each[1:], mirrored[each[3]]) for each in shown], np.int32)
-    about = np.zeros((3, count + 1), np.int32)
-    about[0] = np.searchsorted([each[0] for each in shown], np.arange(count + 1))
-    about[1:, :-1] = counts, salience
-    cells = rng.integers(0, count, (high, wide)).astype(np.int32)
-    missing = rng.integers(0, 2, (2 * high + 1, 2 * wide + 1)).astype(np.uint8)
-    places = rng.integers(0, 2, (high, wide)).astype(np.uint8)
-    for copy in range(copies):
-        sums = np.zeros((high, wide, 6), np.int64)
-        kernels.sum_copies(
-            *(about, where, weights, np.array([near, close], np.int32), cells),
-            *(np.array([copy, mirrored[copy]], np.int32), missing, places, sums),
-        )
-        expected = twin.sum_copies(
-            *(shown, counts, salience, weights, mirrored, near, close),
-            *(cells, copy, missing, places),
-        )
-        np.testing.assert_array_equal(sums, expected)
-        assert expected[..., 3].any() and expected[..., 5].any()
 
 
 @pytest.mark.parametrize("turn", list(TURNS))

@@ -9,7 +9,6 @@ import weftex
 from families import noise
 from materials import wall
 from twins.near_regular import NearRegularTwin, usable_of
-from weftex.methods.near_regular.sample import wedges_of
 
 LATTICE = (16, 0, 8, 12)
 
@@ -89,30 +88,6 @@ def test_a_regular_sample_goes_on_for_ever():
     ideal = 127 + 60 * np.sin(x * 2 * np.pi / 12.3) + 60 * np.sin(y * 2 * np.pi / 9.7)
     steepest = 60 * 2 * np.pi / 9.7 + 60 * 2 * np.pi / 12.3
     assert np.abs(far - ideal).max() < steepest  # within a pixel, a million pixels away
-
-
-def test_blocks_do_not_repeat_what_those_drawn_beside_show():
-    pixels = wall(200, 200)
-    model = model_of(pixels, lattice=LATTICE, block_size=30, border_width=10, rectify=0)
-    result = model.sample(600, seed=2)
-    y, x, sy, sx, _ = result.placements.T
-    drawn = (y + 5) // 30 % 2 == (x + 5) // 30 % 2
-    near = again = chance = 0
-    other = np.random.default_rng(0).permutation(len(y))
-    for i in np.flatnonzero(drawn):
-        away = np.stack([y - y[i], x - x[i]])
-        others = drawn & (np.abs(away).max(axis=0) <= 60) & (np.abs(away).sum(axis=0) <= 60)
-        others[i] = False
-        shift = np.stack([sy - sy[i], sx - sx[i]])
-        overlap = np.prod(np.clip(30 - np.abs(shift), 0, None), axis=0)
-        overlap[(shift == away).all(axis=0)] = 0
-        near += others.sum()
-        again += (overlap[others] > 30 * 30 / 8).sum()
-        shift = np.stack([sy[other] - sy[i], sx[other] - sx[i]])
-        overlap = np.prod(np.clip(30 - np.abs(shift), 0, None), axis=0)
-        chance += (overlap[others] > 30 * 30 / 8).sum()
-    # Where all places show something again, the one that shows least is taken.
-    assert near > 1000 and again < near * 0.02 < chance / 2
 
 
 @pytest.mark.parametrize("tileable", [True, "x", "y"])
@@ -238,15 +213,6 @@ def test_blocks_that_would_show_are_blended_widely():
     wide = model_of(light, lattice=LATTICE, blend="feather").method
     narrow = model_of(wall(128, 128, spread=1), lattice=LATTICE, blend="feather").method
     assert narrow.blend_width == 4 and wide.blend_width > wide.block_size // 2
-
-
-def test_wedges_do_not_overlap_and_are_even():
-    wedges = wedges_of(10, 12, 4, 3)
-    counts = np.bincount(wedges.ravel())
-    assert counts[0] == 18 * 20 - 16 * 18 + 4 * 6
-    # Trapezia, and the diagonals between them on one side or the other.
-    assert abs(counts[1] - counts[3]) <= 6 and abs(counts[2] - counts[4]) <= 6
-    assert (wedges[1, 1:-1] == 1).all() and (wedges[0] == 0).all()
 
 
 def test_lattice_mode_keeps_the_rules():

@@ -4,49 +4,7 @@ import numpy as np
 import pytest
 
 import weftex
-from families import noise
 from materials import ellipse, wall
-from twins.near_regular import usable_of
-from twins.near_regular_holes import NearRegularHoleTwin
-from weftex.methods.lattices.model import origin_of
-
-
-@pytest.mark.parametrize(
-    "inside, radius, parameters",
-    [
-        (True, (17, 15), {}),
-        (True, (19, 16), {"variety": 0.0}),
-        (False, (26, 30), {"variety": 3.0}),
-        (False, (9, 6), {"lattice": (8.0, 12.25, -16.5, 0.3), "tolerance": 0}),
-        (True, (3, 11), {"lattice": (1.0, 0.0, 0.0, 1.0)}),
-    ],
-)
-def test_holes_are_filled_like_the_twin_does(inside, radius, parameters):
-    pixels = noise((80, 84, 3)) // 2 + wall(80, 84) // 2
-    settings = {
-        "lattice": (16.0, 0.0, 8.0, 12.0),
-        "block_size": 9,
-        "border_width": 6,
-        "tolerance": 1,
-        "candidates": 3,
-        "rectify": 0,
-    } | parameters
-    if inside:
-        hole = ellipse((80, 84), (41, 44), radius)
-        mask = ~hole
-        mask[28 if "lattice" in parameters else 80 :] = False
-        exemplar = weftex.Exemplar(pixels, mask=mask)
-        canvas = weftex.Canvas(80, 84, known=pixels, hole=hole, known_from=(0, 0))
-    else:
-        other = noise((60, 64, 3), seed=5) // 2 + wall(67, 69, seed=2)[7:, 5:] // 2
-        hole = ellipse((60, 64), (33, 34), radius)
-        exemplar = weftex.Exemplar(pixels)
-        canvas = weftex.Canvas(60, 64, known=other, hole=hole)
-    model = weftex.NearRegular(**settings).fit(exemplar)
-    origin = origin_of(canvas, exemplar, model.vectors) if model.vectors else (0, 0)
-    twin = NearRegularHoleTwin(pixels, usable_of(model), model.method, 7, canvas, origin)
-    result = model.sample(canvas, seed=7)
-    assert np.array_equal(result.source[hole], twin.source(canvas, origin)[hole])
 
 
 @pytest.mark.parametrize("tileable", [False, True, "x"])

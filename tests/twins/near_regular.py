@@ -32,7 +32,6 @@ class NearRegularTwin:
         self.vectors = ((y1, x1), (y2, x2))
         det = y1 * x2 - x1 * y2
         self.inverse = ((x2 / det, -x1 / det), (-y2 / det, y1 / det))
-        self.free = abs(x1 * y2 - x2 * y1) < 4
         height, width = pixels.shape[:2]
         steps = multiples_of(np.array(self.vectors), (height, width))
         self.steps = [(round(y * 65536), round(x * 65536)) for y, x in steps.tolist()]
@@ -85,12 +84,9 @@ class NearRegularTwin:
     def color(i, j):
         return (i + j) // 2 % 2 * 2 + (i - j) // 2 % 2
 
-    def comes_before(self, a, b, i, j):
-        return self.color(a, b) < self.color(i, j)
-
     def drawn(self, i, j):
         near = [(-1, -1), (-1, 1), (1, -1), (1, 1), (-2, 0), (2, 0), (0, -2), (0, 2)]
-        before = [(i + a, j + b) for a, b in near if self.comes_before(i + a, j + b, i, j)]
+        before = [(i + a, j + b) for a, b in near if self.color(i + a, j + b) < self.color(i, j)]
         best, least = None, math.inf
         for place in self.similar(i, j)[:256]:
             again = sum(self.shown_again(place, (i, j), other) for other in before)
@@ -133,7 +129,7 @@ class NearRegularTwin:
             return factor * self.mismatch(border, place)
 
         similar = self.similar(i, j)
-        best = sorted(similar if self.free else similar[:512], key=key)[: self.method.candidates]
+        best = sorted(similar[:512], key=key)[: self.method.candidates]
         reach = range(-self.method.tolerance, self.method.tolerance + 1)
         near = {(y + dy, x + dx) for y, x in best for dy in reach for dx in reach} & self.usable
         return min(near, key=lambda place: (key(place), place))
@@ -194,7 +190,6 @@ class NearRegularTwin:
                 if abs(at - first[1]) > line - lines[0] or abs(at - last[1]) > lines[-1] - line:
                     continue
                 own = error(line, at - 1) + error(line, at)
-                own += self.beyond(before, (i, j), line, at, middle, upright)
                 ways = {
                     start: value
                     + own
@@ -214,9 +209,6 @@ class NearRegularTwin:
             at = origin[at]
             path[line] = at
         return path
-
-    def beyond(self, a, b, line, at, middle, upright):
-        return 0
 
     def owners(self, top, left, height, width):
         """Which block each pixel of a window belongs to: an array of (i, j)."""
