@@ -14,12 +14,8 @@ Phases (eq. 3.29) and offsets, sums of multiples of the lattice vectors, are in 
 import cython
 from cython.cimports.libc.math import sqrt
 from cython.cimports.weftex.repeats.overlap_kernels import repeated_pixels
-from cython.cimports.weftex.search.window_kernels import (
-    Sample,
-    gather_runs,
-    run_distance,
-    usable_place,
-)
+from cython.cimports.weftex.search.picture_kernels import Sample, usable_place
+from cython.cimports.weftex.search.window_kernels import gather_runs, run_distance
 
 NEVER = cython.declare(cython.longlong, 1 << 60)  # more than any mismatch
 HALF = cython.declare(cython.longlong, 1 << 15)  # a pixel, in 1/65536

@@ -14,7 +14,7 @@ from weftex.methods.near_regular.defaults import vectors_around
 from weftex.methods.near_regular.rectification import rectified
 from weftex.methods.near_regular.rows import Courses, axis_of_rows, courses_of
 from weftex.random import draw
-from weftex.search.window_kernels import Sample
+from weftex.search.picture_kernels import Sample
 from weftex.search.windows import Windows, windows_of
 
 if TYPE_CHECKING:
