@@ -146,7 +146,7 @@ MADE = {
               "tileable": True, **QUILTING},
     "guide": {"materials": [SAMPLE | {"turn": "half"}], "guide": "photo.png",
               "sample_guide": "second.png", "method": "ashikhmin"},
-    "window": {"materials": [SAMPLE], "window": [-9, 20, 30, 40], "period": [200, 300],
+    "window": {"materials": [SAMPLE], "window": [60, 50, 30, 40], "period": [200, 300],
                **QUILTING},
     "tile": {"task": "tile", "materials": [PHOTO | {"even_light": 1}], "axes": "y", "border": 8},
     "fill": {"task": "fill", "materials": [PHOTO, SAMPLE | {"repeats": True}], "mask": "hole.png",
