@@ -34,8 +34,8 @@ No seed was selected, and weftex chose every method. All samples are CC0
 ([authors and sources](../benchmarks/data/surfaces/MANIFEST.csv)). Run the commands in a copy of the
 repository, or replace the file by your own photo. [What still fails](failures.md).
 
-*Images are shown at half size. `python benchmarks/quality/gallery.py --methods auto --sheets docs`
-writes this page; edits are lost.*
+*Images are shown at half size; blue is transparent. This command writes the page, and edits are
+lost: `python benchmarks/quality/gallery.py --methods auto --sheets docs`.*
 """
 
 
