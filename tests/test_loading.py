@@ -53,7 +53,7 @@ def test_maps_can_be_named(photos, capsys):
 
 def test_maps_that_cannot_be_named(photos, capsys):
     words = ["synth", "photos", "-o", "out", "--maps"]
-    assert "--maps: 'wood.png' must be" in fails(capsys, photos, *words, "wood.png")
+    assert "--maps is 'wood.png'" in fails(capsys, photos, *words, "wood.png")
     assert "each once" in fails(capsys, photos, *words, "color=a.png,color=b.png")
     assert "no name of a file in photos" in fails(capsys, photos, *words, "color=../a.png")
     assert "nothing.png" in fails(capsys, photos, *words, "color=nothing.png")

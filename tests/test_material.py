@@ -9,8 +9,8 @@ import pytest
 
 import weftex
 from families import noise
+from weftex.exemplar.material import read_material
 from weftex.io.pictures import read_image, write_image
-from weftex.material import read_material
 from weftex.roles import ROLES, Role
 
 #: Folders by the convention that names their files: the files, and what each is taken for.

@@ -8,8 +8,8 @@ import pytest
 import weftex
 from families import TRIALS
 from materials import normal_map
+from weftex.exemplar.turns import copies_in
 from weftex.raster.turning import TURNS
-from weftex.turns import copies_in
 
 
 def copies(shape, turn):
@@ -150,16 +150,9 @@ def test_a_mask_of_few_pixels_does_not_hide_which_side_is_which(shape, rng):
         assert (result.source == (2, 0)).all()
 
 
-@pytest.mark.parametrize("turn", ["flip", "half", "4", "2", ["flip"], 4])
-@pytest.mark.parametrize("copy_shape", [None, (8, 9), (0, 8), (8.0, 8.0), [8, 8], 8, "88"])
-def test_pictures_of_other_copies_are_refused(turn, copy_shape):
-    with pytest.raises(weftex.InvalidInputError, match="turn is .*; sample is no such picture"):
-        weftex.Exemplar(np.zeros((8, 17), np.uint8), turn=turn, copy_shape=copy_shape)
-
-
 def test_the_size_of_copies_goes_with_their_picture():
-    fits = weftex.Exemplar(np.zeros((8, 17), np.uint8), turn="flip", copy_shape=(8, 8))
-    assert fits.changed(pixels=np.zeros((4, 4), np.uint8)).turn is None
+    fits = weftex.prepare.turned(np.zeros((8, 8), np.uint8), "flip")
+    assert fits.changed(pixels=np.zeros((4, 4), np.uint8), mask=None).turn is None
 
 
 def test_damaged_copies(rng, tmp_path):

@@ -25,9 +25,9 @@ from PIL import Image, ImageDraw
 import weftex
 from weftex.analysis.autocorrelations import SIGNIFICANT
 from weftex.analysis.canvas_lattice import CanvasLattice
-from weftex.analysis.pairs import tile_shares
 from weftex.analysis.lattice import Lattice, find_lattice, rate_lattices
 from weftex.analysis.overlay import draw_correlation, draw_lattice, gncc
+from weftex.analysis.pairs import tile_shares
 from weftex.methods.best_tile.repetition import repeated as repeated_tiles
 from weftex.methods.best_tile.tiles import tile_errors
 

@@ -32,9 +32,9 @@ if TYPE_CHECKING:
     from weftex.errors import UnsupportedError as UnsupportedError
     from weftex.errors import WeftexError as WeftexError
     from weftex.exemplar import Exemplar as Exemplar
+    from weftex.exemplar import load_exemplar as load_exemplar
     from weftex.io.pictures import read_image as read_image
     from weftex.io.pictures import write_image as write_image
-    from weftex.loading import load_exemplar as load_exemplar
     from weftex.method import Method as Method
     from weftex.methods import METHODS as METHODS
     from weftex.methods.ashikhmin import Ashikhmin as Ashikhmin
@@ -71,9 +71,8 @@ _PUBLIC = {
         "UnsupportedError",
         "WeftexError",
     ],
-    "exemplar": ["Exemplar"],
+    "exemplar": ["Exemplar", "load_exemplar"],
     "io.pictures": ["read_image", "write_image"],
-    "loading": ["load_exemplar"],
     "method": ["Method"],
     "methods": ["METHODS"],
     "methods.ashikhmin": ["Ashikhmin"],

@@ -11,7 +11,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from weftex.errors import InvalidInputError, shown
-from weftex.exemplar import Exemplar, as_mask, check_guide, check_pixels
+from weftex.exemplar import Exemplar
+from weftex.exemplar.checks import as_mask, check_guide, check_pixels
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

@@ -15,8 +15,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from weftex.errors import InvalidInputError
-from weftex.exemplar import check_pixels
-from weftex.loading import load_exemplar
+from weftex.exemplar import load_exemplar
+from weftex.exemplar.checks import check_pixels
 from weftex.random import draw
 
 if TYPE_CHECKING:

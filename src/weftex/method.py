@@ -14,7 +14,7 @@ from weftex.canvas import Canvas, as_canvas
 from weftex.endless.boxes import A_BLOCK, Asked, as_period, box_of
 from weftex.endless.grid import Sizes
 from weftex.errors import InvalidInputError, UnsupportedError, did_you_mean, shown
-from weftex.loading import load_exemplar
+from weftex.exemplar import load_exemplar
 from weftex.parameters import check_value, numbers_of
 from weftex.random import seed_number
 from weftex.registry import supporting
@@ -26,8 +26,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from weftex.endless.boxes import Box
-    from weftex.exemplar import Exemplar
-    from weftex.loading import Sample
+    from weftex.exemplar import Exemplar, Sample
     from weftex.progress import ProgressCallback
     from weftex.results.synthesis import Synthesis
 

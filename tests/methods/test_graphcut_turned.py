@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 import weftex
+from weftex.exemplar.turns import copies_in
 from weftex.raster.turning import TURNS, turned_pixels
-from weftex.turns import copies_in
 
 
 def laid(sample, size=(330, 300), **given):

@@ -9,8 +9,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from weftex.exemplar.material import read_material
 from weftex.io.pictures import write_image
-from weftex.material import read_material
 from weftex.studio.materials import sets_of
 
 

@@ -19,16 +19,16 @@ if TYPE_CHECKING:
 
     from weftex.cli.terminal import Outputs
     from weftex.exemplar import Exemplar
+    from weftex.exemplar.material import Material
     from weftex.io.pictures import Picture
-    from weftex.material import Material
     from weftex.recipe import Recipe
     from weftex.results.synthesis import Synthesis
 
 
 def read(path: str, args: argparse.Namespace, maps: dict[str, str] | None = None) -> Material:
     """Read a picture, or a folder of maps."""
+    from weftex.exemplar.material import read_material
     from weftex.io.pictures import MAX_PIXELS
-    from weftex.material import read_material
 
     _refuse_plane(path)
     return read_material(path, maps, max_pixels=None if args.allow_huge else MAX_PIXELS)

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     import argparse
 
     from weftex.cli.terminal import Bar, Outputs
-    from weftex.material import Material
+    from weftex.exemplar.material import Material
     from weftex.planes.definition import Definition
     from weftex.recipe import Recipe
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from weftex.errors import InvalidInputError
-from weftex.material import Material
+from weftex.exemplar.material import Material
 from weftex.recipe.making import pictures_like
 
 if TYPE_CHECKING:

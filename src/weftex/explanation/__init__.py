@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 from weftex.canvas import as_canvas
 from weftex.errors import InvalidInputError, UnsupportedError, shown
+from weftex.exemplar import load_exemplar
 from weftex.explanation.lattices import BestTileRecorder, NearRegularRecorder
 from weftex.explanation.patches import GraphCutRecorder, PatchRecorder
 from weftex.explanation.pixels import (
@@ -16,12 +17,11 @@ from weftex.explanation.pixels import (
     WeiLevoyRecorder,
 )
 from weftex.explanation.stages import Explanation, Recorder, Stage
-from weftex.loading import load_exemplar
 from weftex.naming import make_method
 from weftex.notes import Listener, listening
 
 if TYPE_CHECKING:
-    from weftex.loading import Sample
+    from weftex.exemplar import Sample
     from weftex.method import Method
     from weftex.random import Seed
 

@@ -10,8 +10,7 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 
 from weftex.errors import InvalidInputError, did_you_mean, shown
-from weftex.exemplar import Exemplar
-from weftex.loading import load_exemplar
+from weftex.exemplar import Exemplar, load_exemplar
 from weftex.raster.levels import scale_between
 from weftex.raster.mixing import middle_of, opposite
 
@@ -20,7 +19,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from weftex.loading import Sample
+    from weftex.exemplar import Sample
 
 #: The value of a normal map that is missing.
 FLAT = "flat"
@@ -74,13 +73,12 @@ def combined(exemplars: Sequence[Exemplar], *, apart: bool = False) -> Exemplar:
         _stacked([e.pixels for e in exemplars], gap),
         maps={name: stacked(name) for name in shared},
         mask=_stacked(masks, gap, mode="constant"),
-        pieces=apart,
         weights={name: first.weights[name] for name in shared},
         alpha=first.alpha,
         icc=first.icc,
         role=first.role,
         name="samples",
-    )
+    ).changed(pieces=apart)
 
 
 def _stacked(

@@ -8,14 +8,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from weftex.errors import InvalidInputError, shown
-from weftex.exemplar import Exemplar
-from weftex.loading import load_exemplar
+from weftex.exemplar import Exemplar, load_exemplar
 from weftex.raster.levels import tamed
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from weftex.loading import Sample
+    from weftex.exemplar import Sample
 
     Floats = NDArray[np.float64]
 

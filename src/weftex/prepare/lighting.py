@@ -8,15 +8,14 @@ import numpy as np
 from numpy.polynomial.legendre import leggrid2d, legvander2d
 
 from weftex.errors import InvalidInputError, shown
-from weftex.exemplar import Exemplar
-from weftex.loading import load_exemplar
+from weftex.exemplar import Exemplar, load_exemplar
 from weftex.raster.boxes import cell_sums
 from weftex.raster.levels import to_light, to_stored
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from weftex.loading import Sample
+    from weftex.exemplar import Sample
 
     Floats = NDArray[np.float64]
 

@@ -13,15 +13,14 @@ import numpy as np
 from weftex.analysis.canvas_lattice import given_lattice
 from weftex.analysis.lattice import Lattice, find_lattice
 from weftex.errors import InvalidInputError
-from weftex.exemplar import Exemplar
-from weftex.loading import load_exemplar
+from weftex.exemplar import Exemplar, load_exemplar
 from weftex.parameters import numbers_of
 from weftex.prepare.warping import nearest, warped
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from weftex.loading import Sample
+    from weftex.exemplar import Sample
 
     Floats = NDArray[np.float64]
 

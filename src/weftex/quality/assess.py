@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from weftex.exemplar import Exemplar
+from weftex.exemplar.turns import as_it_was
 from weftex.quality.appearance import color_distance, patch_distance, sharpness
 from weftex.quality.copying import copying
 from weftex.quality.figures import FIGURES
@@ -17,7 +18,6 @@ from weftex.quality.pair import LARGEST_MEASURED, pair_of
 from weftex.quality.score import Scorer, weigh
 from weftex.quality.seams import wrap_seam
 from weftex.quality.view import middle, view_of
-from weftex.turns import as_it_was
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

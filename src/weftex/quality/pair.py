@@ -7,10 +7,11 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from weftex.errors import InvalidInputError, shown
-from weftex.exemplar import Exemplar, check_pixels
+from weftex.exemplar import Exemplar
+from weftex.exemplar.checks import check_pixels
+from weftex.exemplar.turns import as_made_from
 from weftex.quality.copying import check_source
 from weftex.results.synthesis import Synthesis
-from weftex.turns import as_made_from
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from weftex.canvas import as_canvas
 from weftex.exemplar import Exemplar
-from weftex.material import Material, read_material, role_of_picture
+from weftex.exemplar.material import Material, read_material, role_of_picture
 from weftex.recipe.fields import Fields, gradient
 from weftex.roles import COLOR, Role, role_of
 
@@ -91,7 +91,7 @@ def with_turns(exemplar: Exemplar, spec: Mapping[str, Any]) -> Exemplar:
     """Return a sample with its mirrored and turned copies, where its description says so."""
     if spec.get("turn") is None:
         return exemplar
-    from weftex.turns import turned
+    from weftex.exemplar.turns import turned
 
     return turned(exemplar, spec["turn"])
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from weftex.errors import InvalidInputError
-from weftex.exemplar import check_pixels
+from weftex.exemplar.checks import check_pixels
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

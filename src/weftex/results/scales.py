@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from weftex.errors import InvalidInputError
-from weftex.exemplar import Exemplar, as_map
+from weftex.exemplar import Exemplar
+from weftex.exemplar.exemplar import as_map
 from weftex.raster.levels import resized, scale_between
 from weftex.roles import as_role
 

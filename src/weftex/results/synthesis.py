@@ -11,6 +11,7 @@ import numpy as np
 from weftex.canvas import Canvas
 from weftex.errors import InvalidInputError, shown
 from weftex.exemplar import Exemplar
+from weftex.exemplar.turns import as_copies, as_made_from
 from weftex.io.npz import DamageError
 from weftex.raster.mixing import Kind
 from weftex.raster.turning import in_first_copy
@@ -21,7 +22,6 @@ from weftex.results.joining import Laid, join_steps, reach_of
 from weftex.results.maps import RenderedMaps
 from weftex.results.shown import ShownResult
 from weftex.results.tone import match_tone
-from weftex.turns import as_copies, as_made_from
 
 if TYPE_CHECKING:
     from collections.abc import Mapping

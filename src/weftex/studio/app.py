@@ -33,7 +33,7 @@ _MARK = 60  # sweeps between two marks of the folders in use
 _BREATH = 0.004  # seconds between two steps of the imports, in which files of the page are sent
 #: What the routes under /api need, in steps; a thread for it would hold up the page's files more.
 _STEPS = (
-    "weftex.material",
+    "weftex.exemplar.material",
     "weftex.methods",
     "weftex.results.drawing",
     "weftex.tasks.auto",

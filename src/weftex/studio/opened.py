@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from weftex.material import read_material
+from weftex.exemplar.material import read_material
 from weftex.recipe import checked_material
 
 if TYPE_CHECKING:

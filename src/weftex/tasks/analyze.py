@@ -19,15 +19,14 @@ from weftex.analysis.properties import SEAMLESS, Evenness, border_steps, regular
 from weftex.analysis.scale import DominantScale, dominant_scale
 from weftex.choice import Choice
 from weftex.errors import InvalidInputError
-from weftex.loading import load_exemplar
+from weftex.exemplar import load_exemplar
 from weftex.methods import METHODS
 from weftex.parameters import numbers_of
 from weftex.tasks.auto import Auto
 
 if TYPE_CHECKING:
     from weftex.analysis.autocorrelations import Autocorrelations
-    from weftex.exemplar import Exemplar
-    from weftex.loading import Sample
+    from weftex.exemplar import Exemplar, Sample
 
 _BANDS = 4  # of the spectrum to an octave
 _BAR = 40  # characters

@@ -11,8 +11,7 @@ import numpy as np
 
 from weftex.canvas import Canvas, as_canvas
 from weftex.errors import InvalidInputError, shown
-from weftex.exemplar import Exemplar
-from weftex.loading import load_exemplar
+from weftex.exemplar import Exemplar, load_exemplar
 from weftex.prepare.combining import paired
 from weftex.random import seed_number
 from weftex.raster.arrays import as_array
@@ -26,8 +25,8 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from weftex.choice import Choice
+    from weftex.exemplar import Sample
     from weftex.io.pictures import Picture
-    from weftex.loading import Sample
     from weftex.method import Method
     from weftex.progress import ProgressCallback
     from weftex.random import Seed

@@ -12,9 +12,8 @@ import numpy as np
 from weftex.analysis.scale import dominant_scale
 from weftex.canvas import as_canvas
 from weftex.errors import InvalidInputError, did_you_mean, shown
-from weftex.exemplar import Exemplar
+from weftex.exemplar import Exemplar, load_exemplar
 from weftex.label_maps import Gradient, labels_of, map_picture
-from weftex.loading import load_exemplar
 from weftex.method import Method
 from weftex.prepare.combining import combined, of_one_kind, paired
 from weftex.random import seed_number
@@ -26,7 +25,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from weftex.canvas import Canvas
-    from weftex.loading import Sample
+    from weftex.exemplar import Sample
     from weftex.progress import ProgressCallback
     from weftex.random import Seed
     from weftex.tasks.fusion import Material

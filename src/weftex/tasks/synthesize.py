@@ -9,7 +9,7 @@ import numpy as np
 
 from weftex.canvas import as_canvas
 from weftex.errors import InvalidInputError
-from weftex.loading import load_exemplar
+from weftex.exemplar import load_exemplar
 from weftex.method import Method
 from weftex.tasks.method_names import AUTO, make_method
 
@@ -19,8 +19,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from weftex.canvas import Canvas
-    from weftex.exemplar import Exemplar
-    from weftex.loading import Sample
+    from weftex.exemplar import Exemplar, Sample
     from weftex.progress import ProgressCallback
     from weftex.random import Seed
     from weftex.results.synthesis import Synthesis

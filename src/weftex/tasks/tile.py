@@ -11,13 +11,12 @@ from weftex.analysis.canvas_lattice import CanvasLattice, four_numbers, is_sure
 from weftex.analysis.lattice import find_lattice
 from weftex.canvas import Canvas, as_canvas
 from weftex.errors import InvalidInputError, shown
-from weftex.loading import load_exemplar
+from weftex.exemplar import load_exemplar
 from weftex.tasks.fill import fill
 from weftex.tasks.method_names import AUTO
 
 if TYPE_CHECKING:
-    from weftex.exemplar import Exemplar
-    from weftex.loading import Sample
+    from weftex.exemplar import Exemplar, Sample
     from weftex.method import Method
     from weftex.progress import ProgressCallback
     from weftex.random import Seed

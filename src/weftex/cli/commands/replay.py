@@ -15,7 +15,7 @@ from weftex.roles import role_of
 if TYPE_CHECKING:
     from weftex.cli.terminal import Bar, Outputs
     from weftex.exemplar import Exemplar
-    from weftex.material import Material
+    from weftex.exemplar.material import Material
 
 _EXAMPLES = """\
 examples:

@@ -10,6 +10,7 @@ from weftex.analysis.canvas_lattice import check_lattice
 from weftex.analysis.patch_sizes import patch_size_for, patch_size_on
 from weftex.endless.grid import Sizes
 from weftex.errors import InvalidInputError
+from weftex.exemplar.turns import turned
 from weftex.method import Method
 from weftex.methods.graphcut.cutting import Picture
 from weftex.methods.graphcut.entire import EntirePatchMatching
@@ -26,7 +27,6 @@ from weftex.repeats.patches import PatchPenalty
 from weftex.repeats.salience import SaliencePenalty
 from weftex.search.windows import windows_of
 from weftex.threads import quick_map
-from weftex.turns import turned
 
 if TYPE_CHECKING:
     import numpy as np

@@ -10,9 +10,9 @@ import numpy as np
 
 from weftex.analysis.patch_sizes import patch_size_of
 from weftex.errors import InvalidInputError
+from weftex.exemplar.turns import copies_in
 from weftex.methods.graphcut.pyramid import Level, levels_of
 from weftex.search.windows import Windows, windows_of
-from weftex.turns import copies_in
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

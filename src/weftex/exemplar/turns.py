@@ -7,12 +7,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from weftex.errors import InvalidInputError, shown
-from weftex.exemplar import Exemplar
-from weftex.loading import load_exemplar
+from weftex.exemplar.exemplar import Exemplar
+from weftex.exemplar.loading import load_exemplar
 from weftex.raster.turning import TURNS, boxes_of, turned_pixels
 
 if TYPE_CHECKING:
-    from weftex.loading import Sample
+    from weftex.exemplar.loading import Sample
     from weftex.raster.turning import Box
 
 

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from weftex.errors import InvalidInputError, shown
-from weftex.exemplar import Exemplar
-from weftex.material import read_material
+from weftex.exemplar.exemplar import Exemplar
+from weftex.exemplar.material import read_material
 from weftex.raster.arrays import as_array, is_masked
 
 if TYPE_CHECKING:

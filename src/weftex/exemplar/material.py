@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from weftex.errors import InvalidInputError, shown
-from weftex.exemplar import Exemplar
+from weftex.exemplar.exemplar import Exemplar
 from weftex.roles import COLOR, Role, is_name_of, is_preview, role_of
 
 if TYPE_CHECKING:

@@ -9,11 +9,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from weftex.errors import InvalidInputError, shown
+from weftex.exemplar.checks import as_mask, check_guide, check_layout, check_pixels
 from weftex.io.shown import Shown, size_text
-from weftex.raster.arrays import as_array, owned, without_mask
+from weftex.raster.arrays import owned, without_mask
 from weftex.raster.levels import edges_of, resized, scale_between, scale_to_bytes, to_bytes
 from weftex.raster.mixing import Mixing, mixing_of
-from weftex.raster.turning import gap_of
 from weftex.roles import COLOR, Role, as_role, checked_weights, role_of
 
 if TYPE_CHECKING:
@@ -21,12 +21,8 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-_DTYPES = ("uint8", "uint16", "float32", "float64")
-_MOST_CHANNELS = 32  # of a picture of four rows or fewer
-_PARTS = (
-    *("pixels", "mask", "guide", "tileable", "alpha", "icc", "name", "role", "pieces"),
-    *("turn", "copy_shape"),
-)
+_PARTS = ("pixels", "mask", "guide", "tileable", "alpha", "icc", "name", "role")
+_MADE_OF = ("pieces", "turn", "copy_shape")
 _LABELS = 32  # a sample's guide with at most so many colors is a map of labels
 
 
@@ -58,10 +54,6 @@ class Exemplar(Shown):
         Name for messages.
     role : Role or str, optional
         Role of the pixels, or its name in `weftex.roles.ROLES`; by default from `name`, else color.
-    turn, copy_shape : str and (int, int), optional
-        Which copies of a smaller sample it is made of, of what size; see `weftex.prepare.turned`.
-    pieces : bool, optional
-        It has pieces that lie apart, which share no lattice, as copies and several samples do.
     weights : mapping of str to float, optional
         Weights of the maps in matching, 1 each by default: all maps together count as much as the
         pixels. 0 ignores a map.
@@ -72,6 +64,10 @@ class Exemplar(Shown):
         Height and width in pixels.
     maps : dict of str to array
         The pixels of its maps.
+    pieces : bool
+        It has pieces that lie apart and share no lattice, as copies and several samples do.
+    turn, copy_shape : str and (int, int), or None
+        Which copies of a smaller sample it is made of, of what size; see `weftex.prepare.turned`.
 
     Raises
     ------
@@ -86,6 +82,10 @@ class Exemplar(Shown):
     (4, 6)
     """
 
+    pieces: bool = False
+    turn: str | None = None
+    copy_shape: tuple[int, int] | None = None
+
     def __init__(
         self,
         pixels: NDArray[Any],
@@ -98,23 +98,17 @@ class Exemplar(Shown):
         icc: bytes | None = None,
         name: str = "sample",
         role: Role | str | None = None,
-        pieces: bool = False,
-        turn: str | None = None,
-        copy_shape: tuple[int, int] | None = None,
         weights: Mapping[str, float] | None = None,
     ) -> None:
-        self.pieces, self.turn, self.copy_shape = bool(pieces), turn, copy_shape
         self.name, self.tileable, self.icc = name, bool(tileable), icc
         pixels, usable = without_mask(pixels)
         named = role_of(name)
         by_name = named if named is not None and named.kind == "normal" else COLOR
         self.role = by_name if role is None else as_role(role)
         if alpha is None:
-            _check_layout(pixels, name)
+            check_layout(pixels, name)
         self.pixels = owned(check_pixels(pixels, name))
         self.shape: tuple[int, int] = self.pixels.shape[:2]
-        if turn is not None and gap_of(self.shape, turn, copy_shape) is None:
-            raise InvalidInputError(f"turn is {shown(turn)}; {name} is no such picture of copies")
         self.channels: int = 1 if self.pixels.ndim == 2 else self.pixels.shape[2]
         self.alpha: bool = self.channels in (2, 4) if alpha is None else bool(alpha)
         if self.alpha and self.channels < 2:
@@ -155,12 +149,17 @@ class Exemplar(Shown):
         return self.pixels, self.alpha
 
     def changed(self, **parts: Any) -> Exemplar:
-        """Return the same sample but for these parameters of `Exemplar`, such as its guide."""
+        """Return the same sample but for these parameters or attributes, such as its guide."""
+        made_of = {name: parts.pop(name) for name in _MADE_OF if name in parts}
         given = {name: getattr(self, name) for name in _PARTS} | {"maps": self._maps} | parts
-        if given["pixels"].shape[:2] != self.shape and "turn" not in parts:
-            given |= {"turn": None, "copy_shape": None}
         weights = {name: k for name, k in self.weights.items() if name in (given["maps"] or ())}
-        return Exemplar(**{"weights": weights} | given)
+        found = Exemplar(**{"weights": weights} | given)
+        found.pieces = self.pieces
+        if found.shape == self.shape:
+            found.turn, found.copy_shape = self.turn, self.copy_shape
+        for name, value in made_of.items():
+            setattr(found, name, value)
+        return found
 
     def map(self, name: str) -> Exemplar:
         """Return one of the maps as a picture of its own, with its role."""
@@ -307,72 +306,10 @@ def as_map(given: Any, name: str) -> Exemplar:
     """Return a map with the role that its name gives; plain numbers where it gives none."""
     if isinstance(given, Exemplar):
         return given
-    _check_layout(given, f"map '{name}'")
+    check_layout(given, f"map '{name}'")
     pixels, role = check_pixels(given, name), role_of(name) or Role(name)
     alpha = pixels.ndim == 3 and pixels.shape[2] in (2, 4) and not role.channels
     return Exemplar(pixels, alpha=alpha, name=name, role=role)
-
-
-def _check_layout(pixels: NDArray[Any], name: str) -> None:
-    """Refuse (channels, height, width), which is how other programs stack them.
-
-    A picture of four rows or fewer may well have three or five channels, but hardly more than
-    `_MOST_CHANNELS`; as a picture of so few columns a stack would be no sample.
-    """
-    shape = as_array(pixels, name).shape
-    if len(shape) == 3 and 0 < shape[0] <= 4 and shape[2] > _MOST_CHANNELS:
-        raise InvalidInputError(
-            f"{name} has the shape {shape}, which is taken for (channels, height, width); use "
-            "np.moveaxis(pixels, 0, -1), or give alpha=False if it has "
-            f"{shape[2]} channels indeed"
-        )
-
-
-def as_mask(values: Any, name: str) -> NDArray[np.bool_]:
-    """Return a contiguous mask (H, W), of booleans or numbers.
-
-    Raises
-    ------
-    InvalidInputError
-        For other types and shapes.
-    """
-    mask = as_array(values, name)
-    if mask.dtype.kind not in "biuf":
-        raise InvalidInputError(f"{name} has dtype {mask.dtype}; it must be boolean")
-    if mask.ndim != 2:
-        raise InvalidInputError(f"{name} has shape {mask.shape}; it must be (H, W)")
-    return np.ascontiguousarray(mask, bool)
-
-
-def check_guide(pixels: NDArray[Any], name: str) -> NDArray[Any]:
-    """`check_pixels`, but for labels in whole numbers of any type too."""
-    pixels = as_array(pixels, name)
-    if pixels.dtype.kind in "biu" and pixels.dtype.name not in _DTYPES and pixels.size:
-        if pixels.min() < 0 or pixels.max() > 65535:
-            raise InvalidInputError(
-                f"{name} has labels from {pixels.min()} to {pixels.max()}; they must be from 0 to "
-                "65535"
-            )
-        pixels = pixels.astype(np.uint16)
-    return check_pixels(pixels, name)
-
-
-def check_pixels(pixels: NDArray[Any], name: str) -> NDArray[Any]:
-    """Return `pixels` contiguous, or raise `InvalidInputError` saying what is wrong with them."""
-    pixels = as_array(pixels, name)
-    if pixels.dtype.name not in _DTYPES:
-        if pixels.dtype == bool:
-            raise InvalidInputError(f"{name} is boolean; multiply by 255 and make it uint8")
-        raise InvalidInputError(f"{name} has dtype {pixels.dtype}; supported: {', '.join(_DTYPES)}")
-    if pixels.ndim not in (2, 3):
-        raise InvalidInputError(
-            f"{name} has {pixels.ndim} dimensions; a picture is (height, width[, channels])"
-        )
-    if 0 in pixels.shape:
-        raise InvalidInputError(f"{name} is empty: its shape is {pixels.shape}")
-    if pixels.dtype.kind == "f" and not np.isfinite(pixels).all():
-        raise InvalidInputError(f"{name} contains NaN or infinity; replace them first")
-    return np.ascontiguousarray(pixels, pixels.dtype.newbyteorder("="))
 
 
 def _size(pixels: NDArray[Any]) -> str:
