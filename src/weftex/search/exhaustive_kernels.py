@@ -8,6 +8,7 @@ Compiled by Cython, see setup.py.
 
 import cython
 from cython.cimports.libc.string import memset
+from cython.cimports.weftex.raster.difference_kernels import weighted_squares
 from cython.cimports.weftex.search.picture_kernels import (
     Picture,
     Query,
@@ -124,30 +125,6 @@ def look(
 
 
 @cython.cfunc
-@cython.inline
-@cython.nogil
-@cython.exceptval(check=False)
-def weighted(
-    a: cython.p_const_uchar, b: cython.p_const_uchar, w: cython.p_const_short, n: cython.Py_ssize_t
-) -> cython.longlong:
-    """Sum of w d**2 of two rows of bytes."""
-    cython.declare(i=cython.Py_ssize_t, start=cython.Py_ssize_t, stop=cython.Py_ssize_t)
-    cython.declare(d=cython.short, e=cython.short, part=cython.int, total=cython.longlong)
-    total = 0
-    start = 0
-    while start < n:
-        stop = start + 256 if start + 256 < n else n  # 256 * 127 * 255**2 < 2**31
-        part = 0
-        for i in range(start, stop):
-            d = cython.cast(cython.short, a[i]) - cython.cast(cython.short, b[i])
-            e = w[i] * d  # 127 * 255 < 2**15
-            part += cython.cast(cython.int, e) * d
-        total += part
-        start = stop
-    return total
-
-
-@cython.cfunc
 @cython.nogil
 @cython.exceptval(check=False)
 def window_distance(
@@ -160,7 +137,7 @@ def window_distance(
     corner = place - windows.reach * windows.width - windows.reach
     for r in range(1, known.rows[0] + 1):
         row = known.rows[r]
-        total += weighted(
+        total += weighted_squares(
             cython.address(windows.flat[(corner + row * windows.width) * windows.channels]),
             cython.address(known.values[row * windows.stride]),
             cython.address(known.weights[row * windows.stride]),
@@ -283,26 +260,6 @@ def cut_of(limit: cython.longlong, scale: cython.longlong) -> cython.longlong:
 @cython.cfunc
 @cython.nogil
 @cython.exceptval(check=False)
-def first_bounds(
-    windows: WeightedWindows, known: Known, step: cython.Py_ssize_t
-) -> cython.Py_ssize_t:
-    """Bound all windows by the first terms; return the block with the least bound."""
-    cython.declare(b=cython.Py_ssize_t, nearest=cython.Py_ssize_t)
-    nearest = 0
-    for b in range(windows.starts.shape[0]):
-        memset(cython.address(known.lower[b, 0]), 0, BLOCK_WINDOWS * 2)
-        known.least[b] = bounds(
-            cython.address(windows.planes[0, windows.starts[b]]), known, 0, step,
-            cython.address(known.lower[b, 0]),
-        )  # fmt: skip
-        if known.least[b] < known.least[nearest]:
-            nearest = b
-    return nearest
-
-
-@cython.cfunc
-@cython.nogil
-@cython.exceptval(check=False)
 def limit_of(best: cython.longlong, tolerance: cython.double) -> cython.longlong:
     """The largest distance within (1 + tolerance) of the best."""
     return cython.cast(cython.longlong, cython.cast(cython.double, best) * (1 + tolerance))
@@ -349,7 +306,15 @@ def list_within(
     step = min(STEP_TERMS, size)
     limit = limit_of(best, tolerance) if best >= 0 else -1
     scale = pick_terms(windows, known, limit)
-    nearest = first_bounds(windows, known, step)
+    nearest = 0
+    for b in range(windows.starts.shape[0]):
+        memset(cython.address(known.lower[b, 0]), 0, BLOCK_WINDOWS * 2)
+        known.least[b] = bounds(
+            cython.address(windows.planes[0, windows.starts[b]]), known, 0, step,
+            cython.address(known.lower[b, 0]),
+        )  # fmt: skip
+        if known.least[b] < known.least[nearest]:
+            nearest = b
     # The distance of the window with the least bound limits the others further.
     for j in range(BLOCK_WINDOWS):
         if known.lower[nearest, j] == known.least[nearest]:

@@ -19,47 +19,24 @@ class ZoneWindows:
     """
 
     def __init__(self, source, usable, positions, zone, nodes, pca):
-        self.source = source
-        self.usable = usable
-        self.positions = positions
-        self.area = zone.area
-        self.runs = zone.runs
-        self.blocks = zone.blocks
-        self.side = zone.side
-        self.bands = zone.bands
-        self.nodes = nodes
-        self.basis = pca.basis
-        self.offset = pca.offset
-        self.shift = pca.shift
-        self.features = pca.features
+        self.source, self.usable, self.positions, self.nodes = source, usable, positions, nodes
+        self.area, self.runs, self.blocks = zone.area, zone.runs, zone.blocks
+        self.side, self.bands = zone.side, zone.bands
+        self.basis, self.offset = pca.basis, pca.offset
+        self.shift, self.features = pca.shift, pca.features
 
 
 class Shortlist:
     """The candidates of one patch, and room for its zone and what the zone is searched by."""
 
     def __init__(
-        self,
-        wanted,
-        keys,
-        places,
-        query,
-        means,
-        coordinates,
-        partial,
-        total,
-        barred=None,
-        path=None,
-    ):
-        self.wanted = wanted
-        self.keys = keys
-        self.places = places
-        self.query = query
-        self.means = means
-        self.coordinates = coordinates
-        self.partial = partial
-        self.total = total
-        self.barred = barred
-        self.path = path
+        self, wanted, keys, places, query, means, coordinates, partial, total,
+        barred=None, path=None,
+    ):  # fmt: skip
+        self.wanted, self.keys, self.places, self.query = wanted, keys, places, query
+        self.means, self.coordinates = means, coordinates
+        self.partial, self.total = partial, total
+        self.barred, self.path = barred, path
 
 
 def gather(canvas, y, x, runs, query):
