@@ -159,7 +159,8 @@ class EntirePatchMatching:
             times = np.add.outer(down * y, along * x)
             rest.append(times - np.rint(times))
         off = [one * rest[0] + other * rest[1] for one, other in lattice.sample.T]
-        return (abs(off[0]) <= most) & (abs(off[1]) <= most)
+        found: NDArray[np.bool_] = (abs(off[0]) <= most) & (abs(off[1]) <= most)
+        return found
 
     def _lines(self, pixel: tuple[int, int]) -> list[NDArray[np.int32]]:
         """The rows and columns that the sample may cover with this pixel, -1 beyond the canvas."""
@@ -180,8 +181,8 @@ class EntirePatchMatching:
         if allowed.sum() * level.mask.size <= _DIRECT:
             direct = np.full(allowed.shape, np.inf)
             offset = np.array([reach >> k for reach in self._reach], np.int32)
-            both = box.pixels, box.mask, level.pixels, level.mask
-            match(*both, allowed.view(np.uint8), offset, level.all_count, direct)
+            levels = box.pixels, box.mask, level.pixels, level.mask
+            match(*levels, allowed.view(np.uint8), offset, level.all_count, direct)
             return direct if (direct < np.inf).any() else np.zeros(allowed.shape)
         size = [fast_size(n) for n in box.mask.shape]
         both = overlap_mismatch(box.spectra_of(size), level.spectra_of(size))

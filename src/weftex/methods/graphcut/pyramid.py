@@ -118,7 +118,7 @@ def in_full_size(
     for k in range(len(boxes) - 2, -1, -1):
         box, sample, at = boxes[k], samples[k], np.array(offset, np.int32) >> k
         both = box.pixels, box.mask, sample.pixels, sample.mask
-        steps.append((*both, allowed[k], at, sample.all_count))
+        steps.append(partial(kernels.nudge, *both, allowed[k], at, sample.all_count))
     # Places side by side often lead to the same one, which is looked up once in full size.
     for some in (steps[:-1], steps[-1:]):
         different = list(dict.fromkeys(places))
@@ -129,10 +129,12 @@ def in_full_size(
     return places
 
 
-def _in_larger(steps: list[Any], places: list[tuple[int, int]]) -> list[tuple[int, int]]:
+def _in_larger(
+    steps: list[Callable[..., Any]], places: list[tuple[int, int]]
+) -> list[tuple[int, int]]:
     """The best matches on one larger level after the other."""
     found = np.array(places, np.int32)
-    for step in steps:
+    for nudge in steps:
         found *= 2
-        kernels.nudge(*step, found)
+        nudge(found)
     return [(y, x) for y, x in found.tolist()]
