@@ -295,9 +295,11 @@ def placement_of(
         copies = OrientedMatching(sample, growth)
         if variety > 0:
             first = sample.part(sample.boxes[0]).windows
-            copies.penalty = OrientedPenalty(
+            penalty = OrientedPenalty(
                 policy, sample.exemplar, growth, first.pixels, first.usable, sample.boxes
             )
+            for way in (copies, *copies.ways):
+                way.penalty = penalty
         return copies
     entire = EntirePatchMatching(sample, growth, lattice=method.lattice)
     if variety > 0:

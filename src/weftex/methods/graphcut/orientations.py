@@ -31,18 +31,7 @@ class OrientedMatching:
         height, width = (max(sides) for sides in zip(*(way.size for way in self.ways), strict=True))
         self.size, self.reduction = (height, width), self.ways[0].reduction
         self.levels = self.ways[0].levels
-        self._penalty: Penalty | None = None
-
-    @property
-    def penalty(self) -> Penalty | None:
-        """The repetition penalty, which all copies share."""
-        return self._penalty
-
-    @penalty.setter
-    def penalty(self, penalty: Penalty | None) -> None:
-        self._penalty = penalty
-        for way in self.ways:
-            way.penalty = penalty
+        self.penalty: Penalty | None = None  # that of all ways, too
 
     def matches(
         self, pixel: tuple[int, int], number: int, centered: bool, map_: Callable[..., Any] = map
