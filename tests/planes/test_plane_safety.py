@@ -192,9 +192,11 @@ def test_files_outside_the_grid_are_kept(tmp_path, target):
     for path in mine:
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_bytes(b"mine")
+    stale = folder / "0" / ".weftex-12-00000000-0123abcd.png"  # of a process that was killed
+    stale.touch()
     weftex.planes.stream(SAMPLE, target, (70, 60), restart=True, **HOW)
     left = {path for path, data in listing(tmp_path).items() if data == b"mine"}
-    assert left == mine and is_whole(target)
+    assert left == mine and is_whole(target) and not stale.exists()
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="forks")

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import sys
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -14,11 +13,10 @@ from families import noise
 from weftex.cli.planes import parse_part
 from weftex.errors import FileError, InvalidInputError
 from weftex.io.pictures import read_image
-from weftex.planes import packing
 from weftex.planes.files import open_stores
-from weftex.planes.layout import Layout, check_block
+from weftex.planes.layout import Layout
 from weftex.planes.locks import locked
-from weftex.planes.owned import remove, sweep
+from weftex.planes.owned import remove
 from weftex.planes.record import Record, Run
 from weftex.raster.mixing import Kind, Mixing
 
@@ -126,30 +124,10 @@ def test_halved():
     assert Mixing(Kind.LABELS).halved(labels).tolist() == [[1]]
 
 
-def test_parts_are_the_whole():
-    layout = Layout(1000, 600, 64)
-    parts = [list(layout.places(0, (k, 7))) for k in range(1, 8)]
-    assert [place for part in parts for place in part] == list(layout.places(0))
-    assert {len(part) for part in parts} <= {22, 23}
-
-
 @pytest.mark.parametrize("text", ["0/3", "4/3", "1", "a/b", "1/99999", "1/2/3"])
 def test_parts_that_are_none(text):
     with pytest.raises(InvalidInputError, match="it must be K/N"):
         parse_part(text)
-
-
-@pytest.mark.parametrize("block", [100, 32, 8192, True, "64", 64.0])
-def test_blocks_that_are_none(block):
-    with pytest.raises(InvalidInputError, match="a power of two from 64 to 4096"):
-        check_block(block)
-
-
-def test_a_full_disk_is_said_in_one_line(tmp_path):
-    store, _ = written(tmp_path / "a.tif", (64, 64), "uint8", 3, False)
-    (tmp_path / "a.tif").unlink()
-    with pytest.raises(FileError, match="cannot write: No such file.*the same command continues"):
-        store.write((0, 0, 0), np.zeros((64, 64, 3), np.uint8))
 
 
 def test_a_journal_that_was_cut_off(tmp_path):
@@ -193,80 +171,12 @@ def test_runs_that_are_none(tmp_path, change):
         record.current()
 
 
-def test_only_what_is_of_a_store_is_removed(tmp_path):
-    store, _ = written(tmp_path / "a.dzi", (201, 330), "uint8", 3, False)
-    names = ("notes.txt", "9/notes.txt", "more/0_0.png", "8/0_99.png", "20/0_0.png")
-    mine = [tmp_path / "a_files" / name for name in names]
-    for path in mine:
-        path.parent.mkdir(exist_ok=True)
-        path.write_bytes(b"mine")
-    (tmp_path / "a_files" / "empty").mkdir()
-    stale = tmp_path / "a_files" / "9" / ".weftex-12-00000000-0123abcd.png"
-    stale.touch()
-    sweep(str(tmp_path / "a_files"))
-    assert not stale.exists() and (tmp_path / "a_files" / "9" / "0_0.png").exists()
-    for root in store.roots:
-        remove(root, store.grid)
-    left = {path for path in tmp_path.rglob("*") if path.is_file()}
-    assert left == {*mine} and (tmp_path / "a_files" / "empty").exists()
-
-
-def test_metadata_that_is_damaged_is_made_again(tmp_path):
-    for suffix in (".tif", ".dzi", ".zarr"):
-        if suffix == ".zarr":
-            pytest.importorskip("zarr")
-        store, whole = written(tmp_path / f"a{suffix}", (201, 330), "uint8", 3, False)
-        path = Path(next(iter(store.frame())).path)
-        good = path.read_bytes()
-        for bad in (good[:30], good[:40] + b"x" + good[41:], good + b"x", b"", None):
-            path.unlink()
-            if bad is not None:
-                path.write_bytes(bad)
-            assert store.flaws() == [str(path)]
-            store.create()
-            assert store.flaws() == []
-            if suffix != ".tif":
-                assert path.read_bytes() == good
-            path.write_bytes(good)
-        assert (store.read(0, (0, 0, 201, 330)) == whole[0]).all()
-
-
-@pytest.mark.parametrize("suffix", [".tif", ".zarr", ".dzi"])
-def test_damaged_blocks_are_one_line(tmp_path, suffix):
-    if suffix == ".zarr":
-        pytest.importorskip("zarr")
-    store, _ = written(tmp_path / f"a{suffix}", (64, 64), "uint8", 3, False)
-    (file,) = store.files((0, 0, 0))
-    data = Path(file).read_bytes()
-    for bad in (data[: len(data) // 2], data[:-9] + bytes(9), b""):
-        Path(file).write_bytes(bad)
-        try:
-            store.read(0, (0, 0, 64, 64))
-        except FileError as error:
-            assert "\n" not in str(error)
-        else:
-            assert suffix == ".tif" and len(bad) == len(data)
-        store.create()
-        store.write((0, 0, 0), np.zeros((64, 64, 3), np.uint8))
-        assert (store.read(0, (0, 0, 64, 64)) == 0).all()
-    Path(file).unlink()
-    with pytest.raises(FileError, match="row 0, column 0 is missing"):
-        store.read(0, (0, 0, 64, 64))
-
-
 def test_locks_of_one_process(tmp_path):
     path = str(tmp_path / "lock")
     with locked(path, 1, 5) as got, locked(path, 3) as again:
         assert got and not again
     with locked(path, 3) as got:
         assert got
-
-
-def test_archives_of_others(tmp_path):
-    np.savez(tmp_path / "a.npz", about=np.array(json.dumps({"format": 1})))
-    assert not packing.is_saved(str(tmp_path / "a.npz"))
-    with pytest.raises(FileError, match="does not exist"):
-        packing.load(str(tmp_path / "b.npz"))
 
 
 def test_a_missing_library(tmp_path, monkeypatch):

@@ -15,9 +15,8 @@ from weftex.errors import CancelledError, FileError, InvalidInputError
 from weftex.planes import check, open_plane
 from weftex.planes.definition import Definition, define
 from weftex.planes.plane_file import PlaneFile
-from weftex.planes.record import Record
 from weftex.planes.tiff import TiffStore
-from weftex.planes.writing import in_words, write_plane
+from weftex.planes.writing import write_plane
 
 SIZE = (300, 333)
 TILE = weftex.BestTile(lattice=(20, 0, 0, 20))
@@ -188,7 +187,8 @@ def test_arguments_that_are_none(sample, tmp_path):
         ({"size": (0, 5)}, "size is"),
         ({"size": 2**41}, "from 1 to 2"),
         ({"tileable": "z"}, "tileable is"),
-        ({"block": 65}, "block is 65"),
+        ({"block": 65}, "block is 65; it must be a power of two from 64 to 4096"),
+        ({"block": True}, "block is True"),
     ]:
         how = {"size": 100} | HOW | change
         with pytest.raises(InvalidInputError, match=why):
@@ -197,17 +197,3 @@ def test_arguments_that_are_none(sample, tmp_path):
     with pytest.raises(InvalidInputError, match="strained by .* would do"):
         weftex.planes.stream(sample, tmp_path / "p.tif", 67, tileable=True, **strained)
     assert not list(tmp_path.iterdir())
-
-
-def test_sizes_in_words():
-    sizes = {0: "0 bytes", 999: "999 bytes", 1.5e6: "1.5 MB", 3.21e13: "32.1 TB"}
-    assert {number: in_words(number) for number in sizes} == sizes
-
-
-def test_a_record_is_held_by_one(sample, tmp_path):
-    made_of = define(sample, SIZE, TILE, {}, seed=4, block=64)
-    with (
-        Record(str(tmp_path / "p.tif")).held(),
-        pytest.raises(FileError, match="another process makes it"),
-    ):
-        write_plane(PlaneFile(made_of, str(tmp_path / "p.tif")))
