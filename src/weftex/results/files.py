@@ -116,6 +116,16 @@ def read_result(path: str | os.PathLike[str]) -> tuple[Facts, dict[str, NDArray[
         return facts, file.read()
 
 
+def arrays_of(
+    types: Mapping[str, type], arrays: Mapping[str, NDArray[Any]]
+) -> dict[str, NDArray[Any]]:
+    """Return those arrays that a kind of result has, after a look at their types."""
+    own = {name: arrays[name] for name in types if name in arrays}
+    if any(array.dtype != types[name] for name, array in own.items()):
+        raise DamageError("its arrays have other types")
+    return own
+
+
 def _whole(pair: Any) -> bool:
     return isinstance(pair, tuple) and [*map(type, pair)] == [int, int]
 

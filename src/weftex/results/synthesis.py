@@ -12,12 +12,11 @@ from weftex.canvas import Canvas
 from weftex.errors import InvalidInputError, shown
 from weftex.exemplar import Exemplar
 from weftex.exemplar.turns import as_copies, as_made_from
-from weftex.io.npz import DamageError
 from weftex.raster.mixing import Kind
 from weftex.raster.turning import in_first_copy
 from weftex.results import drawing, scales
 from weftex.results.background import background_of, show_known
-from weftex.results.files import ABOUT, Facts, one_line_errors, read_result, write_result
+from weftex.results.files import ABOUT, Facts, arrays_of, one_line_errors, read_result, write_result
 from weftex.results.joining import Laid, join_steps, reach_of
 from weftex.results.maps import RenderedMaps
 from weftex.results.shown import ShownResult
@@ -72,6 +71,8 @@ class Synthesis(ShownResult, ABC):
 
     #: The arrays that say where pixels come from, by the name of the parameter, and their types.
     ARRAYS: ClassVar[Mapping[str, type]] = {}
+    #: Arrays that only some results have; None without them.
+    OPTIONAL: ClassVar[Mapping[str, type]] = {}
     #: Every kind of result by its arrays.
     _KINDS: ClassVar[list[type[Synthesis]]] = []
 
@@ -123,7 +124,7 @@ class Synthesis(ShownResult, ABC):
     @classmethod
     @abstractmethod
     def _check(cls, canvas: Canvas, sample: tuple[int, int], arrays: dict[str, Any]) -> None:
-        """Raise `DamageError` unless kernels may trust these arrays, read from a file."""
+        """Raise `npz.DamageError` unless kernels may trust these arrays, read from a file."""
 
     def moved(
         self,
@@ -157,7 +158,8 @@ class Synthesis(ShownResult, ABC):
 
     def arrays(self) -> dict[str, NDArray[Any]]:
         """Return the arrays that `save` writes, by the name of the parameter."""
-        return {name: getattr(self, name) for name in self.ARRAYS}
+        found = {name: getattr(self, name) for name in (*self.ARRAYS, *self.OPTIONAL)}
+        return {name: array for name, array in found.items() if array is not None}
 
     @property
     def shape(self) -> tuple[int, int]:
@@ -385,16 +387,13 @@ class Synthesis(ShownResult, ABC):
         with one_line_errors(path):
             facts, arrays = read_result(path)
             hole = facts.check_hole(arrays.pop("hole", None))
-            fitting = [kind for kind in cls._KINDS if kind.ARRAYS.keys() <= arrays.keys()]
-            kind = max(fitting, key=lambda kind: len(kind.ARRAYS))
-            if any(arrays[key].dtype != dtype for key, dtype in kind.ARRAYS.items()):
-                raise DamageError("its arrays have other types")
+            kind = next(kind for kind in cls._KINDS if kind.ARRAYS.keys() <= arrays.keys())
+            own = arrays_of({**kind.ARRAYS, **kind.OPTIONAL}, arrays)
             canvas = Canvas(*facts.shape, facts.wrap, hole=hole, origin=facts.origin)
-            kind._check(canvas, facts.sample_shape, arrays)
+            kind._check(canvas, facts.sample_shape, own)
         if hole is not None:
             canvas = Canvas(*facts.shape, facts.wrap, known, hole)
         if isinstance(exemplar, Exemplar):
             exemplar = as_made_from(exemplar, facts.turn)
         about: dict[str, Any] = {name: getattr(facts, name) for name in ABOUT}
-        about |= {name: arrays[name] for name in kind.ARRAYS}
-        return kind(canvas, exemplar=exemplar, **about)
+        return kind(canvas, exemplar=exemplar, **own, **about)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from weftex.methods.near_regular import seam_kernels as kernels
-from weftex.results.patches import PatchSynthesis, RectifiedSynthesis
+from weftex.results.patches import PatchSynthesis
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -280,6 +280,4 @@ def paste_blocks(
         "provenance": provenance | facts,
     }
     pasted = layout.canvas, table[order].astype(np.int32), joints.weights, cuts
-    if sample.lookup is None:
-        return PatchSynthesis(*pasted, **about)
-    return RectifiedSynthesis(*pasted, lookup=sample.lookup, **about)
+    return PatchSynthesis(*pasted, lookup=sample.lookup, **about)

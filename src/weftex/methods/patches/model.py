@@ -33,7 +33,7 @@ from weftex.notes import is_asked, note, pixel_asked
 from weftex.progress import Progress, ProgressCallback
 from weftex.random import seed_number
 from weftex.results.paste_kernels import Layout
-from weftex.results.patches import PatchSynthesis, PatchWindow
+from weftex.results.patches import PatchSynthesis
 from weftex.search.zone_kernels import Shortlist
 from weftex.search.zone_search import ZoneSearch
 from weftex.threads import thread_count
@@ -139,7 +139,7 @@ class PatchModel(Model):
         top, left = (span.first - at for span, at in zip(box, plan.corner, strict=True))
         here = slice(top, top + box.shape[0]), slice(left, left + box.shape[1])
         picture = output.picture()
-        return PatchWindow(
+        return PatchSynthesis(
             canvas_of(box),
             output.placements,
             output.weights(),
