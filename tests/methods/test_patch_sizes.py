@@ -202,9 +202,3 @@ def test_what_would_fit_under_a_mask_is_named(method, side, parameters, said):
     fitting = {"patch_size": side} if side > 1 else None
     if fitting and "boundary" not in said:
         weftex.METHODS[method](**fitting).fit(exemplar)
-
-
-@pytest.mark.parametrize("threads", [0, -1, 1.5, "2", True])
-def test_bad_threads_are_refused(threads):
-    with pytest.raises(weftex.InvalidInputError, match="threads is"):
-        weftex.synthesize(np.zeros((40, 40), np.uint8), 40, seed=1, threads=threads)

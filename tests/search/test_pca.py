@@ -67,7 +67,7 @@ def test_a_query_gets_the_coordinates_of_its_window(seed, size, count):
     for n in {0, count // 2, count - 1}:
         features = np.empty(len(pca.basis), np.int16)
         means = windows[:, n].astype(np.int32)
-        _kernels.coordinates(pca.basis, pca.offset, pca.shift, means, features)
+        _kernels.project(pca.basis, pca.offset, pca.shift, means, features)
         assert np.array_equal(features, pca.features[:, n])
 
 
@@ -78,7 +78,7 @@ def test_queries_far_outside_do_not_overflow(seed, size):
     for level in (0, 255):
         features = np.empty(len(pca.basis), np.int16)
         means = np.full(size, level, np.int32)
-        _kernels.coordinates(pca.basis, pca.offset, pca.shift, means, features)
+        _kernels.project(pca.basis, pca.offset, pca.shift, means, features)
         raw = pca.basis.astype(np.int64) @ means - pca.offset
         expected = (raw + ((1 << pca.shift) >> 1)) >> pca.shift
         assert np.array_equal(features, expected.clip(-4095, 4095))
@@ -127,7 +127,7 @@ def test_feature_shortlist_is_the_m_smallest(seed, size, count, wanted):
     query = rng.integers(-spread, spread + 1, size).astype(np.int16)
     at = rng.permutation(10 * count)[:count].astype(np.int32)
     keys, places = np.empty(wanted, np.int64), np.empty(wanted, np.int32)
-    found = _kernels.windows_by_features(features, at, query, wanted, keys, places)
+    found = _kernels.nearest_by_features(features, at, query, wanted, keys, places)
     expected = reference.feature_distances(features, query)
     assert found == min(wanted, count)
     assert sorted(keys[:found].tolist()) == sorted(expected)[:wanted]
@@ -158,12 +158,12 @@ def test_shortlist_holds_the_best_window(name, rng):
         noisy = np.clip(pixels + rng.normal(0, 24, pixels.shape), 0, 255).astype(np.uint8)
         blocks = structure.zone.blocks
         means = np.empty(len(blocks) * exemplar.channels, np.int32)
-        _kernels.zone_means(noisy, y, x, blocks, structure.zone.side, means)
+        _kernels.block_means(noisy, y, x, blocks, structure.zone.side, means)
         query = np.empty(len(pca.basis), np.int16)
-        _kernels.coordinates(pca.basis, pca.offset, pca.shift, means, query)
+        _kernels.project(pca.basis, pca.offset, pca.shift, means, query)
         keys, places = np.empty(40, np.int64), np.empty(40, np.int32)
         at = np.arange(len(corners), dtype=np.int32)
-        _kernels.windows_by_features(pca.features, at, query, 40, keys, places)
+        _kernels.nearest_by_features(pca.features, at, query, 40, keys, places)
         wanted = noisy[y : y + 32, x : x + 32].astype(int)[mask].ravel()
         distance = ((zones - wanted) ** 2).sum(axis=1)
         lost += int(distance.argmin()) not in places

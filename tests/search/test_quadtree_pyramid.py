@@ -63,7 +63,7 @@ def test_block_means_of_a_canvas_wrap(side, channels, y, x):
     canvas = rng.integers(0, 256, (21, 21, channels), np.uint8)
     blocks = np.array([(0, 0), (3, 1), (1, 5)], np.int32)
     means = np.empty(3 * channels, np.int32)
-    _kernels.zone_means(canvas, y, x, blocks, side, means)
+    _kernels.block_means(canvas, y, x, blocks, side, means)
     expected = [reference.block_mean(canvas, y + v, x + u, side) for v, u in blocks]
     assert np.array_equal(means, np.concatenate(expected))
 
@@ -74,7 +74,7 @@ def shortlist(pixels, zone, means, usable, stride, wanted):
     columns = usable.shape[1]
     sums = np.empty(columns, np.int32), np.empty(columns, np.int64)
     found = _kernels.Shortlist(wanted, keys, places, None, None, None, *sums)
-    count = _kernels.windows_by_blocks(nodes, zone.blocks, means, usable, found)
+    count = _kernels.nearest_by_blocks(nodes, zone.blocks, means, usable, found)
     return keys[:count].tolist(), [tuple(divmod(p, columns)) for p in places[:count].tolist()]
 
 

@@ -5,7 +5,7 @@ cdef long long distance(const unsigned char[:, :, ::1] pixels, const unsigned ch
                         Py_ssize_t y, Py_ssize_t x, const int[:, ::1] runs,
                         const unsigned char[::1] query, long long bound) noexcept nogil
 
-cdef void block_means(const unsigned char[:, :, ::1] canvas, Py_ssize_t y, Py_ssize_t x,
+cpdef void block_means(const unsigned char[:, :, ::1] canvas, Py_ssize_t y, Py_ssize_t x,
                       const int[:, ::1] blocks, Py_ssize_t side, int[::1] means) noexcept nogil
 
 cdef class Shortlist:
@@ -20,18 +20,18 @@ cdef class Shortlist:
     cdef unsigned char[::1] barred  # why a candidate may not be taken; 0 if it may
     cdef long long[:, ::1] path  # scratch of `cut_bands`
 
-cdef Py_ssize_t nearest_by_blocks(const unsigned char[:, :, :, :, ::1] nodes,
+cpdef Py_ssize_t nearest_by_blocks(const unsigned char[:, :, :, :, ::1] nodes,
                                   const int[:, ::1] blocks, const int[::1] query,
                                   const unsigned char[:, ::1] usable,
                                   Shortlist shortlist) noexcept nogil
 
-cdef void project(const short[:, ::1] basis, const int[::1] offset, int shift,
+cpdef void project(const short[:, ::1] basis, const int[::1] offset, int shift,
                   const int[::1] means, short[::1] features) noexcept nogil
 
 cdef void distances_by_features(const short[:, ::1] features, const short[::1] query,
                                 int[::1] out) noexcept nogil
 
-cdef Py_ssize_t nearest_by_features(const short[:, ::1] features, const int[::1] at,
+cpdef Py_ssize_t nearest_by_features(const short[:, ::1] features, const int[::1] at,
                                     const short[::1] query, Py_ssize_t wanted,
                                     long long[::1] keys, int[::1] places) noexcept nogil
 

@@ -348,23 +348,3 @@ def zone_distances(canvas, y, x, pixels, turned, runs, corners, query):
     """Return A d**2 between the zone on the canvas and at each of `corners`, and its energy."""
     energy = gather(canvas, y, x, runs, query)
     return [distance(pixels, turned, v, u, runs, query, -1) for v, u in corners], energy
-
-
-def zone_means(canvas, y, x, blocks, side, means):
-    """Fill `means` with the means of the zone's blocks on the canvas."""
-    block_means(canvas, y, x, blocks, side, means)
-
-
-def windows_by_blocks(nodes, blocks, means, usable, shortlist: Shortlist):
-    """Call `nearest_by_blocks`; return how many windows were found."""
-    return nearest_by_blocks(nodes, blocks, means, usable, shortlist)
-
-
-def windows_by_features(features, at, query, wanted, keys, places):
-    """Call `nearest_by_features`; return how many windows were found."""
-    return nearest_by_features(features, at, query, wanted, keys, places)
-
-
-def coordinates(basis, offset, shift, means, features):
-    """Fill `features` with the coordinates of a query in the principal components."""
-    project(basis, offset, shift, means, features)

@@ -98,11 +98,12 @@ class ZoneSearch:
         self.source = _ALL if search == "exhaustive" else _BLOCKS
         if search not in ("exhaustive", "quadtree"):
             places, windows = self._low_resolution(pyramid)
+            points: NDArray[np.integer] = windows
             if "pca" in search:
                 self.pca, self.positions = fit_pca(windows, variance), places
-                self.source, windows = _COMPONENTS, self.pca.features
+                self.source, points = _COMPONENTS, self.pca.features
             if "kdtree" in search:
-                self.source, self.tree = _TREE, KDTree(windows.T, places, _TREE_ERROR)
+                self.source, self.tree = _TREE, KDTree(points.T, places, _TREE_ERROR)
         self.nodes = pyramid.nodes(zone.side, self.stride)
 
     def _thin_out(self) -> bool:
@@ -140,10 +141,10 @@ class ZoneSearch:
         """Return the windows that the kd-tree finds for the zone at (y, x) of the canvas."""
         assert self.tree is not None
         query = np.empty(len(self.zone.blocks) * canvas.shape[2], np.int32)
-        zone_kernels.zone_means(canvas, y, x, self.zone.blocks, self.zone.side, query)
+        zone_kernels.block_means(canvas, y, x, self.zone.blocks, self.zone.side, query)
         if self.pca is not None:
             pca, means, query = self.pca, query, np.empty(len(self.pca.basis), np.int16)
-            zone_kernels.coordinates(pca.basis, pca.offset, pca.shift, means, query)
+            zone_kernels.project(pca.basis, pca.offset, pca.shift, means, query)
         return self.tree.nearest(query, self.wanted)
 
 
