@@ -44,9 +44,8 @@ def test_other_origins_get_nothing(client, origin):
 
 @pytest.mark.parametrize("site", ["cross-site", "same-site"])
 def test_other_sites_get_nothing(client, site):
-    token = client.studio.token
-    answer = ask(client, "GET", "/api/about", x_weftex_token=token, sec_fetch_site=site)
-    assert answer.status_code == 403
+    headers = {"x-weftex-token": client.studio.token, "sec-fetch-site": site}
+    assert client.get("/api/about", headers).status_code == 403
 
 
 @pytest.mark.parametrize("token", [None, "", "wrong", "ü"])
@@ -96,7 +95,6 @@ def test_there_are_no_websockets(client, page):
     asked = {"connection": "Upgrade", "upgrade": "websocket", "sec-websocket-version": "13"}
     asked |= {"sec-websocket-key": "dGhlIHNhbXBsZSBub25jZQ=="}
     assert page.ask("GET", "about", headers=asked).status_code == 200  # an answer, and no socket
-    assert client.request("GET", "/socket", asked).status_code == 404
 
 
 @pytest.mark.parametrize(

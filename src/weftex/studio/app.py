@@ -33,13 +33,8 @@ _MARK = 60  # sweeps between two marks of the folders in use
 _BREATH = 0.004  # seconds between two steps of the imports, in which files of the page are sent
 #: What the routes under /api need, in steps; a thread for it would hold up the page's files more.
 _STEPS = (
-    "weftex.exemplar.material",
-    "weftex.methods",
-    "weftex.results.drawing",
-    "weftex.tasks.auto",
-    "weftex.tasks.analyze",
-    "weftex.studio.routes_start",
-    "weftex.studio.routes_results",
+    *("weftex.exemplar", "weftex.recipe.making", "weftex.quality", "weftex.analysis.drawn"),
+    *("weftex.studio.routes_start", "weftex.studio.routes_results"),
 )
 _PAGE = "index.html"
 _log = logging.getLogger(__name__)

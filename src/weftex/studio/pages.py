@@ -14,12 +14,7 @@ _TYPES = {
     "css": "text/css; charset=utf-8",
     "js": "text/javascript; charset=utf-8",
     "json": "application/json",
-    "txt": "text/plain; charset=utf-8",
     "svg": "image/svg+xml",
-    "png": "image/png",
-    "webp": "image/webp",
-    "ico": "image/x-icon",
-    "woff2": "font/woff2",
 }
 
 

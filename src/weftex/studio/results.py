@@ -15,7 +15,7 @@ from weftex.studio.pictures import shown
 from weftex.studio.refusals import Refusal
 
 if TYPE_CHECKING:
-    from weftex import Assessment, Exemplar
+    from weftex import Exemplar
     from weftex.io.pictures import Picture
     from weftex.studio.making import Made
     from weftex.studio.sessions import Session
@@ -81,23 +81,18 @@ def picture_of(made: Made, map_name: str | None, drawing: str | None, session: S
     return picture
 
 
-def assessed(made: Made, session: Session) -> Assessment:
-    """Return how good a result is."""
-
-    def measure() -> tuple[Assessment, int]:
-        return weftex.assess(made.result.sample, made.result), 4096
-
-    found: Assessment = session.find(measure, "figures", made.id)
-    return found
-
-
 def figures_of(made: Made, session: Session) -> dict[str, Any]:
     """Return what the page is told of how good a result is."""
-    found = assessed(made, session)
-    plain = found.as_dict()
-    figures = {name: plain.get(name) for name in FIGURES}
-    about = {"score": found.score, "flags": list(found.flags), "verdict": found.verdict()}
-    return {**about, "figures": figures}
+
+    def measure() -> tuple[dict[str, Any], int]:
+        found = weftex.assess(made.result.sample, made.result)
+        plain = found.as_dict()
+        figures = {name: plain.get(name) for name in FIGURES}
+        about = {"score": found.score, "flags": list(found.flags), "verdict": found.verdict()}
+        return {**about, "figures": figures}, 4096
+
+    found: dict[str, Any] = session.find(measure, "figures", made.id)
+    return found
 
 
 def seams_of(made: Made, session: Session) -> Bytes:
