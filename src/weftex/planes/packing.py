@@ -10,6 +10,7 @@ import numpy as np
 from weftex import Exemplar, FileError
 from weftex.io.npz import opened
 from weftex.io.pictures import atomic
+from weftex.raster.turning import gap_of
 from weftex.roles import Role
 
 if TYPE_CHECKING:
@@ -19,7 +20,8 @@ if TYPE_CHECKING:
 
 _FORMAT = "weftex plane 1"
 _MOST_BYTES = 2**34
-_FLAGS = ("tileable", "alpha", "name", "turn", "pieces")
+_FLAGS = ("tileable", "alpha", "name")
+_MADE_OF = ("pieces", "turn", "copy_shape")
 
 
 def packed(samples: Iterable[Exemplar]) -> tuple[list[dict[str, Any]], dict[str, NDArray[Any]]]:
@@ -32,7 +34,7 @@ def packed(samples: Iterable[Exemplar]) -> tuple[list[dict[str, Any]], dict[str,
         if one.icc is not None:
             arrays[f"icc{k}"] = np.frombuffer(one.icc, np.uint8)
         role = {"name": one.role.name, "kind": one.role.kind, "channels": one.role.channels}
-        flags = {name: getattr(one, name) for name in (*_FLAGS, "copy_shape")}
+        flags = {name: getattr(one, name) for name in (*_FLAGS, *_MADE_OF)}
         facts.append(flags | {"role": role})
     return facts, arrays
 
@@ -45,15 +47,17 @@ def unpacked(facts: Iterable[Any], arrays: Mapping[str, NDArray[Any]]) -> list[E
         texts = (one["name"], role.name, role.kind, *role.channels)
         if not all(isinstance(text, str) for text in texts):
             raise ValueError("a name is no text")
-        given = {name: one[name] for name in _FLAGS} | {
-            "role": role,
-            "mask": arrays.get(f"mask{k}"),
-        }
-        if given["turn"] is not None:
-            given["copy_shape"] = tuple(one["copy_shape"])
+        given = {name: one[name] for name in _FLAGS}
+        given |= {"role": role, "mask": arrays.get(f"mask{k}")}
         if f"icc{k}" in arrays:
             given["icc"] = arrays[f"icc{k}"].tobytes()
-        found.append(Exemplar(arrays[f"pixels{k}"], **given))
+        sample = Exemplar(arrays[f"pixels{k}"], **given)
+        made_of = {"pieces": bool(one["pieces"]), "turn": one["turn"], "copy_shape": None}
+        if one["turn"] is not None:
+            made_of["copy_shape"] = tuple(one["copy_shape"])
+            if gap_of(sample.shape, one["turn"], made_of["copy_shape"]) is None:
+                raise ValueError("its copies do not fit its sample")
+        found.append(sample.changed(**made_of))
     return found
 
 

@@ -17,6 +17,8 @@ if TYPE_CHECKING:
     #: Top, left, height and width.
     Box = tuple[int, int, int, int]
 
+__all__ = ["gap_of"]
+
 #: The copies of each way to turn a sample; those in one row are of one shape.
 TURNS: dict[str, list[list[Copy]]] = {
     "flip": [[(0, False), (0, True)]],
