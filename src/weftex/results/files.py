@@ -116,9 +116,7 @@ def read_result(path: str | os.PathLike[str]) -> tuple[Facts, dict[str, NDArray[
         return facts, file.read()
 
 
-def arrays_of(
-    types: Mapping[str, type], arrays: Mapping[str, NDArray[Any]]
-) -> dict[str, NDArray[Any]]:
+def arrays_of(types: Mapping[str, type], arrays: Mapping[str, NDArray[Any]]) -> dict[str, Any]:
     """Return those arrays that a kind of result has, after a look at their types."""
     own = {name: arrays[name] for name in types if name in arrays}
     if any(array.dtype != types[name] for name, array in own.items()):
