@@ -122,9 +122,9 @@ def crowd(folder: Path) -> Iterator[Row]:
     seconds, codes = [], []
 
     def ask(k: int) -> None:
-        paths = ["about", "jobs", "samples/stone_wall/picture", "samples/bricks/picture", "kept"]
+        paths = ["about", "jobs", "samples/stone_wall/picture", "samples/bricks/picture"]
         begin = time.perf_counter()
-        codes.append(tabs[k % 5].ask("GET", paths[k // 5 % 5]).status_code)
+        codes.append(tabs[k % 5].ask("GET", paths[k // 5 % 4]).status_code)
         seconds.append(time.perf_counter() - begin)
 
     for _ in range(10):
@@ -142,7 +142,7 @@ def crowd(folder: Path) -> Iterator[Row]:
     for _ in range(60):
         answer = tabs[0].ask("POST", "jobs", content=f'{{"recipe": {json.dumps(LONG)}}}')
         full.append(answer.status_code)
-    yield "60 long jobs at once", f"{full.count(201)} taken, {full.count(429)} refused"
+    yield "60 long jobs at once", f"{full.count(200)} taken, {full.count(429)} refused"
     for tab in tabs:
         tab.post("leave")
     run.end(signal.SIGTERM)

@@ -40,6 +40,7 @@ def test_progress_previews_and_an_end(client, page):
             assert answer.content.startswith(SIGNATURE)
             assert answer.headers["x-weftex-width"] == "256"
     assert job["total"] > job["done"] > 0 and job["stage"] and job["seconds"] > 0
+    assert job["recipe"]["method"] == "sleepy"  # by which a page that comes back takes it up
     page.ask("DELETE", f"jobs/{job['id']}")
     job = page.wait(job)
     assert (job["state"], job["results"], job["error"]) == ("cancelled", [], None)
