@@ -295,11 +295,11 @@ def placement_of(
         copies = OrientedMatching(sample, growth)
         if variety > 0:
             first = sample.part(sample.boxes[0]).windows
-            penalty = OrientedPenalty(
+            copies.penalty = OrientedPenalty(
                 policy, sample.exemplar, growth, first.pixels, first.usable, sample.boxes
             )
-            for way in (copies, *copies.ways):
-                way.penalty = penalty
+            for way in copies.ways:
+                way.penalty = copies.penalty
         return copies
     entire = EntirePatchMatching(sample, growth, lattice=method.lattice)
     if variety > 0:

@@ -130,7 +130,7 @@ def in_full_size(
 
 
 def _in_larger(
-    steps: list[Callable[..., Any]], places: list[tuple[int, int]]
+    steps: Sequence[Callable[..., Any]], places: list[tuple[int, int]]
 ) -> list[tuple[int, int]]:
     """The best matches on one larger level after the other."""
     found = np.array(places, np.int32)
