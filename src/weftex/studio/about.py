@@ -48,13 +48,11 @@ def _method(method: type[Method]) -> dict[str, Any]:
         "title": method.title,
         "paper": method.paper,
         "fast": "many" not in method.supports,  # that is what copying single pixels allows
-        "parameters": [_parameter(field) for field in dataclasses.fields(method)],
+        "parameters": [
+            {"name": one.name, "type": _KINDS[kind_of(one)], "default": one.default, **one.metadata}
+            for one in dataclasses.fields(method)
+        ],
     }
-
-
-def _parameter(field: dataclasses.Field[Any]) -> dict[str, Any]:
-    found = {"name": field.name, "type": _KINDS[kind_of(field)], "default": field.default}
-    return found | dict(field.metadata)
 
 
 @cache
