@@ -1,4 +1,4 @@
-"""Sums along lines and peaks near places, and what follows from them, beside slow twins."""
+"""Sums along lines, and what follows from them, beside slow twins."""
 
 from __future__ import annotations
 

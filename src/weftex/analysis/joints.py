@@ -13,6 +13,7 @@ from weakref import WeakKeyDictionary
 
 import numpy as np
 
+from weftex.analysis import kernels
 from weftex.analysis.correlation import wrapped_length
 from weftex.analysis.pairs import PHASES
 from weftex.analysis.relief import means, mixed
@@ -37,6 +38,7 @@ _STEP = 0.5  # pixels between distances that are tried
 _NEAR = np.linspace(0.94, 1.06, 25)  # of a distance, that a finer look tries
 _RIDGES = 8  # rows away that are rated, as far as the sample has them
 _FARTHEST = 0.05  # what ridges count at least, as near ones count 1
+_PHASES = np.array(PHASES)
 _FEWEST = 2  # that it must have
 _REACH = 0.75  # of what is across: the farthest that is rated
 _CHANCE = 0.1  # standard error of one ridge, about
@@ -102,15 +104,13 @@ class Joints:
         across = min(height / max(abs(c), 1e-9), width / max(abs(s), 1e-9)) / 2
         along = min(height / max(abs(s), 1e-9), width / max(abs(c), 1e-9)) / 2
         number = int(2 * across)
-        line = ((c * self.y + number / 2)[:, None] - s * self.x).astype(np.int64)
-        strip = ((s * self.y + along)[:, None] + c * self.x) * (_STRIPS / (2 * along))
-        strip = strip.astype(np.int64)
-        inside = self.inner & (line >= 0) & (line < number) & (strip >= 0) & (strip < _STRIPS)
-        edges = s * s * self.parts[0] - 2 * s * c * self.parts[1] + c * c * self.parts[2]
-        at, size = (strip * number + line)[inside], _STRIPS * number
-        # Added up in the order of the pixels, on every machine.
-        total = np.bincount(at, edges[inside], size).reshape(_STRIPS, number)
-        return total, np.bincount(at, minlength=size).reshape(_STRIPS, number)
+        down = np.stack([c * self.y + number / 2, s * self.y + along])
+        across_them = np.stack([-s * self.x, c * self.x])
+        direction = np.array([s * s, 2 * s * c, c * c, _STRIPS / (2 * along)])
+        total, count = np.zeros((_STRIPS, number)), np.zeros((_STRIPS, number), np.int64)
+        parts, inner = np.ascontiguousarray(self.parts), self.inner.view(np.uint8)
+        kernels.edges_along(parts, inner, direction, down, across_them, total, count)
+        return total, count
 
     def alike(self, angle: float) -> Floats:
         """Return the correlation of each strip with the others at distances of 0, 1, ... lines."""
@@ -204,15 +204,9 @@ def _rated(joints: Joints, vector: Floats) -> Courses:
 
 def contrast(profile: Floats, distances: Floats) -> tuple[Floats, NDArray[np.int64]]:
     """Return how far multiples of distances are above places between them, and their number."""
-    count = np.clip((_REACH * len(profile) / distances).astype(np.int64), 1, _RIDGES)
-    times = np.arange(1, _RIDGES + 1)[:, None]
-    weights = np.maximum(1 - times * distances / len(profile), _FARTHEST) * (times <= count)
-    places = (times[:, None] - np.array(PHASES)[:, None]) * distances
-    values = np.interp(places, np.arange(len(profile)), profile)
-    # Not by `sum`, whose order is not the same on every machine.
-    weights /= np.add.accumulate(weights)[-1]
-    ridge, *between = np.add.accumulate(values * weights[:, None])[-1]
-    return ridge - np.max(between, axis=0), count
+    found, count = np.empty(len(distances)), np.empty(len(distances), np.int64)
+    kernels.stand_out(profile, distances, _PHASES, _REACH, _RIDGES, _FARTHEST, found, count)
+    return found, count
 
 
 def _highest(profile: Floats, distances: Floats) -> tuple[float, float]:

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from weftex.analysis import kernels
 from weftex.analysis.correlation import correlate
 from weftex.analysis.pairs import PHASES
 from weftex.analysis.relief import mixed
@@ -145,12 +146,7 @@ def _profiles(correlation: Floats, angles: Floats, reach: int) -> Floats:
     far = np.minimum(
         (center + 1) / np.maximum(abs(cosines), 1e-9), (middle + 1) / np.maximum(abs(sines), 1e-9)
     )
-    total = np.zeros((len(angles), reach))
-    across = np.arange(reach)
-    for share in np.linspace(-0.5, 0.5, _SAMPLES):
-        y = (share * far * sines)[:, None] + across * cosines[:, None]
-        x = (share * far * cosines)[:, None] - across * sines[:, None]
-        rows = np.clip(np.rint(y).astype(np.int64) + middle, 0, correlation.shape[0] - 1)
-        columns = np.clip(np.rint(x).astype(np.int64) + center, 0, correlation.shape[1] - 1)
-        total += correlation[rows, columns]
-    return total / _SAMPLES
+    result = np.empty((len(angles), reach))
+    along = np.linspace(-0.5, 0.5, _SAMPLES)
+    kernels.means_along(correlation, cosines, sines, far, along, result)
+    return result
