@@ -6,8 +6,21 @@ import numpy as np
 import pytest
 
 from twins.measures import differ_at_joints, prediction_error
-from weftex.quality import seams
+from weftex.quality import kernels, seams
 from weftex.quality.copying import squared_steps
+
+
+def test_patches_are_weighed_by_definition(rng):
+    pixels = rng.integers(0, 256, (12, 17, 3), np.uint8)
+    features = np.zeros((8, 80), np.int16)
+    features[:, :75] = rng.integers(-99, 100, (8, 75))
+    corners = rng.integers(0, 8, 30) * 17 + rng.integers(0, 13, 30)
+    found = np.empty((8, 30), np.int32)
+    kernels.describe(pixels, corners, 5, features, np.zeros(80, np.int16), found)
+    for i, corner in enumerate(corners):
+        y, x = divmod(int(corner), 17)
+        patch = pixels[y : y + 5, x : x + 5].ravel().astype(int)
+        assert (found[:, i] == features[:, :75].astype(int) @ patch).all()
 
 
 @pytest.mark.parametrize("shape", [(21, 32), (30, 23), (40, 41)])

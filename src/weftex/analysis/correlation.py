@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from weftex.analysis import kernels
 from weftex.raster.arrays import median
 
 if TYPE_CHECKING:
@@ -45,46 +46,37 @@ def correlate(
     Eq. 3.13: each channel counts as much as it varies in both overlaps, a constant one not at all.
     Shift 0 is in the middle of the result.
     """
-    return correlation_and_power(levels, usable, reach)[0]
-
-
-def correlation_and_power(
-    levels: Floats,
-    usable: NDArray[np.bool_] | None = None,
-    reach: tuple[int, int] | None = None,
-) -> tuple[Floats, Floats]:
-    """Return `correlate` and the power spectrum of the usable levels around their mean."""
-    height, width = levels.shape[1:]
-    down, along = (height, width) if reach is None else reach
-    far = min(down, height - 1), min(along, width - 1)
-    size = wrapped_length(height + far[0]), wrapped_length(width + far[1])
     if usable is None or usable.all():
-        levels = levels - levels.mean(axis=(1, 2), keepdims=True)
-        rows, columns = (np.arange(-most, most + 1.0) for most in far)
-        count = np.outer(height - abs(rows), width - abs(columns))
+        around = levels - levels.mean(axis=(1, 2), keepdims=True)
+        return _normalized(around, power_of(around, _padded(levels.shape[1:], reach)), reach)
+    mean = (levels * usable).sum(axis=(1, 2), keepdims=True) / max(1, int(usable.sum()))
+    size, far = _padded(usable.shape, reach), _farthest(usable.shape, reach)
+    mask = np.fft.rfft2(usable.astype(np.float64), size)
 
-        def over_overlaps(values: Floats) -> Floats:
-            return _running_sums(values, far)
-    else:
-        levels = levels - (levels * usable).sum(axis=(1, 2), keepdims=True) / max(1, usable.sum())
-        levels = levels * usable
-        mask = np.fft.rfft2(usable.astype(np.float64), size)
-        count = np.rint(_unwrapped(np.fft.irfft2(mask * mask.conj(), size), far))
+    def over_overlaps(values: Floats) -> Floats:
+        return _unwrapped(np.fft.irfft2(np.fft.rfft2(values, size) * mask.conj(), size), far)
 
-        def over_overlaps(values: Floats) -> Floats:
-            return _unwrapped(np.fft.irfft2(np.fft.rfft2(values, size) * mask.conj(), size), far)
-
-    power, above, below = power_of(levels, size), 0 * count, 0 * count
-    for level in levels:
-        sums, squares = over_overlaps(level), over_overlaps(level * level)
+    count = np.rint(_unwrapped(np.fft.irfft2(mask * mask.conj(), size), far))
+    above, below, spectrum = 0 * count, 0 * count, np.zeros(mask.shape, np.complex128)
+    for level in (levels - mean) * usable:
+        waves = np.fft.rfft2(level, size)
+        spectrum += waves * waves.conj()
+        sums, squares = over_overlaps(level), over_overlaps(level**2)
         spread = count * squares - sums * sums
-        spread *= spread > _FLAT * squares.max() * count
+        spread *= spread > _FLAT * float(squares.max()) * count
         # The other part of the overlap is what the opposite shift leaves.
         above -= sums * sums[::-1, ::-1]
         below += np.sqrt(spread * spread[::-1, ::-1])
-    above += count * _unwrapped(np.fft.irfft2(power, size), far)
+    above += count * _unwrapped(np.fft.irfft2(spectrum, size), far)
     result = np.divide(above, below, out=np.zeros(below.shape), where=below > 0)
-    return np.clip(result, -1, 1, out=result), power
+    return np.clip(result, -1, 1, out=result)
+
+
+def correlation_and_power(levels: Floats) -> tuple[Floats, Floats]:
+    """Return `correlate(levels)` and the power spectrum of the levels around their mean."""
+    around = levels - levels.mean(axis=(1, 2), keepdims=True)
+    power = power_of(around, _padded(levels.shape[1:]))
+    return _normalized(around, power, None), power
 
 
 def power_of(levels: Floats, size: tuple[int, int]) -> Floats:
@@ -99,7 +91,7 @@ def power_of(levels: Floats, size: tuple[int, int]) -> Floats:
 def whitened(flat: Relief, power: Floats | None = None) -> tuple[Floats, float]:
     """Return the correlation with all frequencies as strong as those around them, and chance."""
     height, width = flat.usable.shape
-    size = wrapped_length(2 * height - 1), wrapped_length(2 * width - 1)
+    size = _padded((height, width))
     if power is None:
         power = power_of(flat.levels, size)
     v, u = np.fft.fftfreq(size[0])[:, None], np.fft.rfftfreq(size[1])
@@ -129,15 +121,42 @@ def whitened(flat: Relief, power: Floats | None = None) -> tuple[Floats, float]:
     return found, chance
 
 
-def _running_sums(values: Floats, far: tuple[int, int]) -> Floats:
-    """Return the sums over what overlaps at each shift (eq. 3.6)."""
-    for axis, (side, most) in enumerate(zip(values.shape, far, strict=True)):
-        shifts = np.arange(-most, most + 1)
-        sums = np.zeros(np.add(values.shape, (axis == 0, axis == 1)))
-        np.cumsum(values, axis=axis, out=sums[1:] if axis == 0 else sums[:, 1:])
-        ends, starts = side + np.minimum(shifts, 0), np.maximum(shifts, 0)
-        values = sums.take(ends, axis) - sums.take(starts, axis)
-    return values
+def _normalized(levels: Floats, power: Floats, reach: tuple[int, int] | None) -> Floats:
+    """Return the correlation of levels around 0, from their power spectrum."""
+    _, height, width = levels.shape
+    far = _farthest((height, width), reach)
+    (rows, high), (columns, wide) = map(_overlaps, (height, width), far)
+    shape = len(high), len(wide)
+    above, below = np.zeros(shape), np.zeros(shape)
+    sums, squares = np.empty(shape), np.empty(shape)
+    down, along = np.empty((2, height + 1, width)), np.empty((2, width + 1))
+    for level in np.ascontiguousarray(levels):
+        most = kernels.overlap_sums(level, rows, columns, down, along, sums, squares)
+        kernels.add_channel(sums, squares, high, wide, _FLAT * most, above, below)
+    products = np.fft.irfft2(power, _padded((height, width), reach))
+    kernels.divide(above, below, high, wide, products)
+    return above
+
+
+def _farthest(shape: tuple[int, ...], reach: tuple[int, int] | None) -> tuple[int, int]:
+    """Return the farthest shift, downwards and to the right."""
+    down, along = (
+        shape if reach is None else (min(n, r + 1) for n, r in zip(shape, reach, strict=True))
+    )
+    return down - 1, along - 1
+
+
+def _padded(shape: tuple[int, ...], reach: tuple[int, int] | None = None) -> tuple[int, int]:
+    """Return the sides at which nothing wraps around into a shift within reach."""
+    down, along = map(sum, zip(shape, _farthest(shape, reach), strict=True))
+    return wrapped_length(down), wrapped_length(along)
+
+
+def _overlaps(side: int, most: int) -> tuple[NDArray[np.int64], Floats]:
+    """Return the first and last of what overlaps at shifts of at most so much, and its length."""
+    shifts = np.arange(-most, most + 1)
+    ends = np.stack([np.maximum(shifts, 0), side + np.minimum(shifts, 0)], axis=1)
+    return ends, (side - abs(shifts)).astype(np.float64)
 
 
 def _unwrapped(values: Floats, far: tuple[int, int]) -> Floats:
