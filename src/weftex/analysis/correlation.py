@@ -69,7 +69,8 @@ def correlate(
         below += np.sqrt(spread * spread[::-1, ::-1])
     above += count * _unwrapped(np.fft.irfft2(spectrum, size), far)
     result = np.divide(above, below, out=np.zeros(below.shape), where=below > 0)
-    return np.clip(result, -1, 1, out=result)
+    clipped: Floats = np.clip(result, -1, 1, out=result)
+    return clipped
 
 
 def correlation_and_power(levels: Floats) -> tuple[Floats, Floats]:
