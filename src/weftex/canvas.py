@@ -1,4 +1,4 @@
-"""What to make: a size, what wraps around, what is known already, and what to follow."""
+"""The canvas: the output's size, the axes that wrap around, known pixels and the guide."""
 
 from __future__ import annotations
 

@@ -41,7 +41,7 @@ class InvalidInputError(WeftexError, ValueError):
 
 
 class UnsupportedError(WeftexError):
-    """The method cannot do this kind of canvas; the message names those that can."""
+    """The method cannot do this kind of canvas; the message names the methods that can."""
 
 
 class FileError(WeftexError, OSError):

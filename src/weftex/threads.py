@@ -24,7 +24,7 @@ def thread_count(threads: int | None) -> int:
 
 
 def _processors() -> int:
-    """Those that this process may run on, which a container or a queue may have made few."""
+    """The number of processors that this process may use; containers and queues may limit it."""
     if sys.version_info >= (3, 13):
         return os.process_cpu_count() or 1
     if hasattr(os, "sched_getaffinity"):  # Linux

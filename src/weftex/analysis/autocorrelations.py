@@ -141,7 +141,7 @@ def find_peaks(correlation: NDArray[np.float64]) -> Peaks:
 
 
 def _wider(values: NDArray[np.float64], by: int, first: bool = False) -> NDArray[np.float64]:
-    """Maxima over squares that reach `by` pixels further than those that `values` has."""
+    """Maxima over squares that reach `by` pixels further than the squares of `values`."""
     for axis in (0, 1):
         place = np.arange(values.shape[axis])
         before = values.take(np.maximum(place - by, 0), axis)
@@ -188,7 +188,7 @@ def fit_vectors(
 
 
 def _most_times(vectors: NDArray[np.float64], far: NDArray[np.float64]) -> int:
-    """No multiple of more than so many times a vector is less far off, in x and in y."""
+    """The number of times a vector from which on every multiple is beyond `far`."""
     if len(vectors) == 1:
         return int((far / np.maximum(abs(vectors[0]), 1e-9)).min()) + 1
     (ax, ay), (bx, by) = abs(vectors).tolist()
@@ -199,7 +199,7 @@ def _most_times(vectors: NDArray[np.float64], far: NDArray[np.float64]) -> int:
 
 @lru_cache(maxsize=64)
 def _all_times(limit: int, number: int) -> NDArray[np.int64]:
-    """Up to so many times each of one or two vectors, but for none of either."""
+    """Multiples of one or two vectors up to a number of times each; not the zero shift."""
     ranges = [np.arange(-limit, limit + 1)] * number
     times = np.stack(np.meshgrid(*ranges), axis=-1).reshape(-1, number)
     times = times[times.any(axis=1)]

@@ -49,7 +49,7 @@ class Bonds:
         self.spread = max(float(np.sqrt(power)), 1e-12)
 
     def best(self, chance: float = 0.0) -> tuple[Floats, float] | None:
-        """The bond that is told best, right or not, and how surely; None where rows are too short.
+        """The most likely bond and its confidence; None where rows are too short.
 
         Vectors lead along a row and to the next. How far multiples are above what is between them,
         times the root of their number, is in units of the spread of all, or of `chance` if that is
@@ -69,7 +69,7 @@ class Bonds:
         return np.stack([found[0], self.rows + found[1] * self.along]), best
 
     def of(self, vectors: Floats) -> float | None:
-        """How surely the bond is told that a lattice is; None if it is none of these rows."""
+        """The confidence of the bond that a lattice has; None if it is no bond of these rows."""
         times = np.stack(np.meshgrid(*[np.arange(-_SUMS, _SUMS + 1)] * 2), axis=-1).reshape(-1, 2)
         sums = times[times.any(axis=1)] @ vectors
         steps, places = sums @ self.rows / self.distance**2, sums @ self.along
@@ -81,7 +81,7 @@ class Bonds:
         return float(self._rated(length, places[next_one][:1] % length)[0])
 
     def _rated(self, length: float, shifts: Floats) -> Floats:
-        """How surely multiples of a piece are told, for each shift."""
+        """The evidence for multiples of a piece, for each shift."""
         most = int(self.far / length) + 2
         away, times = np.mgrid[: _ROWS + 1, -most - _ROWS : most + 1].reshape(2, -1)
         ahead = (away > 0) | (times > 0)
@@ -102,7 +102,7 @@ class Bonds:
 def _along(
     correlation: Floats, rows: Floats, along: Floats, distance: float
 ) -> tuple[Floats, Floats]:
-    """The correlation some rows away and so many pixels along them, its mean along them taken off.
+    """The correlation at shifts of whole rows and of pixels along them, minus its mean along them.
 
     And the share of the sample that overlaps there, 0 where that is too little.
     """

@@ -223,7 +223,7 @@ def _highest(profile: Floats, distances: Floats) -> tuple[float, float]:
 
 
 def _settled(profile: Floats, distance: float, closest: float) -> float:
-    """Return the distance, that of closer rows that stand out as much, or twice the distance."""
+    """Return the distance, that of closer rows with ridges as high, or twice the distance."""
     near = distance * _NEAR
     heights = contrast(_blurred(profile, _BLUR * distance), near)[0]
     distance, own = float(near[heights.argmax()]), float(heights.max())

@@ -168,7 +168,7 @@ def means_along(
     along: cython.const[cython.double][::1],
     out: cython.double[:, ::1],
 ):
-    """Average along lines of some directions, each so many pixels from the middle."""
+    """Average along lines of some directions, at the given distances from the middle."""
     cython.declare(k=cython.Py_ssize_t, i=cython.Py_ssize_t, j=cython.Py_ssize_t)
     cython.declare(c=cython.double, s=cython.double, x=cython.double, y=cython.double)
     height: cython.Py_ssize_t = values.shape[0]

@@ -37,7 +37,7 @@ _HIGHER = 0.8  # of its height: the most that every second ridge lies above the 
 
 
 def find_rows(flat: Relief) -> tuple[Floats, float] | None:
-    """Find the vector from one row to the next, and how far its ridges stand out."""
+    """Find the vector from one row to the next, and the height of its ridges."""
     height, width = flat.usable.shape
     reach = int(_REACH * min(height, width))
     if (reach - 1) / _FEWEST <= _CLOSEST:
@@ -57,7 +57,7 @@ def find_rows(flat: Relief) -> tuple[Floats, float] | None:
 
 
 def ridges(correlation: Floats, vector: Floats) -> tuple[float, int]:
-    """How far the ridges of rows stand out of a correlation, but for the highest; and how many.
+    """The height of the ridges of rows in a correlation without the highest, and their number.
 
     Rows of many heights have some ridges by chance, which are not at all multiples.
     """
@@ -69,7 +69,7 @@ def ridges(correlation: Floats, vector: Floats) -> tuple[float, int]:
 
 
 def _divided(profile: Floats, distance: float) -> float:
-    """The closest rows of which every so many-th are these, and that stand out as much."""
+    """The closest rows that include these at regular intervals, with ridges as high."""
     least = _AS_HIGH * float(_stand(profile, distance).mean())
     for parts in range(_PARTS, 1, -1):
         closer = distance / parts * np.linspace(0.97, 1.03, 25)
@@ -81,7 +81,7 @@ def _divided(profile: Floats, distance: float) -> float:
 
 
 def _stand(profile: Floats, distance: float) -> Floats:
-    """How far each ridge stands out above the highest that is half and a third of the way to it."""
+    """The height of each ridge above the highest at half and at a third of its distance."""
     places = np.arange(len(profile))
     times = np.arange(1, max(1, min(_RIDGES, int((len(profile) - 1) / distance))) + 1)
     ridges, *others = (np.interp((times - phase) * distance, places, profile) for phase in PHASES)
@@ -90,7 +90,7 @@ def _stand(profile: Floats, distance: float) -> Floats:
 
 
 def _alternates(profile: Floats, distance: float) -> bool:
-    """Whether every second ridge is higher: edges lie at both sides of what repeats."""
+    """Whether every second ridge is higher: each element of the rows has an edge at both sides."""
     times = np.arange(1, int((len(profile) - 1) / distance) + 1)
     heights = np.interp(times * distance, np.arange(len(profile)), profile)
     if len(heights) < 2:

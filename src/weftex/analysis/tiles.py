@@ -92,7 +92,7 @@ def _divide(field: Field, vectors: Floats) -> Floats:
 
 
 def _multiply(field: Field, vectors: Floats) -> Floats:
-    """Return two or three times the tile where its multiples stand out: colors alternate."""
+    """Return two or three times the tile where its multiples correlate more: colors alternate."""
     reach = reach_of(field, vectors, MOST_MULTIPLES)
     for index in (2, 3):
         for across in (1, index):
@@ -110,7 +110,7 @@ def _multiply(field: Field, vectors: Floats) -> Floats:
 
 
 def _turned(field: Field, vectors: Floats, tried: Sequence[Floats]) -> Floats:
-    """The larger tile of those tried whose own multiples stand out most, if they do.
+    """The larger tile whose own multiples have the highest peaks, if there is one.
 
     Blocks of bricks that turn, as in a basket weave, match their neighbors in part; so the bricks
     are found, and two blocks are four to eighteen of them.

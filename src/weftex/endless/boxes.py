@@ -37,7 +37,7 @@ class Box(NamedTuple):
         return self.rows.last - self.rows.first, self.columns.last - self.columns.first
 
     def grown(self, down: int, across: int) -> Box:
-        """The same and so many more pixels on either side."""
+        """The same box, larger by a number of pixels on each side."""
         return Box(self.rows.grown(down), self.columns.grown(across))
 
     def has(self, other: Box) -> bool:
@@ -105,7 +105,7 @@ def as_period(period: int | tuple[int, int] | None) -> tuple[int, int] | None:
 
 
 def check_period(period: tuple[int, int] | None, least: int) -> None:
-    """Raise `InvalidInputError` if a plane comes back to itself too soon for its blocks."""
+    """Raise `InvalidInputError` if a plane's period is too short for its blocks."""
     for name, length in zip(("height", "width"), period or (), strict=False):
         if length < least:
             raise InvalidInputError(

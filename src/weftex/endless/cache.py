@@ -1,4 +1,4 @@
-"""Blocks that were made, kept as long as there is room."""
+"""A cache of blocks, up to a limit of memory."""
 
 from __future__ import annotations
 

@@ -101,7 +101,7 @@ class Grid:
         return self.own(block).grown(rows, columns)
 
     def seen(self, block: Block) -> Box:
-        """The same and all that it hangs on; beside that what a start shows."""
+        """The same box with all that it depends on; beside that what a start shows."""
         belt, around = self.sizes.belt, self.sizes.around
         along = belt - self.sizes.loose if block.kind == INSIDE else belt
         grow = [
@@ -126,7 +126,7 @@ class Grid:
         ]
 
     def of_window(self, box: Box) -> list[Block]:
-        """The blocks that a window hangs on, in an order in which they can be made and laid.
+        """The blocks that a window depends on, in an order in which they can be made and pasted.
 
         Row by row of the grid, so that few are in use at a time; corners and edges of a row come
         before the interiors above it.

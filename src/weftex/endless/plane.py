@@ -148,7 +148,7 @@ class Plane:
         return self.cache.get(key, lambda: self.make(key[-1], threads))
 
     def make(self, block: Block, threads: int = 1) -> NDArray[np.int32]:
-        """Make a block, and those that it hangs on."""
+        """Make a block, and the blocks that it depends on."""
         seed = int(draw(self.asked.seed, "block", *block)[()])
         start = None
         seen, own, reached = (f(block) for f in (self.grid.seen, self.grid.own, self.grid.reached))
@@ -204,7 +204,7 @@ class Plane:
     def _filled(
         self, shown: NDArray[np.int32], hole: NDArray[np.bool_], seed: int, threads: int
     ) -> NDArray[np.int32]:
-        """Fill a hole by the method; `shown` has what is there, in the hole too."""
+        """Fill a hole by the method; `shown` has the pixels before, in the hole too."""
         height, width = shown.shape
         canvas = Canvas(height, width)
         if not hole.all() or (shown >= 0).any():

@@ -1,4 +1,4 @@
-"""Drawings of intermediate values of methods, and the stages of those that compare windows."""
+"""Drawings of intermediate values of methods, and the stages of methods that compare windows."""
 
 from __future__ import annotations
 

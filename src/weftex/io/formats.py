@@ -251,7 +251,7 @@ def check_fit(given: str, form: Format, pixels: NDArray[Any], alpha: bool) -> No
 
 
 def fits(icc: bytes | None, colors: int) -> bool:
-    """Return whether this is a whole profile for so many channels."""
+    """Return whether this is a whole profile for this number of channels."""
     space = {1: b"GRAY", 3: b"RGB "}.get(colors)
     whole = icc is not None and len(icc) > 128 and int.from_bytes(icc[:4], "big") == len(icc)
     return icc is not None and whole and icc[36:40] == b"acsp" and icc[16:20] == space

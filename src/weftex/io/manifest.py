@@ -65,7 +65,7 @@ class Manifest:
             shutil.rmtree(os.path.dirname(made), ignore_errors=True)
 
     def leave_out(self, outputs: Iterable[str], kept: Collection[str]) -> None:
-        """Remove outputs that have a record, but for those that are kept."""
+        """Remove outputs that have a record, except the kept ones."""
         for output in outputs:
             if output in self and output not in kept:
                 remove(os.path.join(self._folder, output))

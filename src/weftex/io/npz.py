@@ -68,7 +68,7 @@ class Arrays:
 
 @contextmanager
 def opened(path: str | os.PathLike[str]) -> Iterator[Arrays]:
-    """Open a file; no pickles are read. What is wrong with it raises errors of many kinds."""
+    """Open a file; no pickles are read. A damaged file raises errors of many kinds."""
     with open_regular(path) as raw, np.load(raw, allow_pickle=False) as file:
         if isinstance(file, np.ndarray):
             raise DamageError("it is one array")

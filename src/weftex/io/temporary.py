@@ -1,4 +1,4 @@
-"""Temporary files and folders of this process, and the removal of those that a dead process left.
+"""Temporary files and folders of this process; removal of the ones that a dead process left.
 
 A process holds a lock on each of its temporary files until it removes them; the lock ends with the
 process. So a file of this name and machine without a lock belongs to nobody.

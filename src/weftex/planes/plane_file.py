@@ -74,7 +74,7 @@ class PlaneFile:
         return self.count - sum(map(self.has, self.done() if done is None else done))
 
     def has(self, place: Place) -> bool:
-        """Whether a block is one of those that are to be made."""
+        """Whether a block is to be made."""
         level, row, column = place
         if not 0 <= level < self.levels:
             return False
@@ -103,7 +103,7 @@ class PlaneFile:
             record.add(place, sums)
 
     def damaged(self, done: Sums) -> Iterator[Place]:
-        """Give the blocks whose pixels are not those that were written; reads all of them."""
+        """Yield the blocks whose pixels differ from what was written; reads all blocks."""
         for place in filter(self.has, done):
             stores = self._stores(place[0]).values()
             if done[place] != tuple(store.sum_of(place) for store in stores):

@@ -1,4 +1,4 @@
-"""What is known of a plane beside its file: what it is made of, and which blocks are done.
+"""The record of a plane beside its file: its definition, and the blocks that are done.
 
 A folder, ``plane.tif.run``, has
 

@@ -28,7 +28,7 @@ def is_masked(values: Any) -> bool:
 
 
 def without_mask(pixels: Any) -> tuple[Any, NDArray[np.bool_] | None]:
-    """Return pixels, and which of them are usable: those that are masked in no channel."""
+    """Return pixels, and which of them are usable: not masked in any channel."""
     if not is_masked(pixels) or pixels.ndim not in (2, 3):
         return pixels, None
     masked: NDArray[np.bool_] = np.atleast_3d(np.ma.getmaskarray(pixels))

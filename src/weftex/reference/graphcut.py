@@ -191,7 +191,7 @@ class Graph:
         self.arcs += [(i, j, capacity), (j, i, capacity)]
 
     def new_side(self) -> set[Any]:
-        """The nodes that stay joined with the new patch: those that the flow does not cut off."""
+        """The nodes that stay joined with the new patch: the flow does not cut them off."""
         try:
             from scipy.sparse import coo_array
             from scipy.sparse.csgraph import breadth_first_order, maximum_flow

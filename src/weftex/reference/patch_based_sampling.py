@@ -24,7 +24,7 @@ def patch_based_sampling(
     tileable: bool = False,
     seed: int = 0,
 ) -> Made:
-    """Paste patches whose boundary zones match what is there, and feather them.
+    """Paste patches whose boundary zones match the output so far, and feather them.
 
     L. Liang, C. Liu, Y.-Q. Xu, B. Guo, H.-Y. Shum: Real-time texture synthesis by patch-based
     sampling, ACM Transactions on Graphics 20(3), 2001: section 2, with an exhaustive search.

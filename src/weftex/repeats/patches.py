@@ -86,7 +86,7 @@ class PatchPenalty:
         return result
 
     def _lines(self, axis: int, first: int) -> list[NDArray[np.int32]]:
-        """Rows or columns of the grid near a patch, the others, and those that it nearly covers.
+        """Rows or columns of the grid near a patch, the others, and the ones that it nearly covers.
 
         Of each its number, and its distance from the patch's first line in pixels.
         """

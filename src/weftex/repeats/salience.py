@@ -1,4 +1,4 @@
-"""The repetition penalty of entire samples: by the salient features that are in sight again."""
+"""The repetition penalty of entire samples: salient features that repeat nearby."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ UNIT = 64  #: weight of a repeat at no distance
 
 
 class Sight:
-    """The salience of a sample by cells, and what counts as a repeat in sight of a pixel.
+    """The salience of a sample by cells, and what counts as a repeat near a pixel.
 
     The salience of a cell is how far its color is from the sample's mean, squared. What lies around
     a hole stays, so repeats in line with it do not count more.
@@ -64,7 +64,7 @@ class Sight:
         return rows, columns, cells
 
     def missing(self, pixel: tuple[int, int], down: int, along: int) -> NDArray[np.uint8]:
-        """Whether a pixel is missing up to so many cells away: every `cell`-th, both ways."""
+        """Whether a pixel is missing, for every `cell`-th pixel up to a number of cells away."""
         rows, columns = (
             np.arange(at - n * self.cell, at + n * self.cell + 1, self.cell)
             for at, n in zip(pixel, (down, along), strict=True)
@@ -72,7 +72,7 @@ class Sight:
         return missing_at(self.output, rows, columns)
 
     def lines(self, pixel: tuple[int, int]) -> list[NDArray[np.int32]]:
-        """The rows and the columns in sight: every `cell`-th, and its distance in pixels."""
+        """The rows and the columns nearby: every `cell`-th, and its distance in pixels."""
         lines, canvas = [], self.output.canvas
         for at, side, n, wraps in zip(pixel, self.shape, canvas.shape, canvas.wrap, strict=True):
             reach = -(-int((1 + self.far) * side) // self.cell) * self.cell
@@ -84,7 +84,7 @@ class Sight:
 
 
 class SaliencePenalty:
-    """Salient features in sight of themselves, and pixels that are used more than others.
+    """Salient features that repeat nearby, and pixels that are used more than others.
 
     The canvas shows pieces of the sample; a patch shifted by t and a piece shifted by t' show the
     same places at the distance t - t'. Copies that the method matches on are up to `reduction`
@@ -153,7 +153,7 @@ class SaliencePenalty:
     def _pieces(
         self, pixel: tuple[int, int]
     ) -> tuple[NDArray[np.int32], NDArray[np.int32], NDArray[np.int32]]:
-        """The pieces in sight: their salience by cells, the boxes of these, and their shifts."""
+        """The pieces nearby: their salience by cells, the boxes of these, and their shifts."""
         sight, source = self.sight, self.output.source
         rows, columns = sight.lines(pixel)
         size, width = (rows.shape[1], columns.shape[1]), sight.shape[1]

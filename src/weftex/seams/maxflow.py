@@ -46,7 +46,7 @@ def minimum_cut(
 
 
 def search_trees(height: int, width: int) -> dict[str, NDArray[Any]]:
-    """Room for the search trees of a grid up to this size."""
+    """Memory for the search trees of a grid up to this size."""
     count = (height + 2) * (width + 2)
     active, orphans = np.zeros((2, count + 2), np.int32)
     return {"nodes": np.empty(count, _NODE), "active": active, "orphans": orphans}

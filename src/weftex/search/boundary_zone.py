@@ -1,4 +1,4 @@
-"""The boundary zone of a patch: the pixels that are compared, and the weights it is laid with.
+"""The boundary zone of a patch: the pixels that are compared, and its blending weights.
 
 Sections 2.1 and 2.2 of the paper draw three configurations for plain scan order (Fig. 3 b to d) and
 two more for tileable output (Fig. 5). They and every shape that a hole gives follow from one rule:

@@ -77,7 +77,7 @@ def look(
     x: cython.Py_ssize_t,
     known: Known,
 ) -> cython.longlong:
-    """Copy what is known around a pixel of the picture, with its weights; return their sum."""
+    """Copy the known pixels around a pixel, with their weights; return the sum of the weights."""
     cython.declare(height=cython.Py_ssize_t, width=cython.Py_ssize_t, reach=cython.Py_ssize_t)
     cython.declare(n=cython.Py_ssize_t, r=cython.Py_ssize_t, i=cython.Py_ssize_t)
     cython.declare(k=cython.Py_ssize_t, cy=cython.Py_ssize_t, cx=cython.Py_ssize_t)

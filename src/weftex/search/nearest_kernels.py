@@ -79,7 +79,7 @@ def nearest_within(
     search: NearestWindows, bounded: cython.bint, query: Query,
     near: cython.const[cython.int][::1], near_count: cython.Py_ssize_t,
 ) -> cython.Py_ssize_t:  # fmt: skip
-    """`nearest_window`, where `bounded` without those that are too far by their coordinates."""
+    """`nearest_window`; where `bounded`, without windows whose coordinates are too far."""
     cython.declare(i=cython.Py_ssize_t, place=cython.Py_ssize_t, best=cython.Py_ssize_t)
     cython.declare(n=cython.Py_ssize_t, least=cython.longlong, distance=cython.longlong)
     cython.declare(limit=cython.longlong)

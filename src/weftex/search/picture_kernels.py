@@ -1,5 +1,5 @@
 # mypy: ignore-errors
-"""The picture in the making, and what is known around a pixel; compiled, see setup.py, the .pxd.
+"""The picture in the making, and the known pixels around one; compiled, see setup.py, the .pxd.
 
 A window is a list of runs (dy, dx, length): stretches of a row, seen from its center.
 """
@@ -27,7 +27,7 @@ class Picture:
 
 
 class Query:
-    """Room for the known part of the window around a pixel."""
+    """Memory for the known part of the window around a pixel."""
 
     def __init__(self, runs, values):
         self.runs, self.values, self.count = runs, values, 0

@@ -1,4 +1,4 @@
-"""The levels of a Gaussian stack laid out, so that windows lie in memory as in any picture."""
+"""The levels of a Gaussian stack as one picture, so that windows are contiguous in memory."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class Layout:
-    """Lays the phases of level `number` out, one below the other; level 0 is the finest.
+    """Arranges the phases of level `number` one below the other; level 0 is the finest.
 
     Each phase has a margin of `reach` pixels that makes all windows whole: its other side if the
     sample tiles, else its mirror image.
@@ -46,7 +46,7 @@ class Layout:
 
     @cached_property
     def index(self) -> NDArray[np.int32]:
-        """Where each pixel of the sample is laid, as a flat index, not in a margin."""
+        """The flat index of each pixel of the sample in the arrangement, never in a margin."""
         every = np.arange(1, self.shape[0] * self.shape[1] + 1, dtype=np.int32)
         inside = self._margins(every, False).ravel()
         flat = np.flatnonzero(inside).astype(np.int32)
@@ -65,7 +65,7 @@ class Layout:
         return np.concatenate([np.pad(k, ((0, 0), (0, width - k.shape[1]))) for k in whole])
 
     def _margins(self, every: NDArray[np.int32], beyond: bool) -> NDArray[np.int32]:
-        """Lay out the pixels of the sample, with zeros in the margins or what goes on there."""
+        """Arrange the pixels of the sample; margins are zeros, or the sample's continuation."""
         step, sample = 1 << self.number, every.reshape(self.shape)
         phases = [sample[y::step, x::step] for y, x in phase_starts(self.number)]
         return self._below(phases, "wrap" if beyond else "constant")

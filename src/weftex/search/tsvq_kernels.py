@@ -73,7 +73,7 @@ def before(
 @cython.nogil
 @cython.exceptval(check=False)
 def push(tree: Tree, key: cython.longlong, node: cython.int) -> cython.void:
-    """Put a node into the heap of those that wait, nearest first."""
+    """Put a node into the heap of waiting nodes, nearest first."""
     cython.declare(i=cython.Py_ssize_t, above=cython.Py_ssize_t)
     i = tree.waiting
     tree.waiting += 1
@@ -120,7 +120,7 @@ def pop(tree: Tree) -> cython.int:
 
 
 def nearest(tree, leaves):
-    """The row nearest to the query in so many leaves, 1 without backtracking; ties: first place."""
+    """The row nearest to the query in the nearest leaves; of equal ones, the first."""
     cython.declare(node=cython.int, child=cython.int, i=cython.Py_ssize_t, best=cython.Py_ssize_t)
     cython.declare(near=cython.longlong, far=cython.longlong, d=cython.longlong)
     cython.declare(least=cython.longlong, n=cython.Py_ssize_t)

@@ -27,7 +27,7 @@ class ZoneWindows:
 
 
 class Shortlist:
-    """The candidates of one patch, and room for its zone and what the zone is searched by."""
+    """The candidates of one patch, and memory for its zone and for the query of the search."""
 
     def __init__(
         self, wanted, keys, places, query, means, coordinates, partial, total,

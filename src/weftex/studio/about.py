@@ -1,4 +1,4 @@
-"""What the page is told at the start: methods and their parameters, samples, formats."""
+"""What the page gets at the start: methods and their parameters, samples, formats."""
 
 from __future__ import annotations
 

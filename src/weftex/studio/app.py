@@ -1,4 +1,4 @@
-"""The server's application: routes, errors as one line, and what goes on beside requests."""
+"""The server's application: routes, errors as one line, and work beside requests."""
 
 from __future__ import annotations
 

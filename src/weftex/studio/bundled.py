@@ -25,7 +25,7 @@ def _text(name: str) -> str:
 
 @cache
 def module() -> str:
-    """Return the widget's module: those that it needs one after the other, each as a function."""
+    """Return the widget's module: all modules that it needs in order, each as a function."""
     done: dict[str, str] = {}
 
     def add(name: str) -> None:

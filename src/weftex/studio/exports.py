@@ -63,7 +63,7 @@ class Wanted:
 
 
 def export(made: Made, wanted: Wanted, downloads: Downloads, owner: str) -> dict[str, Any]:
-    """Write what is wanted of a result, one file or a zip; what the page is told of it."""
+    """Write the wanted parts of a result, one file or a zip; return the page's description."""
     with downloads.new_folder() as folder:
         files = write(made, wanted, folder)
         if len(files) == 1:

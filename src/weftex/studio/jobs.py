@@ -113,7 +113,7 @@ class Job:
         self.version += 1
 
     def as_json(self, ahead: int) -> dict[str, Any]:
-        """Return what the page is told; `ahead` jobs come before it."""
+        """Return the job as JSON for the page; `ahead` jobs come before it."""
         now, left = self._end or time.perf_counter(), None
         if self.state == "running" and self.done and now - self._stage_start > 0.2:
             left = round((now - self._stage_start) * (self.total - self.done) / self.done, 1)

@@ -44,7 +44,7 @@ def usual_limits() -> Limits:
 
 
 class Memory:
-    """What was made, as long as there is room: the longest unused goes first.
+    """Values in memory up to a limit: the longest unused goes first.
 
     Keys are tuples that begin with the key of a session.
     """
@@ -55,7 +55,7 @@ class Memory:
         self._kept: OrderedDict[tuple[Any, ...], tuple[Any, int]] = OrderedDict()
 
     def put(self, key: tuple[Any, ...], value: Any, size: int) -> None:
-        """Remember a value of so many bytes; the last is always remembered."""
+        """Remember a value of `size` bytes; the last is always remembered."""
         with self._lock:
             self._drop(key)
             self._kept[key] = value, size

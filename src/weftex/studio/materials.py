@@ -89,7 +89,7 @@ def _stem(upload: Mapping[str, Any]) -> str:
 
 
 def described(loaded: Loaded) -> dict[str, Any]:
-    """Return what the page is told of a material."""
+    """Return a material as JSON for the page."""
     exemplar, material = loaded.exemplar, loaded.material
     return {
         "id": id_of(loaded.spec),
@@ -112,7 +112,7 @@ def map_of(exemplar: Exemplar, main: str, name: str | None) -> Exemplar:
 
 
 def maps_of(exemplar: Exemplar, main: str) -> list[dict[str, Any]]:
-    """Return what the page is told of each map of a sample."""
+    """Return each map of a sample as JSON for the page."""
     named = {name: map_of(exemplar, main, name) for name in (main, *exemplar.maps)}
     return [
         {"name": name, "role": one.role.name, "dtype": one.pixels.dtype.name, "alpha": one.alpha}

@@ -34,7 +34,7 @@ class Plane:
 
 
 def begin(given: Any, session: Session) -> dict[str, Any]:
-    """Fit the method of a recipe to its material; what the page is told of the plane."""
+    """Fit the method of a recipe to its material; return the plane as JSON for the page."""
     recipe = Recipe.from_json(given)
     job = open_job(recipe.changed(size=None, tileable=False), session)
     name = id_of({"plane": job.recipe.as_json()})

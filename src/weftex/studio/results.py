@@ -32,7 +32,7 @@ def result_of(name: str, session: Session) -> Made:
 
 
 def described(made: Made, session: Session) -> dict[str, Any]:
-    """Return what the page is told of a result."""
+    """Return a result as JSON for the page."""
     result, used = made.result, made.result.provenance
     names = {id_: session.upload(id_)["name"] for id_ in made.recipe.pictures}
     return {
@@ -82,7 +82,7 @@ def picture_of(made: Made, map_name: str | None, drawing: str | None, session: S
 
 
 def figures_of(made: Made, session: Session) -> dict[str, Any]:
-    """Return what the page is told of how good a result is."""
+    """Return the quality of a result as JSON for the page."""
 
     def measure() -> tuple[dict[str, Any], int]:
         found = weftex.assess(made.result.sample, made.result)

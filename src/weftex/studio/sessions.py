@@ -67,7 +67,7 @@ class Session:
         return self.memory.get((self.key, *key))
 
     def remember(self, value: Any, size: int, *key: Any) -> None:
-        """Keep a value of so many bytes in memory as long as there is room."""
+        """Keep a value of `size` bytes in memory, within the limit."""
         self.memory.put((self.key, *key), value, size)
 
     def find(self, make: Callable[[], tuple[Any, int]], *key: Any) -> Any:
@@ -186,7 +186,7 @@ class Sessions:
 
 
 def key_of(secret: str) -> str:
-    """Return the name of a session's folder, from which its secret cannot be told."""
+    """Return the name of a session's folder, which does not reveal its secret."""
     return hashlib.sha256(secret.encode()).hexdigest()
 
 

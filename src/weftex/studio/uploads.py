@@ -55,7 +55,7 @@ class Coming:
         return self
 
     def write(self, chunk: bytes) -> None:
-        """Append a piece, or raise `Refusal` if there is no room."""
+        """Append a piece, or raise `Refusal` if the limit is reached."""
         most = self.session.limits.upload_bytes
         if self.count + len(chunk) > most:
             line = f"{self.name} has more than {most / 2**20:g} MiB, the most for one file"

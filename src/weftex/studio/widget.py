@@ -38,7 +38,7 @@ class View(anywidget.AnyWidget):  # type: ignore[misc]
         self.on_msg(self._answer)
 
     def _told(self) -> dict[str, Any]:
-        """What is there to be seen; the pictures themselves are sent when they are asked for."""
+        """The list of views; their pictures are sent on request."""
         sample, result = self._sample, self._result
         about = {"main": self._main, "maps": maps_of(sample, self._main)}
         seen: dict[str, Any] = {

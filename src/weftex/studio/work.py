@@ -121,7 +121,7 @@ class Batch:
         return cls(recipes, keep, Wanted.of(files, "batch"))
 
     def work(self, downloads: Downloads) -> Callable[[Job], None]:
-        """Return what makes it; the page is told of one file."""
+        """Return what makes it; the page gets one file."""
 
         def run(job: Job) -> None:
             with downloads.new_folder() as folder:

@@ -1,4 +1,4 @@
-"""Synthesizing natural textures (Ashikhmin, 2001): pixels go on from their neighbors' sources."""
+"""Synthesizing natural textures (Ashikhmin, 2001): pixels continue their neighbors' sources."""
 
 from __future__ import annotations
 

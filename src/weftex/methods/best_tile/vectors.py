@@ -20,7 +20,7 @@ _SIZES_TRIED = 16  # there
 
 
 def border_for(given: int | None, vectors: Vectors, exemplar: Exemplar) -> int:
-    """The width of borders: the given one, or up to 10 as the sample has room for.
+    """The width of borders: the given one, or at most 10 if the sample is large enough.
 
     Raises `InvalidInputError` if the sample has no room for the given one.
     """

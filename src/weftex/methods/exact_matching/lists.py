@@ -49,7 +49,7 @@ class ColorLists:
     coarse: NDArray[np.uint8]
 
     def for_kernels(self) -> kernels.Lists:
-        """Return the lists for kernels, with room for those that are looked up (section 4.4)."""
+        """Return the lists for kernels, and space for the lists that are looked up (4.4)."""
         kept = np.full((_KEPT_LISTS, 3), -1, np.int32)
         intervals = np.empty((_KEPT_LISTS, len(self.index.colors) + 2), np.int32)
         return kernels.Lists(self, kept, intervals)

@@ -108,7 +108,7 @@ def match_pixels(
 @cython.nogil
 @cython.exceptval(check=False)
 def look_around(lists: Lists, picture: Picture, search: Search) -> cython.void:
-    """Find the direct neighbors' colors, and the places where their sources go on (figure 3)."""
+    """Find the direct neighbors' colors, and the pixels that continue their sources (figure 3)."""
     cython.declare(d=cython.Py_ssize_t, y=cython.Py_ssize_t, x=cython.Py_ssize_t)
     cython.declare(height=cython.Py_ssize_t, width=cython.Py_ssize_t, columns=cython.Py_ssize_t)
     cython.declare(source=cython.Py_ssize_t)
@@ -140,7 +140,7 @@ def look_around(lists: Lists, picture: Picture, search: Search) -> cython.void:
 @cython.nogil
 @cython.exceptval(check=False)
 def next_of_block(picture: Picture, search: Search) -> cython.Py_ssize_t:
-    """The place where the sources of all four causal neighbors go on, if it is one; or -1."""
+    """The pixel that continues the sources of all four causal neighbors, or -1."""
     cython.declare(d=cython.Py_ssize_t)
     if search.y == 0 or search.x == 0 or search.x == picture.source.shape[1] - 1:
         return -1
@@ -209,7 +209,7 @@ def find_best(lists: Lists, picture: Picture, search: Search) -> cython.void:
 @cython.nogil
 @cython.exceptval(check=False)
 def compare_coherent(lists: Lists, picture: Picture, search: Search) -> cython.void:
-    """Compare the places where the neighbors' sources go on; of equal ones the first is best."""
+    """Compare the pixels that continue the neighbors' sources; of equal ones the first is best."""
     cython.declare(d=cython.Py_ssize_t, place=cython.Py_ssize_t, distance=cython.longlong)
     for d in range(lists.offsets.shape[0] + 1):
         place = search.goes_on[d]

@@ -171,7 +171,7 @@ class GraphCut(Method):
     def for_hole(
         self, hole: NDArray[np.bool_], usable: NDArray[np.bool_], given: frozenset[str] | None
     ) -> Self:
-        """See `Method.for_hole`; the other placements lay the entire sample."""
+        """See `Method.for_hole`; the other placements paste the entire sample."""
         if self.orientations != "upright":
             raise InvalidInputError(
                 f"orientations is {self.orientations!r}; holes are filled from a photo as it is"

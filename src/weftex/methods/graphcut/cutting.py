@@ -140,7 +140,7 @@ class Picture:
 
 
 def _graph(labeling: seam_kernels.Labeling, height: int, width: int) -> graph_kernels.Graph:
-    """Make room for the graph of a patch."""
+    """Allocate the graph of a patch."""
     return graph_kernels.Graph(
         labeling,
         choice=np.empty((height, width), np.uint8),

@@ -22,7 +22,7 @@ from cython.cimports.weftex.seams.maxflow_kernels import Grid
 
 @cython.cclass
 class Graph(Grid):
-    """The graph of a patch over a box of the canvas; there is room for the largest box."""
+    """The graph of a patch over a box of the canvas, allocated for the largest box."""
 
     def __init__(self, labeling: Labeling, choice, side, near, scratch, **grid):
         Grid.__init__(self, **grid)

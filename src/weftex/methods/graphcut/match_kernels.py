@@ -109,7 +109,7 @@ def run_of(
 def squares(
     one: cython.p_const_uchar, other: cython.p_const_uchar, count: cython.Py_ssize_t
 ) -> cython.int:
-    """The sum of squared differences of so many bytes, not more than fit."""
+    """The sum of squared differences of `count` bytes, at most as many as an integer can sum."""
     cython.declare(k=cython.Py_ssize_t)
     cython.declare(d=cython.short)  # whose products are summed up in pairs by one instruction
     total: cython.int = 0

@@ -1,4 +1,4 @@
-"""Holes: which blocks fill one, and what is known around it.
+"""Holes: the blocks that fill one, and the known pixels around it.
 
 Blocks that see known pixels continue them, drawn blocks too: they get the window that fits best.
 """
@@ -26,7 +26,7 @@ _HOLE, _BESIDE, _OFF = 0, 1, 2  # states of a pixel: beside are known pixels nex
 
 @dataclass(frozen=True, eq=False)
 class Hole:
-    """The blocks that fill a hole, and what is known around it; without a hole, all blocks."""
+    """The blocks that fill a hole, and the known pixels around it; without a hole, all blocks."""
 
     missing: NDArray[np.bool_]  # (H, W), empty without a hole
     near: NDArray[np.bool_]  # known pixels within the width of a border around the hole
@@ -78,7 +78,7 @@ class Hole:
 
 
 def find_hole(method: Any, sample: BlockSample, layout: Layout) -> Hole:
-    """Find the blocks that fill the canvas's hole, and what is known around it.
+    """Find the blocks that fill the canvas's hole, and the known pixels around it.
 
     Raises `InvalidInputError` if the sample has no whole window for one of them.
     """

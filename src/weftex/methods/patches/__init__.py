@@ -1,1 +1,1 @@
-"""What methods that lay patches share: patch-based sampling and image quilting."""
+"""Shared by the methods that paste patches: patch-based sampling and image quilting."""

@@ -104,7 +104,7 @@ class PatchModel(Model):
 
     @property
     def _plane_boundary(self) -> int:
-        """The boundary width on planes: as around a wrapped axis, room is left between two."""
+        """The boundary width on planes: as on a wrapped axis, two zones of a patch do not touch."""
         assert self.method.boundary_width
         return max(1, min(self.method.boundary_width, self.method.window_side // 4))
 
@@ -282,7 +282,7 @@ class Output:
         )  # fmt: skip
 
     def _shortlist(self) -> tuple[Shortlist, NDArray[np.int64], NDArray[np.int32]]:
-        """Return this thread's candidates, with room for those of any patch."""
+        """Return this thread's candidates, allocated for any patch."""
         if get_ident() not in self._shortlists:
             analysis, window = self.analysis, self.frame.window
             room = len(analysis.windows(*window)[1])

@@ -134,7 +134,7 @@ def bar(
     patches: Patches, p: cython.Py_ssize_t, width: cython.Py_ssize_t, count: cython.Py_ssize_t,
     found: Shortlist,
 ) -> cython.void:  # fmt: skip
-    """Bar what repeats patches around. Half of the patches continue none, or pieces grow large."""
+    """Bar offsets that repeat nearby patches; half of the patches continue none."""
     bar_repeats(
         patches.placements, patches.around[p], p, patches.keep_apart, patches.bits[p] & 1,
         found.places[:count], width, found.barred,

@@ -213,7 +213,7 @@ def _cells(shape: tuple[int, int], side: int) -> NDArray[np.int32]:
 def _nearest(
     usable: NDArray[np.uint8], index: NDArray[np.int32], shape: tuple[int, int]
 ) -> NDArray[np.int32]:
-    """See `Level.nearest`; `index` is where each place of the sample is laid."""
+    """See `Level.nearest`; `index` is where each pixel of the sample lies in the layout."""
     may = usable.ravel()[index].reshape(shape)
     if may.all():
         return index.reshape(shape)

@@ -38,7 +38,7 @@ _FEWEST = 2  # nodes around a plane that repeats
 
 
 class Part(NamedTuple):
-    """What a window hangs on at one level, in its pixels: blocks, and a box around them."""
+    """What a window depends on at one level, in its pixels: blocks, and a box around them."""
 
     grid: Grid
     blocks: list[Block]
@@ -95,7 +95,7 @@ def refined_window(
 
 
 def parts_of(levels: Sequence[Level], box: Box, asked: Asked) -> list[Part]:
-    """What a window hangs on at each level, the finest first."""
+    """What a window depends on at each level, the finest first."""
     parts = list[Part]()
     for number, level in enumerate(levels):
         pitch = _PITCHES[min(number, len(_PITCHES) - 1)]
@@ -113,7 +113,7 @@ def parts_of(levels: Sequence[Level], box: Box, asked: Asked) -> list[Part]:
 
 
 def goes_around(levels: Sequence[Level], period: tuple[int, int] | None) -> bool:
-    """Whether all levels come back to themselves after a period, and their blocks have room."""
+    """Whether all levels are periodic and their blocks fit into the period."""
     step = 1 << (len(levels) - 1)
     least = _FEWEST * _PITCHES[-1] * step
     return all(length % step == 0 and length >= least for length in period or ())

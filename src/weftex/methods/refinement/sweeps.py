@@ -55,7 +55,7 @@ def sweep_of(prepared: Prepared, output: Output, guide: Guide, seed: int, cyclic
 
 
 def refine_texture(sweep: Sweep, iteration: int, progress: Progress) -> int:
-    """Go over all wanted pixels once (RefineTexture, section 3); return how many changed."""
+    """Refine all wanted pixels once (RefineTexture, section 3); return how many changed."""
     changed = 0
     for line in sweep.lines(iteration):
         changed += sweep.refine(line, iteration)
@@ -103,7 +103,7 @@ class CoherentSweep:
         )
 
     def lines(self, iteration: int) -> list[NDArray[np.int32]]:
-        """To and fro, or from all four sides."""
+        """The scans of a sweep: in alternating directions, or from all four sides."""
         if self._cyclic:
             return cyclic_lines(self._rows, iteration, self._output_shape)
         if iteration % 2:
@@ -178,7 +178,7 @@ class BlockSweep:
         self._guide = kernels.GuidePair(NO_GUIDE, np.ones((1, 1), np.uint8), query_room(0, 1))
 
     def refine(self, output: Output, place: tuple[slice, slice]) -> None:
-        """Refine the pixels of a block, to and fro, until they change too little."""
+        """Refine the pixels of a block in alternating directions until they change too little."""
         rows, columns = place
         y, x = (np.arange(line.start, line.stop, dtype=np.int32) for line in place)
         line = (y[:, None] * np.int32(output.known.shape[1]) + x).ravel()

@@ -18,7 +18,7 @@ def gather(
     first: cython.Py_ssize_t,
     tree: Tree,
 ) -> cython.void:
-    """Copy what is known of a window to its bytes of the query, from byte `first` on."""
+    """Copy the known pixels of a window to its bytes of the query, from byte `first` on."""
     cython.declare(height=cython.Py_ssize_t, width=cython.Py_ssize_t, channels=cython.Py_ssize_t)
     cython.declare(i=cython.Py_ssize_t, k=cython.Py_ssize_t, at=cython.Py_ssize_t)
     cython.declare(cy=cython.Py_ssize_t, cx=cython.Py_ssize_t, n=cython.Py_ssize_t)

@@ -51,7 +51,7 @@ def scan_passes(
 def hole_passes(
     unknown: NDArray[np.bool_], wrap: tuple[bool, bool], seed: int, leaves: int, further: int
 ) -> list[Pass]:
-    """Return the passes of constrained synthesis: by what is known, then by whole windows."""
+    """Return the passes of constrained synthesis: by known pixels, then by whole windows."""
     places = inwards(unknown, wrap, seed)
     first = Pass(places, False, leaves * _MASKED_FACTOR)
     return [first] + [Pass(places, False, leaves)] * (_WHOLE_PASSES + further)

@@ -1,4 +1,4 @@
-"""How many levels a sample has room for, and how wide the windows are."""
+"""The number of levels that fit a sample, and the width of the windows."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ _PROPOSED_LEVELS = 4
 def levels_and_widths(
     exemplar: Exemplar, given: int | None, given_width: int | None, given_parent_width: int | None
 ) -> tuple[int, int, int]:
-    """Return the number of levels, S and N for a sample, from those that were given."""
+    """Return the number of levels, S and N for a sample, from the given ones."""
     width = window_width(exemplar, given_width)
     parent_width = max(1, width - 2) if given_parent_width is None else given_parent_width
     if parent_width >= max(width, 2):
@@ -46,7 +46,7 @@ def levels_and_widths(
 
 
 def window_width(exemplar: Exemplar, given: int | None) -> int:
-    """Return the width of the windows: the one given, or the widest proposed that has room."""
+    """Return the width of the windows: the given one, or the widest default that fits."""
     width: int = width_for(given, exemplar, PROPOSED_WIDTH)
     while True:
         try:
