@@ -1,4 +1,4 @@
-"""Near-regular synthesis: like its twin, the same at any place, going on with the lattice."""
+"""Near-regular synthesis: the same at any place, going on with the lattice."""
 
 import pickle
 
@@ -8,7 +8,6 @@ import pytest
 import weftex
 from families import noise
 from materials import wall
-from twins.near_regular import NearRegularTwin, usable_of
 
 LATTICE = (16, 0, 8, 12)
 
@@ -17,31 +16,17 @@ def model_of(pixels, **parameters):
     return weftex.NearRegular(**parameters).fit(weftex.Exemplar(pixels))
 
 
-@pytest.mark.parametrize(
-    "parameters",
-    [
-        {},
-        {"variety": 0.0},
-        {"candidates": 1, "tolerance": 0, "variety": 5.0},
-        {"border_width": 2, "lattice": (8.0, 12.25, -16.5, 0.3)},
-    ],
-    ids=str,
-)
-@pytest.mark.parametrize("corner", [(0, 0), (-35, 1000)])
-def test_like_its_twin(parameters, corner):
-    pixels = noise((44, 48, 3)) // 2 + wall(44, 48) // 2
-    settings = {
-        "lattice": (16.0, 0.0, 8.0, 12.0),
-        "block_size": 9,
-        "border_width": 6,
-        "tolerance": 1,
-        "candidates": 3,
-        "rectify": 0,
-    } | parameters
-    model = model_of(pixels, **settings)
-    twin = NearRegularTwin(pixels, usable_of(model), model.method, 7)
-    result = model.window(*corner, 25, 30, seed=7)
-    assert np.array_equal(result.source, twin.source(*corner, 25, 30))
+@pytest.mark.parametrize("name", ["bricks", "pebbles"])
+def test_cuts_show_less_than_straight_joints(name):
+    """Blocks are joined where they differ least, and each pixel is of one of them."""
+    pixels, differ = weftex.load_exemplar(f"sample:{name}").pixels, []
+    for blend in ("cut", "none"):
+        made = model_of(pixels, lattice=(1, 0, 0, 1), blend=blend).sample(200, seed=1)
+        assert np.array_equal(made.image, pixels[tuple(np.moveaxis(made.source, 2, 0))])
+        y, x = np.moveaxis(made.source[:, :-1] + (0, 1), 2, 0)
+        seam = (np.diff(made.source, axis=1) != (0, 1)).any(axis=2) & (x < pixels.shape[1])
+        differ.append(abs(pixels[y[seam], x[seam]].astype(int) - made.image[:, 1:][seam]).mean())
+    assert differ[0] < 0.8 * differ[1]
 
 
 @pytest.mark.parametrize("unconstrained", [False, True])
