@@ -1,4 +1,4 @@
-"""Every method by its slug: ours, and those of packages outside.
+"""Every method by its slug but `auto`: ours, and methods of packages outside.
 
 `weftex.methods` declares ours. A package outside adds its own by an entry point of the group
 ``weftex.methods``, whose name is the slug and whose object is the class.

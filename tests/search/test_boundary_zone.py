@@ -168,8 +168,10 @@ def test_distances_are_equation_2(known, width, channels, data):
     y, x = data.draw(st.integers(0, rows + 2)), data.draw(st.integers(0, columns + 1))
     corners = [(0, 0), (2, 4), (1, 2)]
     query = np.empty(zone.area * channels, np.uint8)
-    turned = np.ascontiguousarray(pixels.transpose(1, 0, 2))
-    keys, energy = _kernels.zone_distances(canvas, y, x, pixels, turned, zone.runs, corners, query)
+    transposed = np.ascontiguousarray(pixels.transpose(1, 0, 2))
+    keys, energy = _kernels.zone_distances(
+        canvas, y, x, pixels, transposed, zone.runs, corners, query
+    )
     mask = reference.zone_of(known, width)
     at = np.ix_((y + np.arange(rows)) % (rows + 3), (x + np.arange(columns)) % (columns + 2))
     there = canvas[at][mask].astype(int)
@@ -185,8 +187,10 @@ def test_distances_of_long_zones_do_not_overflow():
     known[100, 150] = False
     zone = boundary_zone(known, 200)
     black, white = np.zeros((200, 300, 3), np.uint8), np.full((200, 300, 3), 255, np.uint8)
-    turned = np.ascontiguousarray(white.transpose(1, 0, 2))
+    transposed = np.ascontiguousarray(white.transpose(1, 0, 2))
     query = np.empty(zone.area * 3, np.uint8)
-    keys, energy = _kernels.zone_distances(black, 0, 0, white, turned, zone.runs, [(0, 0)], query)
+    keys, energy = _kernels.zone_distances(
+        black, 0, 0, white, transposed, zone.runs, [(0, 0)], query
+    )
     assert keys == [zone.area * 3 * 255**2] and keys[0] > 2**31
     assert energy == 0

@@ -21,7 +21,7 @@ def test_places_of_a_level_are_places_of_the_sample(shape, tileable):
         assert np.array_equal(pictures[number][0], gaussian_pyramid(pixels, 3, tiles)[number])
         assert np.array_equal(masks[number][0], mask_pyramid(mask, 3, tiles)[number])
         layout = Layout(shape, number, 1, tileable)
-        laid, usable = layout.lay(pictures[number]), layout.usable(masks[number])
+        laid, usable = layout.arranged(pictures[number]), layout.usable(masks[number])
         level = reference.RefinedLevel(
             reference.stacked(pixels, number, tiles),
             reference.stacked(mask, number, tiles, reference.coarser_mask),

@@ -29,7 +29,7 @@ _heard: list[int] = []
 
 
 class Stopped(BaseException):
-    """A signal stopped the command; `code` is the exit code, `left` says what is there."""
+    """A signal stopped the command; `code` is the exit code, `left` says what was written."""
 
     def __init__(self, code: int, left: str = "nothing was written") -> None:
         super().__init__(code)

@@ -116,7 +116,7 @@ class Plane:
             for block, made in zip(
                 blocks, each(lambda block: self.block(block, within), blocks), strict=True
             ):
-                lay(shown, box, made, self.grid.reached(block))
+                paste(shown, box, made, self.grid.reached(block))
                 progress.advance(1)
         return shown
 
@@ -162,7 +162,7 @@ class Plane:
         else:
             shown = start
         for other in self.grid.hangs_on(block):
-            lay(shown, seen, self.block(other, threads), self.grid.reached(other))
+            paste(shown, seen, self.block(other, threads), self.grid.reached(other))
         hole = hole_of(own, seen)
         loose = hole[reached.within(seen)]
         free = self._may_replace(block, loose.shape)
@@ -226,7 +226,7 @@ def hole_of(own: Box, within: Box) -> NDArray[np.bool_]:
     return hole
 
 
-def lay(shown: NDArray[np.int32], box: Box, block: NDArray[np.int32], place: Box) -> None:
+def paste(shown: NDArray[np.int32], box: Box, block: NDArray[np.int32], place: Box) -> None:
     """Lay a block over what a box shows."""
     part = block[box.within(place)]
     here = shown[place.within(box)]

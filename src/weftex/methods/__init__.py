@@ -1,5 +1,7 @@
 """How to choose the pixels: one package a method, named after its slug.
 
+Patch-based sampling and quilting are a module each, over the shared package `patches`.
+
 Examples
 --------
 >>> make_method("quilting", {"patch_size": 24}).patch_size

@@ -98,12 +98,13 @@ def sample_by_patches(output: Output, method: PatchSampling) -> None:
         # tileable output, any shape at a hole. Of the sample's patches a kd-tree, the quadtree
         # pyramid or principal components find candidates for it (section 3:
         # `search.zone_search`, `zone_kernels.nearest_by_blocks` and `nearest_by_features`).
-        candidates = output.windows_for(run)
-        # Step 1 where nothing is pasted yet, else steps 2 to 4: draw B_k from Psi_B, paste it.
+        candidates = output.search_for(run)
+        # Step 1 where nothing is pasted yet, else steps 2 to 4: draw B_k from Psi_B
+        # (`patch_kernels.draw_one`), paste it.
         # Step 6, feathering (weights: `boundary_zone`; `paste_kernels.blend`), follows each patch,
         # or the last where blend is feather-at-end.
         output.choose_and_paste(run, candidates, psi_b)
 
-    # Step 5: until I_out is covered, in the order of Fig. 3 (a); holes in spiral order
-    # (section 2.3), single pixels in scan order (section 2.5).
-    output.in_order(paste)
+    # Step 5: until I_out is covered, in the order of Fig. 3 (a) (`orders.scan_patches`); holes in
+    # spiral order (section 2.3), single pixels in scan order (section 2.5).
+    output.paste_in_order(paste)

@@ -215,10 +215,10 @@ def define(
         exemplar, chosen, number, *shape, _AXES[tileable], block, stems=dict(stems or {})
     )
     period = period_of(shape, made.wrap)
-    told = made.model.window(0, 0, 1, 1, seed=number, period=period).provenance
+    given = made.model.window(0, 0, 1, 1, seed=number, period=period).provenance
     if chosen.slug != AUTO:
         return made
-    return replace(made, method=_method(told["method"], told), reason=told["reason"])
+    return replace(made, method=_method(given["method"], given), reason=given["reason"])
 
 
 def period_of(shape: tuple[int, int], wrap: tuple[bool, bool]) -> tuple[int, int] | None:
@@ -227,10 +227,10 @@ def period_of(shape: tuple[int, int], wrap: tuple[bool, bool]) -> tuple[int, int
     return (height * (2 - wrap[0]), width * (2 - wrap[1])) if any(wrap) else None
 
 
-def _method(slug: str, told: Mapping[str, Any]) -> Method:
-    """The method whose parameters are among what is told of a result."""
+def _method(slug: str, given: Mapping[str, Any]) -> Method:
+    """The method whose parameters are in the description of a result."""
     kind: Any = weftex.METHODS[slug]
-    made: Method = kind(**{one.name: told[one.name] for one in fields(kind) if one.name in told})
+    made: Method = kind(**{one.name: given[one.name] for one in fields(kind) if one.name in given})
     return made
 
 

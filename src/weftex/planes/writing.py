@@ -133,7 +133,7 @@ def write_plane(
     """
     found = done_before(plane, restart=restart, repair=repair)
     if check_disk:
-        _check_room(plane, plane.missing(found))
+        _check_free_space(plane, plane.missing(found))
     with at_work(plane, restart=restart, repair=repair) as record:
         done = plane.sound(record.done()) if repair else record.done()
         left = plane.missing(done)
@@ -148,7 +148,7 @@ def write_plane(
         return Written(plane.count, left, pixels)
 
 
-def _check_room(plane: PlaneFile, left: int) -> None:
+def _check_free_space(plane: PlaneFile, left: int) -> None:
     """Raise `FileError` unless the disk has room for a number of blocks."""
     need = most_bytes(plane, left)
     free = shutil.disk_usage(os.path.dirname(os.path.abspath(plane.path))).free

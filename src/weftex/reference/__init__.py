@@ -5,6 +5,7 @@ all windows with all windows, have the paper's parameters only, and suit picture
 hundred pixels a side. `weftex.METHODS` has the same algorithms made fast, with what papers lack.
 
 Every function takes and returns plain arrays, as a `Made`: the picture and where it comes from.
+The pages in docs/background/fidelity list each step of the papers with its place in the methods.
 """
 
 from __future__ import annotations

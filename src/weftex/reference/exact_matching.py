@@ -1,8 +1,8 @@
 """Texture synthesis using exact neighborhood matching (Sabha, Peers and Dutré, 2007).
 
 The random draws are those of `weftex.random.draw`, so the picture of a sample that tiles is that of
-the method `exact-matching` with `candidates=0` and `repeat_distance=0`, byte by byte where no two
-neighborhoods match equally well: the method draws one of these at random.
+the method `exact-matching` with `levels=1`, `candidates=0` and `repeat_distance=0`, byte by byte
+where no two neighborhoods match equally well: the method draws one of these at random.
 """
 
 from __future__ import annotations

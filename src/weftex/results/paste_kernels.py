@@ -47,7 +47,8 @@ def effective(
 ) -> cython.int:
     """Weight of a patch's pixel: the feathered one, or with cuts all or nothing.
 
-    `cut` has each row's first column and the one past its last, then the same for columns.
+    `cut` has the first column of each row, then the column past its last, then the first row of
+    each column and the row past its last.
     """
     if cut == cython.NULL or weight == 0 or weight == 256:
         return weight

@@ -1,4 +1,7 @@
-"""The path of least cost through a band, open or closed."""
+"""The path of least cost through a band, open or closed; for the borders of wrapped outputs.
+
+Quilting's paths are cut by `weftex.methods.patches.patch_kernels.cut_bands`.
+"""
 
 from __future__ import annotations
 

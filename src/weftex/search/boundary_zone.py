@@ -24,7 +24,7 @@ class BoundaryZone:
     """One configuration of known and unknown pixels in a window."""
 
     #: (rows, columns): in 1/256, 256 where nothing was known, falling through the zone, 0 where the
-    #: canvas stays.
+    #: canvas stays. Where paths are cut, 1 to 255 mark the pixels that a path divides.
     weight: NDArray[np.uint16]
     runs: NDArray[
         np.int32

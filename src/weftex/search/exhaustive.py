@@ -8,7 +8,7 @@ import numpy as np
 
 from weftex.search import exhaustive_kernels as kernels
 from weftex.search.picture_kernels import Picture
-from weftex.search.windows import query_room
+from weftex.search.windows import new_query
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -98,7 +98,7 @@ class ExhaustiveSearch:
         most = self.windows.centers.size + 9  # the 8 neighbors' and -1
         types = np.intp, np.int16, np.uint16, np.uint16
         return kernels.Known(
-            query_room(width // 2, 1),
+            new_query(width // 2, 1),
             np.zeros(width * self.stride, np.uint8),
             np.zeros(width * self.stride, np.int16),
             np.empty(width + 1, np.int32),

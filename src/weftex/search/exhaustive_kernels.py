@@ -261,7 +261,7 @@ def cut_of(limit: cython.longlong, scale: cython.longlong) -> cython.longlong:
 @cython.nogil
 @cython.exceptval(check=False)
 def limit_of(best: cython.longlong, tolerance: cython.double) -> cython.longlong:
-    """The largest distance within (1 + tolerance) of the best."""
+    """The largest squared distance within (1 + tolerance) of the best, the paper's (1 + epsilon)."""
     return cython.cast(cython.longlong, cython.cast(cython.double, best) * (1 + tolerance))
 
 
@@ -272,7 +272,10 @@ def nearest_coherent(
     picture: Picture, sample: Sample, windows: WeightedWindows, y: cython.Py_ssize_t,
     x: cython.Py_ssize_t, known: Known,
 ) -> cython.longlong:  # fmt: skip
-    """The least distance to where the sources of the 8 neighbors continue; -1 without any."""
+    """The least distance to where the sources of the 8 neighbors continue; -1 without any.
+
+    An upper limit that ends comparisons early; it changes no result.
+    """
     cython.declare(j=cython.Py_ssize_t, d=cython.longlong, best=cython.longlong)
     known.query.count = known_runs(
         picture.done, y, x, picture.wrap_y, picture.wrap_x, 1 if windows.reach > 0 else 0,

@@ -1,5 +1,7 @@
 """For each place of a sample the few places that look most like it (k-coherence, Tong et al. 2002).
 
+Refinement searches by them; the lists of exact matching are in `color_index`.
+
 They are found exactly on the coarsest level of a pyramid, and then passed down: the places like a
 pixel are looked for around the children of those that its parent is like. On a level of more than
 two megapixels, where this would take longest, they are those children.

@@ -33,7 +33,7 @@ class Layout:
         """One more than a window reaches: a step off a border that tiles is a place too."""
         return self.reach + 1
 
-    def lay(self, phases: list[NDArray[Any]]) -> NDArray[Any]:
+    def arranged(self, phases: list[NDArray[Any]]) -> NDArray[Any]:
         """Put phases below each other, each with its margin."""
         return self._below(phases, "wrap" if self.tileable else "symmetric")
 

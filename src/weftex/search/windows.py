@@ -87,7 +87,7 @@ def windows_of(
     return Windows(np.ascontiguousarray(pixels), usable, period, exemplar.shape)
 
 
-def query_room(reach: int, channels: int) -> Query:
+def new_query(reach: int, channels: int) -> Query:
     """Return room for the known part of a square window, or of the eight pixels around."""
     width = max(2 * reach + 1, 3)
     runs = np.empty((width * (width + 1), 3), np.int32)

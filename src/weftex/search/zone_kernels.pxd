@@ -1,7 +1,7 @@
 cdef long long gather(const unsigned char[:, :, ::1] canvas, Py_ssize_t y, Py_ssize_t x,
                       const int[:, ::1] runs, unsigned char[::1] query) noexcept nogil
 
-cdef long long distance(const unsigned char[:, :, ::1] pixels, const unsigned char[:, :, ::1] turned,
+cdef long long distance(const unsigned char[:, :, ::1] pixels, const unsigned char[:, :, ::1] transposed,
                         Py_ssize_t y, Py_ssize_t x, const int[:, ::1] runs,
                         const unsigned char[::1] query, long long bound) noexcept nogil
 
@@ -10,8 +10,8 @@ cpdef void block_means(const unsigned char[:, :, ::1] canvas, Py_ssize_t y, Py_s
 
 cdef class Shortlist:
     cdef Py_ssize_t wanted  # m of section 3.2
-    cdef long long[::1] keys  # distances
-    cdef int[::1] places  # numbers of windows in the sample, row by row
+    cdef long long[::1] keys  # squared distances; above a bound, partial sums
+    cdef int[::1] places  # windows of the sample, by row * width + column of their corner
     cdef unsigned char[::1] query  # the zone's pixels
     cdef int[::1] means  # of its blocks
     cdef short[::1] coordinates  # in principal components
@@ -62,5 +62,5 @@ cdef class ZoneWindows:
 cdef Py_ssize_t list_candidates(const unsigned char[:, :, ::1] canvas, Py_ssize_t y, Py_ssize_t x,
                                 ZoneWindows windows, Shortlist found) noexcept nogil
 
-cdef Py_ssize_t climb(const unsigned char[:, :, ::1] pixels, const unsigned char[:, :, ::1] turned,
+cdef Py_ssize_t climb(const unsigned char[:, :, ::1] pixels, const unsigned char[:, :, ::1] transposed,
                       ZoneWindows windows, Py_ssize_t count, Shortlist found) noexcept nogil

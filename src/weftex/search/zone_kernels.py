@@ -63,11 +63,11 @@ def gather(canvas, y, x, runs, query):
     return energy
 
 
-def distance(pixels, turned, y, x, runs, query, bound):
+def distance(pixels, transposed, y, x, runs, query, bound):
     """Return A d**2 of eq. (2) for the window at (y, x), or stop past `bound` (negative: never).
 
-    `turned` is `pixels` transposed, so that upright runs are contiguous too: short rows cost their
-    overhead and not their bytes.
+    `transposed` is `pixels` transposed, so that upright runs are contiguous too: short rows cost
+    their overhead and not their bytes.
     """
     channels: cython.Py_ssize_t = pixels.shape[2]
     at: cython.Py_ssize_t = 0
@@ -76,7 +76,7 @@ def distance(pixels, turned, y, x, runs, query, bound):
     for r in range(runs.shape[0]):
         n = runs[r, 3] * channels
         if runs[r, 0]:
-            row = cython.address(turned[x + runs[r, 2], y + runs[r, 1], 0])
+            row = cython.address(transposed[x + runs[r, 2], y + runs[r, 1], 0])
         else:
             row = cython.address(pixels[y + runs[r, 1], x + runs[r, 2], 0])
         total += squared(row, cython.address(query[at]), n)
@@ -299,7 +299,7 @@ def list_candidates(canvas, y, x, windows, found):
     return count
 
 
-def climb(pixels, turned, windows, count, found):
+def climb(pixels, transposed, windows, count, found):
     """Add the neighbors that a coarse grid of candidates skipped, around the best few."""
     width: cython.Py_ssize_t = windows.usable.shape[1]
     reach: cython.Py_ssize_t = windows.nodes.shape[1] // 2
@@ -338,13 +338,15 @@ def climb(pixels, turned, windows, count, found):
                         j += 1
                     if j == count and count < found.places.shape[0]:
                         places[count] = cython.cast(cython.int, y * width + x)
-                        keys[count] = distance(pixels, turned, y, x, windows.runs, found.query, -1)
+                        keys[count] = distance(
+                            pixels, transposed, y, x, windows.runs, found.query, -1
+                        )
                         count += 1
         reach //= 2
     return count
 
 
-def zone_distances(canvas, y, x, pixels, turned, runs, corners, query):
+def zone_distances(canvas, y, x, pixels, transposed, runs, corners, query):
     """Return A d**2 between the zone on the canvas and at each of `corners`, and its energy."""
     energy = gather(canvas, y, x, runs, query)
-    return [distance(pixels, turned, v, u, runs, query, -1) for v, u in corners], energy
+    return [distance(pixels, transposed, v, u, runs, query, -1) for v, u in corners], energy

@@ -10,7 +10,7 @@ from weftex.methods.ashikhmin import growth_kernels as kernels
 from weftex.notes import note, parts
 from weftex.random import draw
 from weftex.seams.path import least_path
-from weftex.search.windows import query_room
+from weftex.search.windows import new_query
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -55,7 +55,7 @@ class Choice:
         self._tries = max(jumps, _REPLACEMENTS)
         self._candidates = np.empty((2 * half + 1) ** 2 + self._tries + 1, np.int32)
         self._choice = kernels.PixelChoice(
-            half, jumps, query_room(half, growth.pixels.shape[2]), self._candidates,
+            half, jumps, new_query(half, growth.pixels.shape[2]), self._candidates,
             followed, guide, round(_ONE * guide_weight),
         )  # fmt: skip
         rows = min(_ROWS_TO_CLOSE, canvas.height // 4)

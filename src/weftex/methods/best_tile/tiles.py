@@ -21,11 +21,11 @@ def tile_rows(vectors: tuple[float, ...], border: int) -> NDArray[np.int64]:
     return runs_of(np.array([y1, x1]), np.array([y2, x2]), border // 2)
 
 
-def has_room(shape: tuple[int, int], rows: NDArray[np.int64]) -> bool:
+def tile_fits(shape: tuple[int, int], rows: NDArray[np.int64]) -> bool:
     """Whether a picture has room for a tile of these rows and for its corner.
 
     >>> rows = tile_rows((4, 0, 0, 3), 0)
-    >>> has_room((3, 4), rows), has_room((2, 4), rows)
+    >>> tile_fits((3, 4), rows), tile_fits((2, 4), rows)
     (True, False)
     """
     lowest, ends = -rows[:, :2].min(axis=0), rows[:, [0, 2]].max(axis=0) + (1, 0)

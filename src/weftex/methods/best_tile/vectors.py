@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from weftex.errors import InvalidInputError
-from weftex.methods.best_tile.tiles import has_room, tile_errors, tile_rows
+from weftex.methods.best_tile.tiles import tile_errors, tile_fits, tile_rows
 
 if TYPE_CHECKING:
     from weftex.exemplar import Exemplar
@@ -26,7 +26,7 @@ def border_for(given: int | None, vectors: Vectors, exemplar: Exemplar) -> int:
     """
 
     def fits(width: int) -> bool:
-        return width == 0 or has_room(exemplar.shape, tile_rows(vectors, width))
+        return width == 0 or tile_fits(exemplar.shape, tile_rows(vectors, width))
 
     border = _BORDER if given is None else given
     if exemplar.mask is not None or fits(border):

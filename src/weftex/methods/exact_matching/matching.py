@@ -12,7 +12,7 @@ from weftex.random import draw
 from weftex.raster.masks import grown, peeled
 from weftex.raster.pyramids import children
 from weftex.search.picture_kernels import Picture
-from weftex.search.windows import query_room
+from weftex.search.windows import new_query
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -148,7 +148,7 @@ class Matching:
                 lists.causal and method.copying == "blocks", method.candidates,
             ),
             (parents.pixels, everywhere, _centers_at(lists, parents.suggested)),
-            [query_room(reach, channels) for reach in (lists.reach, lists.coarse_reach)],
+            [new_query(reach, channels) for reach in (lists.reach, lists.coarse_reach)],
             (of_neighbors, np.empty(_MOST_NEIGHBORS + 1, np.intp), of_neighbors.copy()),
             sheet.color,
             self._last,

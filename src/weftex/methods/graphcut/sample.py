@@ -115,23 +115,23 @@ def patch_shape_for(exemplar: Exemplar, given: int | None) -> tuple[int, int]:
                 f"patch_size is {given}; {exemplar.name} is {width}x{height}, which has room for "
                 f"{min(height, width)}"
             )
-        if not _has_room(exemplar, given, given):
+        if not _fits(exemplar, given, given):
             raise InvalidInputError(
                 f"patch_size is {given}; no patch that large lies on usable pixels of "
                 f"{exemplar.name}, make it smaller"
             )
         return given, given
     side = patch_size_of(exemplar, PATCH_SHARE)
-    while not _has_room(exemplar, side, side):
+    while not _fits(exemplar, side, side):
         side = side * 3 // 4
     if side < _THIN:
         rows, columns = (max(1, round(PATCH_SHARE * n)) for n in exemplar.shape)
-        if _has_room(exemplar, rows, columns):
+        if _fits(exemplar, rows, columns):
             return rows, columns
     return side, side
 
 
-def _has_room(exemplar: Exemplar, rows: int, columns: int) -> bool:
+def _fits(exemplar: Exemplar, rows: int, columns: int) -> bool:
     try:
         windows_of(exemplar, (0, rows - 1, 0, columns - 1))
     except InvalidInputError:

@@ -158,7 +158,7 @@ def _block(method: Any, exemplar: Exemplar, vectors: Vectors, by_rows: bool) -> 
             f"block_size is {size} and border_width {border}; {exemplar.name} is "
             f"{exemplar.shape[1]}x{exemplar.shape[0]}, which has room for {shorter} together"
         )
-    if not _has_room(exemplar, size + border):
+    if not _fits(exemplar, size + border):
         raise InvalidInputError(
             f"no block of {size} pixels with a border of {border} lies on usable pixels of "
             f"{exemplar.name}; make them smaller"
@@ -201,14 +201,14 @@ def _largest_block(vectors: Vectors, exemplar: Exemplar, border: int | None, by_
     low, high = 0, max(size, 1)
     while low < high:
         size = (low + high + 1) // 2
-        if _has_room(exemplar, window(size), vectors):
+        if _fits(exemplar, window(size), vectors):
             low = size
         else:
             high = size - 1
     return max(low, 1)
 
 
-def _has_room(exemplar: Exemplar, side: int, vectors: Vectors = ()) -> bool:
+def _fits(exemplar: Exemplar, side: int, vectors: Vectors = ()) -> bool:
     """Whether a window of this side lies on usable pixels; with vectors, at any part of a tile."""
     if side > min(exemplar.shape):
         return False

@@ -37,7 +37,7 @@ class PatchAnalysis:
             self.pixels = np.pad(self.pixels, (*beyond, (0, 0)), mode="wrap")
             self.mask = np.pad(self.mask, beyond, mode="wrap")
         self.pixels = np.ascontiguousarray(self.pixels)
-        self.turned = np.ascontiguousarray(self.pixels.transpose(1, 0, 2))
+        self.transposed = np.ascontiguousarray(self.pixels.transpose(1, 0, 2))
         self.pyramid = QuadtreePyramid(self.pixels)
         #: The paper's third level is 4; single pixels need every neighbor.
         self.block_side = 4 if method.search != "pca" else 1 if method.pixelwise else 16

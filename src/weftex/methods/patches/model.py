@@ -180,13 +180,13 @@ class Output:
         # (n, 5): y, x of each patch, y, x of its source, number of its zone
         self.placements = np.zeros((len(self.order.corners), 5), np.int32)
         self.placements[:, :2] = self.order.corners
-        # (n, 2 * (rows + columns)) or (0, 0): minimum-error paths, see `PatchSynthesis`
+        # (n, 2 * (rows + columns)) or (0, 0): minimum-error paths, see `paste_kernels.Layout`
         self.cuts = np.zeros((0, 0), np.uint16)
         if self.method.blend == "cut" and not self.method.pixelwise:
             self.cuts = np.zeros((len(self.placements), 2 * sum(self.frame.window)), np.uint16)
         self._patches = Patches(
             analysis.pixels,
-            analysis.turned,
+            analysis.transposed,
             self.placements,
             self.cuts,
             self.order.bits,
@@ -214,30 +214,30 @@ class Output:
         assert canvas.known is not None
         return exemplar.as_matching(canvas.known, self.method.edge_weight)
 
-    def in_order(self, lay: Callable[[Run], None]) -> None:
-        """Call `lay` with every run of the order, in threads where runs are independent."""
+    def paste_in_order(self, paste: Callable[[Run], None]) -> None:
+        """Call `paste` with every run of the order, in threads where runs are independent."""
         order = self.order
         progress = Progress(self._callback, order.total, order.stage, self._preview)
 
-        def lay_piece(piece: list[Run]) -> None:
+        def paste_piece(piece: list[Run]) -> None:
             for run in piece:
-                lay(run)
+                paste(run)
 
         if not order.parallel:
             for step in order.steps:
                 for piece in step.pieces:
-                    lay_piece(piece)
+                    paste_piece(piece)
                 progress.advance(step.done)
             return
         from concurrent.futures import ThreadPoolExecutor
 
         with ThreadPoolExecutor(self._threads) as pool:
             for step in order.steps:
-                list(pool.map(lay_piece, step.pieces))
+                list(pool.map(paste_piece, step.pieces))
                 progress.advance(step.done)
 
-    def windows_for(self, run: Run) -> ZoneSearch:
-        """Return the sample's windows, arranged to be searched by the boundary zone of a run."""
+    def search_for(self, run: Run) -> ZoneSearch:
+        """Return the search of the sample's windows by the boundary zone of a run."""
         return self._zones.searches[run.zone]
 
     def choose_and_paste(self, run: Run, windows: ZoneSearch, tolerance: Tolerance) -> None:

@@ -156,7 +156,10 @@ def scan_patches(frame: Frame, zones: Zones, seed: int, threads: int) -> Order:
 
 
 def patch_starts(length: int, size: int, overlap: int, wrap: bool) -> list[int]:
-    """Return first pixels of evenly spread patches that overlap by `overlap` pixels or more."""
+    """Return first pixels of evenly spread patches that overlap by `overlap` pixels or more.
+
+    Only the zone, `overlap` pixels wide, is compared; the rest of an overlap is pasted over.
+    """
     step = size - overlap
     if wrap:
         count = max(-(-length // step), 2)

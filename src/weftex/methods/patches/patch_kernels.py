@@ -23,7 +23,7 @@ from cython.cimports.weftex.search.zone_kernels import (
 # The largest m of section 3.2. If most of so many candidates match, others do too, see `spread`.
 MOST_CANDIDATES = cython.declare(cython.Py_ssize_t, 10000)
 
-# A patch that repeats nothing may have this times the squared distance of one that does.
+# The squared distance that a patch without repeats may have, relative to the best with some.
 UNREPEATED = cython.declare(cython.double, 1.7)
 
 # More than any path of real differences: 2**16 pixels of 2**10 channels.
@@ -51,22 +51,29 @@ class Patches:
     """The patches of an output, numbered in their order, and the sample that they come from."""
 
     pixels: cython.const[cython.uchar][:, :, ::1]  # of the sample
-    turned: cython.const[cython.uchar][:, :, ::1]  # the same with exchanged axes
+    transposed: cython.const[cython.uchar][:, :, ::1]  # the same with exchanged axes
     placements: cython.int[:, ::1]  # (n, 5), as in `Layout`; sources are filled in
     cuts: cython.ushort[:, ::1]  # as in `Layout`; filled in
     bits: cython.const[cython.ulonglong][::1]  # (n,), random
     around: cython.const[cython.int][:, ::1]  # (n, k): earlier patches not to repeat; -1 for none
     keep_apart: cython.Py_ssize_t  # pixels between the sources of patches around
 
-    def __init__(self, pixels, turned, placements, cuts, bits, around, keep_apart):
-        self.pixels, self.turned, self.placements, self.cuts = pixels, turned, placements, cuts
+    def __init__(self, pixels, transposed, placements, cuts, bits, around, keep_apart):
+        self.pixels, self.transposed, self.placements, self.cuts = (
+            pixels,
+            transposed,
+            placements,
+            cuts,
+        )
         self.bits, self.around, self.keep_apart = bits, around, keep_apart
 
 
 @cython.cfunc
 @cython.nogil
 @cython.exceptval(check=False)
-def limit_of(energy: cython.longlong, best: cython.double, tolerance: Tolerance) -> cython.double:
+def squared_limit(
+    energy: cython.longlong, best: cython.double, tolerance: Tolerance
+) -> cython.double:
     """Return the set's largest squared distance, from the canvas's energy or the best candidate.
 
     Both are A d**2: `energy` is the sum of squares whose mean is in d_max of section 2.4.
@@ -99,7 +106,7 @@ def draw_one(
     """Draw one of the candidates within the tolerance that are not barred; `best` if none is."""
     keys: cython.p_longlong = cython.address(found.keys[0])
     barred: cython.p_uchar = cython.address(found.barred[0])
-    limit: cython.double = limit_of(energy, cython.cast(cython.double, keys[best]), tolerance)
+    limit: cython.double = squared_limit(energy, cython.cast(cython.double, keys[best]), tolerance)
     within: cython.longlong = 0
     total: cython.double = 0
     cython.declare(i=cython.Py_ssize_t, target=cython.double)
@@ -162,14 +169,14 @@ def measure(
     for i in range(count):
         place = found.places[i]
         key = distance(
-            patches.pixels, patches.turned, place // width, place % width, windows.runs,
+            patches.pixels, patches.transposed, place // width, place % width, windows.runs,
             found.query, cython.cast(cython.longlong, bound),
         )  # fmt: skip
         found.keys[i] = key
         if found.barred[i] < CONTINUES and (best < 0 or key < best):
             best = key  # the worst that may be drawn from here on
             bound = UNREPEATED * best if patches.keep_apart > 0 else best
-            bound = max(bound, limit_of(energy, best, tolerance))
+            bound = max(bound, squared_limit(energy, best, tolerance))
             if tolerance.of_best:
                 bound *= (1 + tolerance.value) * (1 + tolerance.value)
             bound += 1
@@ -193,7 +200,7 @@ def spread(
     total: cython.Py_ssize_t = windows.usable.shape[0] * width
     step: cython.Py_ssize_t = total // MOST_CANDIDATES + 1
     for i in range(count):
-        matching += found.keys[i] < limit_of(energy, found.keys[i], tolerance)
+        matching += found.keys[i] < squared_limit(energy, found.keys[i], tolerance)
     if 2 * matching <= count:
         return 0
     count = 0
@@ -237,7 +244,7 @@ def choose(
     bar(patches, p, width, count, found)
     measure(patches, windows, tolerance, energy, count, found)
     if windows.source != ALL and windows.nodes.shape[1] > 1:
-        count = climb(patches.pixels, patches.turned, windows, count, found)
+        count = climb(patches.pixels, patches.transposed, windows, count, found)
         bar(patches, p, width, count, found)
     if count >= MOST_CANDIDATES and windows.source != ALL and not tolerance.of_best:
         start = cython.cast(cython.Py_ssize_t, patches.bits[p] >> 40)
@@ -349,7 +356,7 @@ def lay_patches(
 ):
     """Choose sources for patches `first` to `last` - 1, cut each and paste it on the canvas.
 
-    All have the zone of `windows`; `layout` has its weights alone.
+    All have the zone of `windows`. `layout` has the weights of this zone alone, as number 0.
     """
     width: cython.Py_ssize_t = windows.usable.shape[1]
     cython.declare(p=cython.Py_ssize_t, chosen=cython.Py_ssize_t)
@@ -366,5 +373,5 @@ def lay_patches(
 
 
 def find_cuts(canvas, pixels, layout: Layout, bands, p, cost, cuts):
-    """Fill row `p` of `cuts` with the minimum-error paths of one patch."""
+    """Fill row `p` of `cuts` with the minimum-error paths of one patch; for tests."""
     cut_bands(canvas, pixels, layout, bands, p, cost, cuts)

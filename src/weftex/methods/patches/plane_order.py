@@ -56,7 +56,7 @@ _TWO_STEPS = [
     for second in _TOUCHING
     if (_AROUND[first][0] + _AROUND[second][0], _AROUND[first][1] + _AROUND[second][1]) == (i, j)
 ]
-_THREADS_FROM, _IN_PIECE = 512, 16  # patches; see `scan_order`
+_THREADS_FROM, _IN_PIECE = 512, 16  # patches; see `orders.scan_patches`
 _TURN = 1 << 20  # more than any place within a block
 
 

@@ -189,7 +189,7 @@ def _pyramid_levels(method: Any, exemplar: Exemplar, reach: int, count: int) -> 
             CoherentLevel(
                 pyramid=windows_of(samples[number], (0,) * 4, pictures[number][0]),
                 tileable=layout.tileable,
-                pixels=layout.lay(pictures[number]),
+                pixels=layout.arranged(pictures[number]),
                 usable=usable,
                 places=layout.places,
                 index=layout.index,

@@ -120,7 +120,7 @@ def guides_of(prepared: Prepared, growth: Growth) -> list[Guide]:
     share = growth.pixels.shape[2] / given.shape[2]
     weight = max(1, round(ONE * prepared.method.guide_weight * share))
     return [
-        Guide(picture, level.layout.lay(phases), phases[0], weight)
+        Guide(picture, level.layout.arranged(phases), phases[0], weight)
         for picture, phases, level in zip(pictures, samples, coherent, strict=True)
     ]
 

@@ -11,7 +11,7 @@ from weftex.methods.refinement.levels import ONE, CoherentLevel, NearestLevel
 from weftex.methods.refinement.output import NO_GUIDE
 from weftex.random import draw
 from weftex.search.picture_kernels import Picture, Sample
-from weftex.search.windows import query_room
+from weftex.search.windows import new_query
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -96,9 +96,9 @@ class CoherentSweep:
             kernels.GuidePair(
                 guide,
                 np.ones(guide.output.shape[:2], np.uint8),
-                query_room(level.reach, guide.output.shape[2]),
+                new_query(level.reach, guide.output.shape[2]),
             ),
-            query_room(level.reach, channels),
+            new_query(level.reach, channels),
             np.zeros(candidates, np.int32),
         )
 
@@ -138,7 +138,7 @@ class NearestSweep:
         self._bundles = (
             _sample(level),
             *level.search.bundles(),
-            query_room(level.reach, output.pixels.shape[2]),
+            new_query(level.reach, output.pixels.shape[2]),
             np.zeros(_BESIDE, np.int32),
         )
 
@@ -175,7 +175,7 @@ class BlockSweep:
         self._rounds, self._threshold = prepared.rounds[number], prepared.method.threshold
         self._weight = round(_EVENNESS * prepared.method.evenness / 2**coarser)
         self._margin = prepared.margin
-        self._guide = kernels.GuidePair(NO_GUIDE, np.ones((1, 1), np.uint8), query_room(0, 1))
+        self._guide = kernels.GuidePair(NO_GUIDE, np.ones((1, 1), np.uint8), new_query(0, 1))
 
     def refine(self, output: Output, place: tuple[slice, slice]) -> None:
         """Refine the pixels of a block in alternating directions until they change too little."""
@@ -192,7 +192,7 @@ class BlockSweep:
             _sample(level),
             kernels.Sources(level, self._margin, usage),
             self._guide,
-            query_room(level.reach, channels),
+            new_query(level.reach, channels),
             np.zeros(_BESIDE * (1 + level.similar.shape[1]), np.int32),
         )
         pixels, nothing = output.pixels[rows, columns], np.zeros(0, np.int32)
