@@ -1,130 +1,74 @@
-"""Exact neighborhood matching: the fast code is its slow twin, and keeps the paper's promises."""
+"""Exact neighborhood matching: what its parameters are to do; see `test_reference_pixels.py`."""
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
 
 import weftex
 from families import noise
-from twins import exact_matching as reference
 from weftex.errors import InvalidInputError
 
-WRAPS = [(False, False), (False, True), (True, False), (True, True)]
+
+def pebbles(side):
+    return weftex.Exemplar(weftex.load_exemplar("sample:pebbles").pixels[:side, :side])
 
 
-def blobs(shape, step, seed=0):
-    """Few colors in patches, so that lists are long and windows alike."""
-    small = noise((shape[0] // 3 + 1, shape[1] // 3 + 1, *shape[2:]), seed=seed)
-    return (small.repeat(3, 0).repeat(3, 1)[: shape[0], : shape[1]] // step * step).astype(np.uint8)
+def test_blocks_go_on_where_all_four_neighbors_say_the_same():
+    """Section 7; and fewer windows are compared than where each pixel is matched."""
+    facts, half = {}, 4
+    for copying in ("pixels", "blocks"):
+        method = weftex.ExactMatching(window_width=9, levels=1, init="random", copying=copying)
+        made = method.fit(pebbles(96)).sample(64, seed=1)
+        facts[copying] = made.provenance["windows_compared"]
+    y, x = np.indices((63, 62)) + np.array([1, 1]).reshape(2, 1, 1)
+    leads = [
+        made.source[y + dy, x + dx] - (dy, dx) for dy, dx in ((0, -1), (-1, -1), (-1, 0), (-1, 1))
+    ]
+    agree = np.all([(lead == leads[0]).all(axis=2) for lead in leads], axis=0)
+    v, u = np.moveaxis(leads[0], 2, 0)
+    whole = agree & (v >= half) & (v < 96) & (u >= half) & (u < 96 - half)  # windows that are
+    assert whole.mean() > 0.2
+    assert np.array_equal(made.source[1:, 1:-1][whole], leads[0][whole])
+    assert facts["blocks"] < 0.8 * facts["pixels"]
 
 
-def same(exemplar, canvas, seed=1, **parameters):
-    model = weftex.ExactMatching(**parameters).fit(exemplar)
-    result = model.sample(canvas, seed=seed)
-    wanted = reference.exact_matching(model.method, exemplar, canvas, seed)
-    made = np.ones(canvas.shape, bool) if canvas.hole is None else canvas.hole
-    assert np.array_equal(result.source[made], wanted[made])
-    return result
+def test_sources_nearby_keep_their_distance():
+    def repeats(distance):
+        method = weftex.ExactMatching(window_width=9, levels=1, repeat_distance=distance)
+        source = method.fit(pebbles(96)).sample(64, seed=1).source @ (96, 1)
+        beside = [(source[:, d:] == source[:, :-d]).mean() for d in range(1, 8)]
+        return sum(beside) + sum((source[d:] == source[:-d]).mean() for d in range(1, 8))
+
+    assert repeats(8) < 0.05 * repeats(0)
 
 
-@pytest.mark.parametrize("wrap", WRAPS)
-@pytest.mark.parametrize("init", ["random", "structured"])
-@pytest.mark.parametrize("tiles", [False, True])
-def test_it_is_the_slow_twin(wrap, init, tiles):
-    exemplar = weftex.Exemplar(blobs((13, 15, 2), 64), tileable=tiles)
-    same(exemplar, weftex.Canvas(7, 8, wrap), window_width=5, init=init)
-    same(exemplar, weftex.Canvas(4, 3, wrap), window_width=7, init=init, repeat_distance=2)
+def test_levels_keep_what_is_larger_than_the_window():
+    """A chessboard of squares of 16 pixels, under noise, by a window of 7."""
+    y, x = np.indices((96, 96))
+    board = (y // 16 + x // 16) % 2 * 100 + noise((96, 96)) // 3
+
+    def order(levels):
+        method = weftex.ExactMatching(window_width=7, levels=levels)
+        image = method.fit(weftex.Exemplar(board.astype(np.uint8))).sample(96, seed=1).image
+        image = image.astype(int)
+        half, period = (abs(image[:, n:] - image[:, :-n]).mean() for n in (16, 32))
+        return half - period
+
+    assert order(3) > 40 > 20 > order(1)
 
 
-@pytest.mark.parametrize("wrap", WRAPS)
-@pytest.mark.parametrize("from_sample", [False, True])
-def test_holes_are_the_slow_twins(wrap, from_sample):
-    pixels = blobs((14, 15, 3), 32)
-    hole = np.zeros((9, 8), bool)
-    hole[1:6, 2:7] = hole[7:, :2] = True
-    known = pixels[3:12, 4:12] if from_sample else noise((9, 8, 3), seed=5)
-    canvas = weftex.Canvas(
-        9, 8, wrap, known=known, hole=hole, known_from=(3, 4) if from_sample else None
-    )
-    same(weftex.Exemplar(pixels), canvas, window_width=5)
-    same(weftex.Exemplar(pixels), canvas, window_width=3, passes=0, repeat_distance=3)
-
-
-@pytest.mark.parametrize(
-    "parameters",
-    [
-        {"tolerance": 0.0},
-        {"tolerance": 0.2},
-        {"tolerance": 1.0},
-        {"nearest_colors": 1},
-        {"nearest_colors": 3},
-        {"nearest_colors": 1000},
-        {"grouping": 0.1},
-        {"candidates": 0},
-        {"candidates": 3},
-        {"candidates": 30, "tolerance": 1.0},
-        {"candidates": 20, "nearest_colors": 7},
-        {"grouping": 1.0, "tolerance": 0.1},
-        {"copying": "blocks"},
-        {"repeat_distance": 0},
-        {"repeat_distance": 50},
-        {"levels": 2},
-        {"levels": 2, "tolerance": 0.05, "copying": "blocks"},
-    ],
-    ids=str,
-)
-@pytest.mark.parametrize("name", ["few", "pebbles"])
-def test_every_parameter_is_the_slow_twins(parameters, name):
-    pixels = {
-        "few": blobs((16, 17), 86),
-        "pebbles": weftex.load_exemplar("sample:pebbles").pixels[:16, :20],
-    }[name]
-    exemplar = weftex.Exemplar(pixels)
-    same(exemplar, weftex.Canvas(6, 7), window_width=5, init="random", **parameters)
-    same(
-        exemplar, weftex.Canvas(7, 6, (True, True)), window_width=5, init="structured", **parameters
-    )
-
-
-@pytest.mark.parametrize("levels", [1, 2])
-@pytest.mark.parametrize("tiles", [False, True])
-def test_masks_are_the_slow_twins(levels, tiles):
-    mask = np.ones((18, 20), bool)
-    mask[6:9, :5] = mask[0, 16:] = False
-    exemplar = weftex.Exemplar(blobs((18, 20), 50), mask=mask, tileable=tiles)
-    result = same(exemplar, weftex.Canvas(7, 6, (True, False)), window_width=3, levels=levels)
-    assert mask[result.source[..., 0], result.source[..., 1]].all()
-
-
-@settings(max_examples=40)
-@given(data=st.data())
-def test_anything_small_is_the_slow_twins(data):
-    shape = data.draw(st.tuples(st.integers(1, 9), st.integers(1, 9)))
-    size = data.draw(st.tuples(st.integers(1, 7), st.integers(1, 7)))
-    pixels = noise(
-        shape, values=data.draw(st.sampled_from([1, 2, 5, 256])), seed=data.draw(st.integers(0, 99))
-    )
-    known = hole = None
-    if data.draw(st.booleans()):
-        known, hole = noise(size, seed=7), noise(size, values=2, seed=8).astype(bool)
-    canvas = weftex.Canvas(*size, data.draw(st.sampled_from(WRAPS)), known=known, hole=hole)
-    exemplar = weftex.Exemplar(pixels, tileable=data.draw(st.booleans()))
-    parameters = {
-        "init": data.draw(st.sampled_from(["random", "structured"])),
-        "copying": data.draw(st.sampled_from(["pixels", "blocks"])),
-        "grouping": data.draw(st.sampled_from([0.0, 0.3])),
-        "repeat_distance": data.draw(st.sampled_from([None, 0, 2])),
-    }
-    if "known" in canvas.kinds:  # these have no effect there, and are refused
-        del parameters["init" if parameters["repeat_distance"] is not None else "copying"]
-        parameters.pop("copying", None)
-    same(exemplar, canvas, seed=data.draw(st.integers(0, 2**64 - 1)), **parameters)
+@pytest.mark.parametrize("parameters", [{}, {"passes": 0}, {"window_width": 5}], ids=str)
+def test_a_hole_of_a_texture_that_repeats_is_filled_with_it(parameters):
+    photo = np.tile(noise((8, 9, 3)), (8, 8, 1))
+    hole = np.zeros(photo.shape[:2], bool)
+    hole[20:40, 25:44] = True
+    damaged = np.where(hole[..., None], 0, photo).astype(np.uint8)
+    filled = weftex.fill(damaged, hole, method="exact-matching", seed=1, **parameters)
+    assert np.array_equal(filled.image, photo)
 
 
 def test_a_larger_tolerance_tests_more():
     """Figure 9; everything is a candidate at 100 %."""
-    exemplar = weftex.Exemplar(weftex.load_exemplar("sample:pebbles").pixels[:48, :48])
+    exemplar = pebbles(48)
     tested = []
     for tolerance in (0.0, 0.01, 0.05, 1.0):
         model = weftex.ExactMatching(
