@@ -91,9 +91,9 @@ def quilt(output: Output, method: Quilting) -> None:
         # and left)": the blocks of the sample, arranged to be searched by such an overlap. The
         # error of the overlap is `zone_kernels.distance`.
         blocks = output.search_for(run)
-        # Pick one within the tolerance (`patch_kernels.draw_one`). Compute the error surface between
-        # it and the old blocks at the overlap, and make the minimum cost path along it the block's
-        # boundary (section 2.1, `patch_kernels.cut_bands`). Paste the block.
+        # Pick one within the tolerance (`patch_kernels.draw_one`). Compute the error surface
+        # between it and the old blocks at the overlap, and make the minimum cost path along it the
+        # block's boundary (section 2.1, `patch_kernels.cut_bands`). Paste the block.
         output.choose_and_paste(run, blocks, tolerance)
 
     # "In raster scan order in steps of one block (minus the overlap)": `orders.scan_patches`.

@@ -261,7 +261,7 @@ def cut_of(limit: cython.longlong, scale: cython.longlong) -> cython.longlong:
 @cython.nogil
 @cython.exceptval(check=False)
 def limit_of(best: cython.longlong, tolerance: cython.double) -> cython.longlong:
-    """The largest squared distance within (1 + tolerance) of the best, the paper's (1 + epsilon)."""
+    """The largest distance within (1 + tolerance) of the best: (1 + epsilon) in the paper."""
     return cython.cast(cython.longlong, cython.cast(cython.double, best) * (1 + tolerance))
 
 

@@ -90,7 +90,8 @@ def coherent_places(picture, sample, y, x, query, places, count):
     """List the continued sources of (y, x)'s neighbors after `count` places; return the length.
 
     Neighbors are the pixels of the query's runs, last run first; each place is listed once, and -1
-    once for all unusable ones. Runs reach no further along x than windows, so a step never crosses into another row.
+    once for all unusable ones. Runs reach no further along x than windows, so a step never crosses
+    into another row.
     """
     cython.declare(height=cython.Py_ssize_t, width=cython.Py_ssize_t, across=cython.Py_ssize_t)
     cython.declare(size=cython.Py_ssize_t, may=cython.p_const_uchar, before=cython.Py_ssize_t)
