@@ -1,16 +1,16 @@
 """From whatever shows a material to an `Exemplar`.
 
-Read it in this order: `loading` (what can be given), `material` (how files become pixels and
-maps), `checks` (what is refused), `exemplar` (what a sample holds); `turns` makes a sample of
-mirrored and rotated copies.
+Read it in this order: `material` (what can be given, and how files become pixels and maps),
+`checks` (what is refused), `exemplar` (what a sample holds); `turns` makes a sample of mirrored
+and rotated copies.
 """
 
 from typing import TYPE_CHECKING
 
 from weftex.exemplar.exemplar import Exemplar
-from weftex.exemplar.loading import load_exemplar
+from weftex.exemplar.material import load_exemplar
 
 if TYPE_CHECKING:
-    from weftex.exemplar.loading import Sample as Sample
+    from weftex.exemplar.material import Sample as Sample
 
 __all__ = ["Exemplar", "load_exemplar"]

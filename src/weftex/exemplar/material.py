@@ -1,41 +1,100 @@
-"""A material as its files have it: pictures with roles."""
+"""Whatever shows a material, as an `Exemplar`: files, folders of maps, arrays, PIL images."""
 
 from __future__ import annotations
 
 import os
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from weftex.errors import InvalidInputError, shown
 from weftex.exemplar.exemplar import Exemplar
+from weftex.raster.arrays import as_array, is_masked
 from weftex.roles import COLOR, Role, is_name_of, is_preview, role_of
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from numpy.typing import NDArray
 
     from weftex.io.pictures import Picture, StrPath
 
-__all__ = ["Material", "read_material"]
+    #: A path, "sample:NAME", an array, a PIL image or an Exemplar.
+    Sample = str | os.PathLike[str] | NDArray[Any] | Exemplar | Any
 
+__all__ = ["Material", "load_exemplar", "read_material"]
+
+_MODES = ("L", "LA", "RGB", "RGBA", "I", "I;16", "I;16B", "I;16L", "I;16N", "F")  # of Pillow
 _FIX = "rename them, or say which are its maps: --maps color=FILE,normal=FILE,..."
+
+
+def load_exemplar(
+    sample: Sample, *, files: Mapping[str, str] | None = None, **options: Any
+) -> Exemplar:
+    """Load a sample: a file, a folder of maps, an array or a PIL image.
+
+    Parameters
+    ----------
+    sample : path, array, PIL image or Exemplar
+        A folder holds the maps of one material, recognized by their names (see `weftex.roles`). Its
+        color is the pixels, and all maps take part in matching. "sample:NAME" is a sample that
+        ships with weftex.
+    files : mapping of str to str, optional
+        Which files of the folder are its maps, and what each is, such as
+        ``{"color": "front.png", "normal": "n.png"}``; others are ignored.
+    **options
+        For `Exemplar` (mask, tileable, alpha, maps).
+
+    Raises
+    ------
+    FileError
+        If a file cannot be read.
+    InvalidInputError
+        If the pixels cannot be used, or pictures of a folder are not named as maps.
+
+    Examples
+    --------
+    >>> sorted(load_exemplar("sample:stone_wall").maps)
+    ['ao', 'height', 'normal', 'roughness']
+    """
+    if files is not None and not isinstance(files, Mapping):
+        raise InvalidInputError(f"files is {shown(files)}; it must be files by what they are")
+    if files is not None and not isinstance(sample, (str, os.PathLike)):
+        raise InvalidInputError("files has no effect unless the sample is a folder of maps")
+    if isinstance(sample, Exemplar):
+        if options:
+            raise InvalidInputError(
+                f"the sample is an Exemplar; give {next(iter(options))} to that"
+            )
+        return sample
+    if isinstance(sample, (str, os.PathLike)):
+        return read_material(sample, files).exemplar(**options)
+    image: Any = sample
+    if hasattr(image, "getbands"):  # a PIL image, without importing PIL
+        if image.mode in ("P", "1", "PA"):
+            image = image.convert("RGBA" if "transparency" in image.info else "RGB")
+        if image.mode not in _MODES:
+            raise InvalidInputError(
+                f"the image has mode {image.mode!r}; convert it first: image.convert('RGB')"
+            )
+        about: dict[str, Any] = {"alpha": image.mode in ("LA", "RGBA"), "name": "image"}
+        pixels = np.asarray(image)
+        if pixels.dtype.kind == "i":  # Pillow's mode I
+            if pixels.min() < 0 or pixels.max() > 65535:
+                raise InvalidInputError(
+                    f"the image has values from {pixels.min()} to {pixels.max()}; they must be "
+                    "from 0 to 65535"
+                )
+            pixels = pixels.astype(np.uint16)
+        return Exemplar(pixels, **about | options)
+    return Exemplar(image if is_masked(image) else as_array(image, "the sample"), **options)
 
 
 @dataclass(frozen=True)
 class Material:
-    """A picture, or the maps of one material, as they were stored.
+    """A picture, or the maps of one material (`folder`), as they were stored.
 
-    Attributes
-    ----------
-    name : str
-        That of the folder, or of the file.
-    pictures : dict of str to Picture
-        By the names of the maps, which are those of their roles unless others were given.
-    roles : dict of str to Role
-        What each of them shows.
-    notes : tuple of str
-        What was left out, a line each.
-    folder : bool
-        Whether it is a set of maps.
+    `pictures` and `roles` go by the names of the maps; `notes` say what was left out, a line each.
     """
 
     name: str
@@ -82,29 +141,9 @@ class Material:
 
 
 def read_material(path: StrPath, files: Mapping[str, str] | None = None, **limits: Any) -> Material:
-    """Read a picture, or the maps of a folder, which are known by their names.
+    """Read a file, a folder of maps or ``sample:NAME``.
 
-    Parameters
-    ----------
-    path : path
-        A file, a folder or ``sample:NAME``.
-    files : mapping of str to str, optional
-        Which files of the folder are its maps, and what each is, such as
-        ``{"color": "front.png", "normal": "n.png"}``; others are passed over.
-    **limits
-        Those of `weftex.read_image`.
-
-    Raises
-    ------
-    FileError
-        If a file cannot be read.
-    InvalidInputError
-        If pictures of a folder are not named as maps, or two of them are the same.
-
-    Examples
-    --------
-    >>> [str(role) for role in read_material("sample:stone_wall").roles.values()]
-    ['color', 'ao', 'height', 'normal (y up or down is not said)', 'roughness']
+    `files` are as `load_exemplar` takes them, `limits` those of `weftex.read_image`.
     """
     from weftex.io.pictures import is_folder, locate, read_image
 
@@ -157,8 +196,9 @@ def _by_role(
             found[stem] = known[stem] = COLOR
     unknown = [stem for stem in found if stem not in known]
     if unknown:
+        some = ", ".join(unknown[:4]) + (", ..." if len(unknown) > 4 else "")
         raise InvalidInputError(
-            f"{folder} has pictures whose names are of no map ({_some(unknown)}), and a folder "
+            f"{folder} has pictures whose names are of no map ({some}), and a folder "
             f"is taken for the maps of one material; {_FIX}"
         )
     _refuse_twins(known, folder)
@@ -191,7 +231,3 @@ def _refuse_twins(roles: Mapping[str, Role], folder: str) -> None:
                 f", and a folder is taken for the maps of one material; {_FIX}"
             )
         seen[role.name] = name
-
-
-def _some(names: list[str]) -> str:
-    return ", ".join(names[:4]) + (", ..." if len(names) > 4 else "")

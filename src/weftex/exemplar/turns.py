@@ -8,11 +8,11 @@ import numpy as np
 
 from weftex.errors import InvalidInputError, shown
 from weftex.exemplar.exemplar import Exemplar
-from weftex.exemplar.loading import load_exemplar
+from weftex.exemplar.material import load_exemplar
 from weftex.raster.turning import TURNS, boxes_of, turned_pixels
 
 if TYPE_CHECKING:
-    from weftex.exemplar.loading import Sample
+    from weftex.exemplar.material import Sample
     from weftex.raster.turning import Box
 
 
@@ -85,28 +85,13 @@ def as_it_was(exemplar: Exemplar) -> Exemplar:
 
 
 def copies_in(exemplar: Exemplar) -> list[Box]:
-    """Return where the copies lie in a picture of them, the sample as it is first.
-
-    Parameters
-    ----------
-    exemplar : Exemplar
-        See `turned`.
-    """
+    """Return where the copies lie in a picture of them (see `turned`), the sample first."""
     assert exemplar.turn is not None and exemplar.copy_shape is not None
     return [box for _, box in boxes_of(exemplar.turn, exemplar.copy_shape)]
 
 
 def as_copies(given: Exemplar, turn: str, scale: int) -> Exemplar:
-    """Return a map of a sample as one of its picture of copies.
-
-    Parameters
-    ----------
-    given : Exemplar
-        With `scale` pixels along one of the sample.
-    turn : str
-        See `turned`.
-    scale : int
-    """
+    """Return a map of a sample, `scale` times as fine, as one of its picture of copies."""
     pixels = turned_pixels(given.pixels, turn, given.role, gap=scale)
     return given.changed(pixels=pixels, maps={}, mask=None, guide=None)
 

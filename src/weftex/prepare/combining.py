@@ -57,12 +57,13 @@ def together(samples: Sequence[Sample]) -> Exemplar:
 
 
 def combined(exemplars: Sequence[Exemplar], *, apart: bool = False) -> Exemplar:
-    """Stack samples, so that one source map can point into all; with masked lines if `apart`."""
-    exemplars = of_one_kind(exemplars)
+    """Stack samples from `paired`, so that one source map can point into all.
+
+    Masked lines separate them if `apart`.
+    """
     first = exemplars[0]
-    shared = [k for k in first.maps if all(k in e.maps for e in exemplars)]
     # As high as a pixel of the map that has the fewest.
-    gap = math.lcm(*(first.scale_of(k).denominator for k in shared)) if apart else 0
+    gap = math.lcm(*(first.scale_of(k).denominator for k in first.maps)) if apart else 0
     masks = [np.ones(e.shape, bool) if e.mask is None else e.mask for e in exemplars]
 
     def stacked(name: str) -> Exemplar:
@@ -71,9 +72,9 @@ def combined(exemplars: Sequence[Exemplar], *, apart: bool = False) -> Exemplar:
 
     return Exemplar(
         _stacked([e.pixels for e in exemplars], gap),
-        maps={name: stacked(name) for name in shared},
+        maps={name: stacked(name) for name in first.maps},
         mask=_stacked(masks, gap, mode="constant"),
-        weights={name: first.weights[name] for name in shared},
+        weights=first.weights,
         alpha=first.alpha,
         icc=first.icc,
         role=first.role,

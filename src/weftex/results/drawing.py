@@ -23,7 +23,7 @@ __all__ = ["DRAWINGS"]
 #: What `Synthesis.draw` draws.
 DRAWINGS = ("sources", "seams", "error", "patches", "uncertainty")
 _REACH = 2  # pixels around one whose surroundings are compared
-_BAND = 256  # rows that are looked at together
+_BAND = 256  # rows
 
 
 def draw_sources(source: NDArray[np.int32], sample_shape: tuple[int, int]) -> NDArray[np.uint8]:
@@ -54,7 +54,7 @@ def draw_pieces(
 ) -> NDArray[np.uint8]:
     """Picture (H, W, 3) with a color per copied piece; known pixels from elsewhere are black."""
     picture = np.zeros((*shape, 3), np.uint8)
-    for rows in _bands(shape[0]):
+    for rows in bands(shape[0]):
         source = source_of(rows)
         y, x = np.indices(source.shape[:2])
         shift = (source - np.stack([y + rows.start, x], axis=-1)) % sample_shape
@@ -81,7 +81,7 @@ def uncertainty_of(
     random = 2 * float(features[..., :depth].reshape(-1, depth).var(axis=0).mean())
     found = np.zeros(image.shape[:2])
     height, width = exemplar.shape
-    for rows in _bands(image.shape[0]):
+    for rows in bands(image.shape[0]):
         source = source_of(rows)
         total, count = np.zeros(source.shape[:2]), np.zeros(source.shape[:2])
         for dy in range(-_REACH, _REACH + 1):
@@ -122,5 +122,6 @@ def gray_of(pixels: NDArray[Any]) -> NDArray[np.uint8]:
     return result
 
 
-def _bands(height: int) -> list[slice]:
+def bands(height: int) -> list[slice]:
+    """Return slices of rows that are looked at together."""
     return [slice(top, min(top + _BAND, height)) for top in range(0, height, _BAND)]

@@ -1,8 +1,15 @@
-"""Pieces that join without steps: a picture as its slopes, from which it is built again."""
+"""Pieces that join without steps: a picture as its slopes, from which it is built again.
+
+Of all maps f that one is chosen whose slopes are most like g, the sample's where each pixel comes
+from, and which is near to h, what was laid: with the least sum of (f' - g)^2 + ((f - h) / reach)^2.
+A step is shared by both sides and falls off in a reach. After P. Pérez, M. Gangnet and A. Blake,
+Poisson image editing (2003), doi:10.1145/882262.882269, with the screen of P. Bhat et al., Fourier
+analysis of the 2D screened Poisson equation (2008), doi:10.1007/978-3-540-88688-4_9.
+"""
 
 from __future__ import annotations
 
-from itertools import pairwise, product
+from itertools import product
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -32,19 +39,14 @@ _LARGEST = 1e30  # whose squares are numbers
 
 
 class Laid(NamedTuple):
-    """What was laid, asked for by windows."""
+    """What was laid, asked for by windows; `pixels` is `scale` times as fine as the output."""
 
     pixels: Callable[[Window], NDArray[Any]]
-    """The map, `scale` times as fine as the output."""
     layers: Callable[[Window], tuple[NDArray[np.int32], NDArray[np.float32]]]
-    """`Synthesis.layers`."""
     shape: tuple[int, int]
-    """The output's height and width."""
     wrap: tuple[bool, bool]
-    """Axes along which it goes around."""
-    scale: int = 1
-    threads: int = 1
-    """Use at most so many."""
+    scale: int
+    threads: int
 
 
 def reach_of(given: Exemplar, tones: float, hole: NDArray[np.bool_] | None) -> float:
@@ -61,43 +63,10 @@ def reach_of(given: Exemplar, tones: float, hole: NDArray[np.bool_] | None) -> f
 
 
 def join_steps(laid: Laid, given: Exemplar, reach: float, window: Window) -> NDArray[Any]:
-    """Take away the steps where pieces of other heights or tones meet.
+    """Return a window of what was laid, without the steps where pieces of other tones meet.
 
-    Of all maps f that one is chosen whose slopes are most like g, the sample's where each pixel
-    comes from, and which is near to h, what was laid: with the least sum of
-    (f' - g)^2 + ((f - h) / reach)^2. A step is shared by both sides and falls off in a reach.
-
-    Parameters
-    ----------
-    laid : Laid
-        The map as it was laid.
-    given : Exemplar
-        The map that it was laid from.
-    reach : float
-        In pixels of the output; 0 leaves all as it is.
-    window : (top, left, height, width)
-        The part of the output that is wanted; parts are the same bytes as in the whole.
-
-    Returns
-    -------
-    array
-        Like what was laid; heights of whole numbers are cut to what their type holds, all else to
-        what lies between the sample's least and its largest.
-
-    Notes
-    -----
-    After P. Pérez, M. Gangnet and A. Blake, Poisson image editing (2003),
-    doi:10.1145/882262.882269, with the screen of P. Bhat et al., Fourier analysis of the 2D
-    screened Poisson equation (2008), doi:10.1007/978-3-540-88688-4_9.
-
-    Examples
-    --------
-    >>> import weftex
-    >>> slope = np.arange(64, dtype=np.float32) * np.ones((64, 1), np.float32)
-    >>> result = weftex.synthesize(slope, (64, 128), method="quilting", seed=1)
-    >>> laid, joined = result.render(), result.render(slope, role="height")
-    >>> bool(abs(np.diff(joined)).max() < 0.2 * abs(np.diff(laid)).max())
-    True
+    `reach` is in pixels of the output; 0 leaves all as it is. Parts are the same bytes as in the
+    whole. Values are cut to what an integer type holds (heights), or to the sample's range.
     """
     made = laid.pixels(window)
     if not reach or not _has_squares(made, given.pixels):
@@ -128,7 +97,7 @@ def join_steps(laid: Laid, given: Exemplar, reach: float, window: Window) -> NDA
         # A channel at a time, as new memory is slow.
         spread = _spreading((len(lines[0]), len(lines[1])), reach * laid.scale)
         for one, k in ((steps[k], slice(k, k + 1)) for k in range(len(steps))):
-            shifts = spread(_taken(one, *lines), *inside)
+            shifts = spread(one.take(lines[0], 0).take(lines[1], 1), *inside)
             kernels.add_shifts(result[here][..., k], shifts[None], least[k], most[k], _GRAIN)
 
     with thread_map(laid.threads) as map_:
@@ -180,10 +149,11 @@ def _divergence(
             runs.append([(start, min(high, n) - start)])
             line %= 2 * n * scale
             inside.append(np.minimum(line, 2 * n * scale - 1 - line) - start * scale)
-    pieces = [[laid_in(laid, (*run, *other)) for other in runs[1]] for run in runs[0]]
-    made, coordinates, shares = (
-        _as_one([_as_one([piece[k] for piece in row], 1) for row in pieces], 0) for k in range(3)
-    )
+    windows = [[(top, left, high, wide) for left, wide in runs[1]] for top, high in runs[0]]
+    layers_of = [[laid.layers(window) for window in row] for row in windows]
+    made = _as_one([[laid.pixels(window) for window in row] for row in windows])
+    made = made.reshape(*made.shape[:2], -1)
+    coordinates, shares = (_as_one([[one[k] for one in row] for row in layers_of]) for k in (0, 1))
     layers = int((shares > 0).any(axis=(0, 1)).sum()) or 1  # the heaviest first
     coordinates, shares = _finer(coordinates[:, :, :layers], shares[:, :, :layers], scale)
     rows = len(made)
@@ -200,40 +170,10 @@ def _divergence(
     return steps, inside, margin
 
 
-def _taken(steps: Floats, rows: NDArray[np.int64], columns: NDArray[np.int64]) -> Floats:
-    """These rows and columns; most are one run each, which is copied at once."""
-    (top, bottom), (left, right) = _longest_run(rows), _longest_run(columns)
-    run = steps[rows[top] : rows[top] + bottom - top]
-    within = run[:, columns[left] : columns[left] + right - left]
-    if bottom - top == len(rows) and right - left == len(columns):
-        return within
-    taken = np.empty((len(rows), len(columns)))
-    taken[top:bottom, left:right] = within
-    for part in (slice(left), slice(right, None)):
-        taken[top:bottom, part] = run.take(columns[part], 1)
-    for part in (slice(top), slice(bottom, None)):
-        taken[part] = steps.take(rows[part], 0).take(columns, 1)
-    return taken
-
-
-def _longest_run(line: NDArray[np.int64]) -> tuple[int, int]:
-    """First and one after the last of the most numbers that go on by one."""
-    ends = [0, *(np.flatnonzero(np.diff(line) != 1) + 1).tolist(), len(line)]
-    return max(pairwise(ends), key=lambda run: run[1] - run[0])
-
-
-def _as_one(pieces: list[NDArray[Any]], axis: int) -> NDArray[Any]:
-    return pieces[0] if len(pieces) == 1 else np.concatenate(pieces, axis)
-
-
-def laid_in(
-    laid: Laid, window: tuple[int, int, int, int]
-) -> tuple[NDArray[Any], NDArray[np.int32], NDArray[np.float32]]:
-    """What is laid in a window (top, height, left, width), and where it comes from."""
-    top, height, left, width = window
-    made = laid.pixels((top, left, height, width))
-    coordinates, shares = laid.layers((top, left, height, width))
-    return made.reshape(*made.shape[:2], -1), coordinates, shares
+def _as_one(pieces: list[list[NDArray[Any]]]) -> NDArray[Any]:
+    """Return the rows of pieces as one array, copied only if there are several."""
+    rows = [row[0] if len(row) == 1 else np.concatenate(row, 1) for row in pieces]
+    return rows[0] if len(rows) == 1 else np.concatenate(rows)
 
 
 def _finer(

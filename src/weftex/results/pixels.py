@@ -8,7 +8,7 @@ import numpy as np
 
 from weftex.canvas import Canvas
 from weftex.io.npz import DamageError
-from weftex.results import copy_kernels
+from weftex.results import paste_kernels
 from weftex.results.drawing import gray_of
 from weftex.results.synthesis import Synthesis
 
@@ -49,7 +49,7 @@ class PixelSynthesis(Synthesis):
         index = self.index[top : top + height, left : left + width]
         scale = out.shape[0] // height
         lines, sample = (a.view(np.uint8).reshape(len(a), -1) for a in (out, pixels))
-        copy_kernels.copy_pixels(lines, sample, index, self.sample_shape[1], scale)
+        paste_kernels.copy_pixels(lines, sample, index, self.sample_shape[1], scale)
 
     def _error(self) -> NDArray[np.int16]:
         """The larger difference from what the upper and the left neighbor go on with."""

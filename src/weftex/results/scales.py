@@ -1,24 +1,48 @@
-"""What a result is rendered of: maps that may have more pixels than the sample, or fewer."""
+"""What a result is rendered of: maps, which may have more pixels than the sample or fewer."""
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from weftex.errors import InvalidInputError
 from weftex.exemplar import Exemplar
+from weftex.exemplar.checks import check_pixels
 from weftex.exemplar.exemplar import as_map
 from weftex.raster.levels import resized, scale_between
 from weftex.roles import as_role
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
     from fractions import Fraction
 
-    from numpy.typing import NDArray
-
     Window = tuple[int, int, int, int]
+
+
+class RenderedMaps(Mapping[str, NDArray[Any]]):
+    """Maps by name, each rendered on access, so that a set of large maps is never all in memory."""
+
+    def __init__(self, names: Iterable[str], render: Callable[[str], NDArray[Any]]) -> None:
+        self._names, self._render = tuple(names), render
+
+    def __getitem__(self, name: str) -> NDArray[Any]:
+        if name not in self._names:
+            raise KeyError(name)
+        return self._render(name)
+
+    def __contains__(self, name: object) -> bool:
+        return name in self._names  # without rendering it
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._names)
+
+    def __len__(self) -> int:
+        return len(self._names)
+
+    def __repr__(self) -> str:
+        return f"<maps: {', '.join(self._names) or 'none'}>"
 
 
 def check_size(exemplar: Exemplar, shape: tuple[int, int]) -> None:
@@ -58,6 +82,36 @@ def shape_of(
         return sample
     # Quarter turns of a single pixel are 3x3, which is also a map of it in three times as many.
     return sample if (scale_between(given.shape, sample) or 0) >= 1 else copy_shape
+
+
+def background_of(
+    pixels: NDArray[Any],
+    shape: tuple[int, int],
+    scale: int,
+    known_from: tuple[int, int] | None,
+    given: NDArray[Any] | None,
+) -> NDArray[Any]:
+    """Return the pixels under the patches where the canvas is known: given, or of the sample.
+
+    `shape` is the output's, in pixels of the sample; `scale` is pixels per pixel of the sample.
+    """
+    height, width = (side * scale for side in shape)
+    if given is not None:
+        background = check_pixels(given, "background")
+    elif known_from is not None:
+        y, x = (k * scale for k in known_from)
+        background = pixels[y : y + height, x : x + width]
+    else:
+        raise InvalidInputError(
+            "the known pixels are not part of the sample; give their map as background"
+        )
+    wanted = (height, width, *pixels.shape[2:])
+    if background.shape != wanted or background.dtype != pixels.dtype:
+        raise InvalidInputError(
+            f"background is {background.shape} {background.dtype}; it must be {wanted} "
+            f"{pixels.dtype}"
+        )
+    return background
 
 
 def room_for(pixels: NDArray[Any], height: int, width: int) -> NDArray[Any]:

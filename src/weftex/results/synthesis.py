@@ -12,14 +12,12 @@ from weftex.canvas import Canvas
 from weftex.errors import InvalidInputError, shown
 from weftex.exemplar import Exemplar
 from weftex.exemplar.turns import as_copies, as_made_from
+from weftex.io.shown import Shown
 from weftex.raster.mixing import Kind
 from weftex.raster.turning import in_first_copy
 from weftex.results import drawing, scales
-from weftex.results.background import background_of, show_known
 from weftex.results.files import ABOUT, Facts, arrays_of, one_line_errors, read_result, write_result
 from weftex.results.joining import Laid, join_steps, reach_of
-from weftex.results.maps import RenderedMaps
-from weftex.results.shown import ShownResult
 from weftex.results.tone import match_tone
 
 if TYPE_CHECKING:
@@ -33,10 +31,8 @@ if TYPE_CHECKING:
     Window = tuple[int, int, int, int]
     Place = tuple[int, int]
 
-_BAND = 256
 
-
-class Synthesis(ShownResult, ABC):
+class Synthesis(Shown, ABC):
     """Which pixels of the sample an output is made of.
 
     This is what all results have in common; `PatchSynthesis` keeps patches and `PixelSynthesis`
@@ -103,6 +99,16 @@ class Synthesis(ShownResult, ABC):
         if isinstance(exemplar, Exemplar) and exemplar.turn is not None:
             self.turn, self.copy_shape = exemplar.turn, exemplar.copy_shape
 
+    def __repr__(self) -> str:
+        about = {"method": "by", "seed": "seed"}
+        told = [f"{word} {self.provenance[k]}" for k, word in about.items() if k in self.provenance]
+        of = "" if self.exemplar is None else f" of {self.exemplar.name!r}"
+        size = f"{self.shape[1]}x{self.shape[0]}"
+        return f"<{type(self).__name__} {size}{of}{': ' if told else ''}{', '.join(told)}>"
+
+    def _picture_shown(self) -> tuple[NDArray[Any], bool] | None:
+        return None if self.exemplar is None else (self.image, self.exemplar.alpha)
+
     @abstractmethod
     def _layers(self, window: Window) -> tuple[NDArray[np.int32], NDArray[np.float32]]:
         """Coordinates and weights as `layers` returns them, -1 and 0 for known pixels."""
@@ -135,17 +141,7 @@ class Synthesis(ShownResult, ABC):
         source_to: Place,
         provenance: dict[str, Any],
     ) -> Synthesis:
-        """Return the same as a part of a larger canvas, made from a part of a larger sample.
-
-        Parameters
-        ----------
-        canvas, exemplar
-            The larger ones.
-        to, source_to : (int, int)
-            Where the corners of this canvas and of this sample lie in them; both go around.
-        provenance : dict
-            Of the new result.
-        """
+        """Return the same at `to` in a larger canvas, of a sample that has this at `source_to`."""
         arrays: dict[str, Any] = self._moved_arrays(canvas.shape, exemplar.shape, to, source_to)
         return type(self)(
             canvas,
@@ -169,9 +165,7 @@ class Synthesis(ShownResult, ABC):
     @property
     def image(self) -> NDArray[Any]:
         """The output: (H, W) or (H, W, C) in the sample's dtype."""
-        if self._picture is None:
-            self._picture = self.render(self.sample)
-        return self._picture
+        return self.render() if self._picture is None else self._picture
 
     @property
     def sample(self) -> Exemplar:
@@ -183,7 +177,9 @@ class Synthesis(ShownResult, ABC):
     @property
     def maps(self) -> Mapping[str, NDArray[Any]]:
         """The sample's maps, replayed at the same coordinates, each when it is asked for."""
-        return RenderedMaps(self.sample.maps, lambda name: self.render(self.sample.map(name)))
+        return scales.RenderedMaps(
+            self.sample.maps, lambda name: self.render(self.sample.map(name))
+        )
 
     @property
     def source(self) -> NDArray[np.int32]:
@@ -196,7 +192,7 @@ class Synthesis(ShownResult, ABC):
 
     def pictured_source(self) -> NDArray[np.int32]:
         """The same, in the picture of copies if the sample was turned: pieces go on there."""
-        bands = [slice(top, top + _BAND) for top in range(0, self.shape[0], _BAND)]
+        bands = drawing.bands(self.shape[0])
         return np.concatenate([self._source_of(rows).astype(np.int32) for rows in bands])
 
     def layers(self, window: Window | None = None) -> tuple[NDArray[Any], NDArray[Any]]:
@@ -221,8 +217,14 @@ class Synthesis(ShownResult, ABC):
     def _pictured_layers(self, window: Window) -> tuple[NDArray[Any], NDArray[Any]]:
         """The same, in the picture of copies."""
         coordinates, share = self._layers(window)
-        if self.canvas.hole is not None:
-            show_known(coordinates, share, self.canvas.hole, window, self.known_from)
+        if self.canvas.hole is not None:  # patches may overlap known pixels
+            top, left, height, width = window
+            known = ~self.canvas.hole[top : top + height, left : left + width]
+            coordinates[known], share[known] = -1, 0
+            if self.known_from is not None:
+                own = np.indices((height, width)).transpose(1, 2, 0) + (top, left) + self.known_from
+                coordinates[known, 0] = own[known]
+                share[known, 0] = 1
         return coordinates, share
 
     def render(
@@ -289,8 +291,7 @@ class Synthesis(ShownResult, ABC):
         scale, pixels, mixing = int(ratio), given.pixels, given.mixing
         base: NDArray[Any] | None = None
         if self.canvas.hole is not None:
-            size = (self.shape[0] * scale, self.shape[1] * scale)
-            base = background_of(pixels, size, scale, self.known_from, background)
+            base = scales.background_of(pixels, self.shape, scale, self.known_from, background)
 
         def lay(part: Window) -> NDArray[Any]:
             top, left, height, width = part

@@ -1,4 +1,10 @@
-"""The tone of a filling, matched to that of what is around it."""
+"""The tone of a filling, matched to that of what is around it.
+
+The steps between each pixel inside and its neighbor outside are averaged along the border and led
+on inwards, with weights that fall as the third power of the distance, as in a membrane. Steps of
+both signs that cancel out are the texture's own: a mean counts in full from three times its
+standard error on.
+"""
 
 from __future__ import annotations
 
@@ -30,39 +36,10 @@ def match_tone(
     alpha: bool = False,
     scale: int = 1,
 ) -> NDArray[Any]:
-    """Shift the tone inside a hole so that there is no step across its border.
+    """Return a picture (H, W, C) with the tone inside a hole shifted to that across its border.
 
-    The steps between each pixel inside and its neighbor outside are averaged along the border and
-    led on inwards, with weights that fall as the third power of the distance, as in a membrane.
-    Steps of both signs that cancel out are the texture's own: a mean counts in full from three
-    times its standard error on.
-
-    Parameters
-    ----------
-    picture : array (H, W, C)
-        With the hole filled.
-    hole : bool array (H, W)
-    wrap : (bool, bool)
-        Axes along which the picture goes around.
-    alpha : bool
-        The last channel is alpha, which stays.
-    scale : int
-        The side of a pixel of the sample.
-
-    Returns
-    -------
-    array (H, W, C)
-        Of the same dtype and, outside of the hole, with the same values. A picture of few colors
-        along the border, as labels have, is returned as it is.
-
-    Examples
-    --------
-    >>> photo = np.random.default_rng(0).integers(96, 105, (60, 60, 3), np.uint8)
-    >>> hole = np.zeros((60, 60), bool)
-    >>> hole[20:40, 20:40] = True
-    >>> photo[hole] += 20
-    >>> abs(float(match_tone(photo, hole)[hole].mean()) - 100) < 3
-    True
+    `alpha` says that the last channel is alpha, which stays; `scale` is the side of a pixel of the
+    sample. A picture of few colors along the border, as labels have, is returned as it is.
     """
     colors = picture[..., :-1] if alpha else picture
     flat = colors.reshape(-1, colors.shape[2])
