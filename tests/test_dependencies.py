@@ -256,7 +256,7 @@ def test_the_graph_sees_every_kind_of_arrow():
     """One of each kind, so that none is lost unseen."""
     assert "errors" in graph()["io.pictures"]  # a plain import
     assert "methods.graphcut" in graph()["methods"]  # a string
-    assert "cli.commands.synth" in graph()["cli"]  # the beginning of one
+    assert "cli.commands.batch" in graph()["cli"]  # the beginning of one
     assert any(is_kernel(a) and is_kernel(b) for a, b in arrows())  # a cimport
     text = "cimport cython\nfrom weftex.search.window_kernels cimport Windows, settle\n"
     assert [module_of(name) for name in declared(text)] == ["search.window_kernels"] * 2 + [None]

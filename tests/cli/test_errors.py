@@ -21,13 +21,8 @@ STARTS = {
 WRONG = [
     ("", "a command is missing"),
     ("snyth", "unknown command 'snyth'; did you mean 'synth'"),
-    ("--verson", "unknown option '--verson'"),
     ("photo.png", "before 'photo.png'; try: weftex synth photo.png -o out.png"),
-    ("sample:bricks", "weftex synth sample:bricks -o out.png"),
-    ("void", "weftex synth void -o out.png"),
     ("S --seamless", "did you mean '--tileable'"),
-    ("S --width=9", "did you mean '--size'"),
-    ("estimate sample.png -o x --seamless", "unknown option '--seamless'; .*'--tile"),
     ("S --tileable z", "'z'; --tileable takes x, y or xy"),
     ("synth", "required: SAMPLE"),
     ("synth sample.png", "-o/--output"),
@@ -35,64 +30,38 @@ WRONG = [
     ("synth nowhere.png -o x.png", "nowhere.png: cannot read"),
     ("synth sample:brick -o x.png", "did you mean 'bricks'"),
     ("synth sample.png -o nowhere/x.png", "nowhere does not exist"),
-    ("synth sample:stone_wall -o nowhere/x", "nowhere/x"),
     ("synth sample:stone_wall -o old.png", "it is a file"),
     ("synth sample.png -o x.pngg", "did you mean '.png'"),
-    ("synth sample.png -o x.gif", "did you mean '.png'"),
-    ("synth sample.png -o x.exr", "'.exr' cannot hold uint8"),
-    ("synth sample.png -o .", "folder"),
     ("S --save-source nowhere/x.npz", "does not exist"),
-    ("S --save-source x.png", "cannot write '.png'"),
-    ("S --size 0", "1 or more"),
     ("S --size -5", "1 or more"),
-    ("S --size=-5x7", "1 or more"),
     ("S --size 5x7x9", "WxH"),
-    ("S --size big", "WxH"),
     ("S --size 99999999", "--allow-huge"),
     ("S --size 99999999 --allow-huge", "pixels at once"),
     ("S --method quiltin", "did you mean 'quilting'"),
     ("S --method patch-sampling --patchsize 9", "did you mean '--patch-size'"),
     ("S --patch-size 9", "--method patch-sampling or"),
-    ("S --method patch-sampling --patch-size 0", "1 or more"),
     ("S --method patch-sampling --patch-size big", "invalid int value"),
-    ("S --method patch-sampling --patch-size 70", "largest that fits is 64"),
-    ("S --method patch-sampling --blend cutt", "did you mean 'cut'"),
-    ("S --method patch-sampling --epsilon nan", "number"),
     ("S --seed -1", "--seed is '-1'; it must be from 0 to 2"),
     ("S --threads 0", "--threads is 0"),
     ("S --tileable=z", "--tileable is 'z'; it must be x, y or xy"),
-    ("synth text.png -o x.png", "text.png"),
     ("synth empty.png -o old.png", "empty"),
     ("synth cut.png -o old.png", "cut short"),
     ("synth bomb.png -o old.png", "--allow-huge takes it anyway"),
-    ("synth zero.png -o old.png", "damaged"),
-    ("synth hollow.png -o old.png", "damaged"),
     ("synth nan.tif -o x.tif", "NaN or infinity"),
     ("synth void -o x", "has no pictures"),
-    ("synth uneven -o x", "names are of no map"),
     ("synth uneven -o x --maps color=a.png,height=b.png", "multiple or fraction"),
-    ("S --guide nowhere.png", "nowhere.png"),
     (
         "S --method patch-sampling --guide photo.png",
         "patch-sampling does not do following a guide; these do: .*ashikhmin",
     ),
-    ("S --method ashikhmin --guide other.png", "guide is uint8"),
-    ("S --method ashikhmin --guide photo.png --size 50", "guide is 96x80, the canvas is 50x50"),
     ("S --method ashikhmin --guide-weight 2", "guide_weight has no effect without a guide"),
     ("synth sample.png sample.png -o x.png --tileable-sample", "--tileable-sample needs one"),
-    ("synth sample.png sample.png -o x.png --sample-mask m.png", "--sample-mask needs one sample"),
-    ("synth sample.png sample.png -o x.png --sample-guide m.png", "--sample-guide needs one"),
     ("S --sample-mask other.png", "mask is 40x40"),
     ("S --turn 2", "--turn is '2'; known: 4, 8, flip, half"),
-    ("S --turn 4 --method near-regular --lattice 8,0,0,8", "goes by one lattice"),
     ("S --window 1,2", "--window is '1,2'; it must be TOP,LEFT,HEIGHT,WIDTH"),
     ("S --window 1,2,3,4 --size 50", "--size and --window exclude each other"),
-    ("S --window 1,2,3,4 --tileable", "--tileable and --window exclude each other"),
-    ("S --window 1,2,3,4 --best-of 3", "--best-of and --window exclude each other"),
     ("S --window 1,2,3,4 --workers 2", "--workers"),
     ("S --period 50", "--period has no effect without --window"),
-    ("S --window 1,2,3,4 --period 5x", "--period is '5x'"),
-    ("S --method quilting --window 1,2,3,4 --period 20", "period has the height 20; it must be"),
     ("S --part 1/2", "--part has no effect"),
     ("S --workers 2", "--workers has no effect"),
     ("P p.tif --part 1/2 --workers 2", "exclude each other"),
@@ -102,29 +71,21 @@ WRONG = [
     ("P p.tif --restart --part 1/2", "--restart has no effect"),
     ("P p.dzi --guide photo.png", "--guide has no effect on p.dzi"),
     ("P p.dzi --best-of 3", "--best-of makes whole pictures"),
-    ("P p.dzi --debug d", "--debug has no effect on p.dzi"),
     ("P p.dzi --names gltf", "sample.png is no folder"),
-    ("P no/p.dzi", "does not exist"),
-    ("P p.dzi --block 100", "a power of two"),
     ("P p.tif --block 0", "block is 0; it must be a power of two"),
     ("S --block 0", "--block has no effect"),
     ("P p.dzi --tileable", "144x125 would do"),
     ("prepare sample.png -o x.png", "nothing to do"),
     ("prepare sample.png -o x.png --straighten 1,2,3", "four numbers"),
-    ("prepare sample.png -o x.png --straighten 0,0,500,0,50,50,0,50", "outside"),
     ("prepare sample.png -o x.png --even-light 9", "--even-light is '9'; it must be from 1 to 8"),
-    ("tile photo.png -o x.png --border 4000", "border is 4000"),
-    ("S --sample-mask alpha", "no clear pixels"),
     ("fill photo.png -o x.png --mask hole.png --tileable-sample", "no effect without --sample"),
     ("fill photo.png -o x.png", "no clear pixels to fill; give a mask \\(--mask"),
-    ("fill photo.png --mask nowhere.png -o old.png", "nowhere.png"),
     ("fill photo.png --mask other.png -o old.png", "40x40.*96x80"),
     ("fill photo.png --mask all.png -o old.png", "nothing to learn from"),
     ("fill photo.png --mask hole.png -o old.png --sample other.png", "equal"),
     ("replay nowhere.npz sample.png -o x.png", "nowhere.npz does not exist"),
     ("replay photo.png sample.png -o x.png", "not a saved weftex result"),
     ("replay a.npz photo.png -o x.png", "integer multiple"),
-    ("replay a.npz sample.png -o old.txt", "cannot write '.txt'"),
     ("methods quiltin", "did you mean 'quilting'"),
     ("samples more", "unexpected argument"),
 ]
@@ -135,20 +96,14 @@ def test_bad_input_is_one_line_and_leaves_everything(here, capsys, words, messag
     import struct
     import zlib
 
-    (here / "text.png").write_text("this is no picture")
-    (here / "old.txt").write_text("old")
     (here / "empty.png").write_bytes(b"")
     whole = (here / "sample.png").read_bytes()
     (here / "old.png").write_bytes(whole)
     (here / "cut.png").write_bytes(whole[: len(whole) // 2])
-    for name, side in (("bomb.png", 100_000), ("zero.png", 0)):
-        header = b"IHDR" + struct.pack(">IIBBBBB", side, side, 8, 2, 0, 0, 0)
-        chunks = (header, b"IDAT" + zlib.compress(bytes(1000)), b"IEND")
-        packed = [
-            struct.pack(">I", len(c) - 4) + c + struct.pack(">I", zlib.crc32(c)) for c in chunks
-        ]
-        (here / name).write_bytes(whole[:8] + b"".join(packed))
-    (here / "hollow.png").write_bytes(whole[:33] + packed[-1])
+    header = b"IHDR" + struct.pack(">IIBBBBB", 100_000, 100_000, 8, 2, 0, 0, 0)
+    chunks = (header, b"IDAT" + zlib.compress(bytes(1000)), b"IEND")
+    packed = [struct.pack(">I", len(c) - 4) + c + struct.pack(">I", zlib.crc32(c)) for c in chunks]
+    (here / "bomb.png").write_bytes(whole[:8] + b"".join(packed))
     write_image("nan.tif", np.full((40, 40), np.nan, np.float32))
     (here / "void").mkdir()
     (here / "uneven").mkdir()

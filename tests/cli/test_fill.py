@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-import pytest
 
 import weftex
 from commands import read_maps, weft_run
@@ -58,12 +57,3 @@ def test_a_hole_from_alpha(here, capsys):
     assert weft_run("fill", "photo.png", "--mask", "erased.png", "-o", "c.png", "--seed", 1) == 0
     expected = weftex.fill("photo.png", hole, seed=1).image
     assert (read_image("c.png").pixels == expected).all()
-    Image = pytest.importorskip("PIL.Image")
-    for mask in (Image.fromarray(erased), Image.fromarray(np.uint8(255 * hole))):
-        assert (weftex.fill("photo.png", mask, seed=1).image == expected).all()
-
-
-def test_nothing_is_clear():
-    opaque = np.full((40, 40, 4), 255, np.uint8)
-    with pytest.raises(weftex.InvalidInputError, match="give a mask"):
-        weftex.fill(opaque)

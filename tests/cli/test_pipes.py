@@ -70,11 +70,6 @@ def test_no_terminals(here, capsys, monkeypatch):
     assert "standard output, which is a terminal here" in capsys.readouterr().err
 
 
-def test_sizes_in_k(here):
-    assert weft_run("synth", "sample.png", "-o", "x.png", "--size", "1kX8", *QUICK[-3:]) == 0
-    assert read_image("x.png").pixels.shape == (8, 1024, 3)
-
-
 def test_a_preview_is_there_while_it_works(here, monkeypatch, capsys):
     """And the result in the end; nothing of it is left where the work failed."""
     monkeypatch.setattr(terminal, "_PREVIEW_AFTER", 0)

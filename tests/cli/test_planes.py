@@ -130,17 +130,7 @@ def test_bad_input_of_others(here, capsys):
 
 
 def test_a_seed_that_is_not_given_is_that_of_the_run(here):
-    words = [
-        "synth",
-        "sample.png",
-        *HOW[:4],
-        "--block",
-        64,
-        "--quiet",
-        "-o",
-        "p.tif",
-        "--size",
-        200,
-    ]
+    words = ["synth", "sample.png", *HOW[:4], "--block", 64, "--quiet", "-o", "p.tif"]
+    words += ["--size", 200]
     assert weft_run(*words) == weft_run(*words) == 0
     assert weft_run(*words, "--seed", 4) == 2

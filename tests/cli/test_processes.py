@@ -1,10 +1,8 @@
-"""Commands in processes of their own: full disks, signals and terminals."""
+"""Commands in processes of their own: full disks and signals."""
 
 from __future__ import annotations
 
-import os
 import signal
-import subprocess
 import sys
 import time
 
@@ -12,7 +10,7 @@ import pytest
 
 from commands import listing
 from families import noise
-from processes import ENVIRONMENT, hear_interrupts, wait_until_it_listens, weftex_process
+from processes import hear_interrupts, wait_until_it_listens, weftex_process
 from weftex.io.pictures import write_image
 
 
@@ -61,34 +59,3 @@ def test_stopping_leaves_nothing(here, number, code, kind):
     assert run.returncode == code
     assert err == "weftex: stopped; nothing was written\n"
     assert listing(here) == before
-
-
-@pytest.mark.skipif(sys.platform == "win32", reason="no pseudo terminals there")
-def test_a_bar_on_a_terminal(here):
-    pytest.importorskip("tqdm")
-    import fcntl
-    import pty
-    import struct
-    import termios
-
-    write_image("large.png", noise((400, 400, 3)))
-    words = ["--method", "patch-sampling", "--search", "exhaustive", "--size", "600"]
-    words += ["--patch-size", "64"]
-    loaded = "import tqdm; from weftex.cli import entry; entry()"  # so that short work has a bar
-    command = [sys.executable, "-c", loaded, "synth", "large.png", "-o", "x.png", *words]
-    ours, theirs = pty.openpty()
-    fcntl.ioctl(theirs, termios.TIOCSWINSZ, struct.pack("HHHH", 24, 80, 0, 0))
-    run = subprocess.Popen(command, stderr=theirs, env=ENVIRONMENT)
-    os.close(theirs)
-    shown = b""
-    while True:
-        try:
-            part = os.read(ours, 4096)
-        except OSError:  # the other end is closed
-            break
-        if not part:
-            break
-        shown += part
-    os.close(ours)
-    assert run.wait() == 0
-    assert b"patches" in shown and b"made 600x600 x.png" in shown

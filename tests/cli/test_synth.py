@@ -37,21 +37,18 @@ def test_a_seed_that_was_drawn_can_be_had_again(here, capsys):
 
 
 def test_a_folder_gives_a_folder(here):
+    """It may exist, and keeps what else is in it."""
+    (here / "big").mkdir()
+    (here / "big" / "notes.txt").write_text("mine")
     assert weft_run("synth", "sample:stone_wall", "-o", "big/", "--size", 150, "--seed", 3) == 0
+    assert (here / "big" / "notes.txt").read_text() == "mine"
+    (here / "big" / "notes.txt").unlink()
     maps = read_maps("big")
     result = weftex.synthesize("sample:stone_wall", 150, seed=3)
     assert sorted(maps) == ["albedo", "ao", "height", "normal", "roughness"]
     assert (maps.pop("albedo").pixels == result.image).all()
     for name, picture in maps.items():
         assert (picture.pixels == result.maps[name]).all()
-
-
-def test_a_folder_may_exist_and_keeps_what_else_is_in_it(here):
-    (here / "big").mkdir()
-    (here / "big" / "notes.txt").write_text("mine")
-    assert weft_run("synth", "sample:stone_wall", "-o", "big", "--size", 100) == 0
-    assert (here / "big" / "notes.txt").read_text() == "mine"
-    assert len(list((here / "big").iterdir())) == 6
 
 
 @every("method")
@@ -98,14 +95,6 @@ def test_texture_by_numbers(here):
     guides = {"guide": "out.png", "sample_guide": labels}
     expected = weftex.synthesize("sample.png", (20, 36), method="refinement", seed=1, **guides)
     assert np.array_equal(weftex.read_image("a.png").pixels, expected.image)
-    with pytest.raises(
-        weftex.InvalidInputError, match="sample_guide has no effect without a guide"
-    ):
-        weftex.synthesize("sample.png", 20, method="refinement", sample_guide=labels)
-    with pytest.raises(weftex.InvalidInputError, match="the guide of .* lacks"):
-        weftex.synthesize(
-            "sample.png", 9, method="refinement", guide=np.full((9, 9), 3), sample_guide=labels
-        )
 
 
 def test_the_input_may_be_overwritten(here):

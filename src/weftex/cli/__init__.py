@@ -38,6 +38,8 @@ _COMMANDS = {
     "samples": "list the samples that ship with weftex",
     "completion": "print a script that completes commands and options in bash, zsh or fish",
 }
+#: Those of `weftex.recipe.TASKS`.
+_TASKS = ("synth", "fill", "tile", "fuse")
 
 _ABOUT = """\
 usage: weftex COMMAND ...      (weftex COMMAND --help shows its options)
@@ -120,11 +122,23 @@ def _run(arguments: list[str]) -> None:
 
         sending = partial(hear_signals, "standard output may have got a part")
         with as_files(arguments, sending) as words:
-            import_module(f"weftex.cli.commands.{name}").run(words[1:])
-    elif name == "completion":
-        import_module("weftex.cli.commands.completion").run(arguments[1:], _COMMANDS)
+            _run_command(name, words[1:])
     else:
-        import_module(f"weftex.cli.commands.{name}").run(arguments[1:])
+        _run_command(name, arguments[1:])
+
+
+def _run_command(name: str, argv: list[str]) -> None:
+    """Run a command; `argv` is what follows its name."""
+    if name in _TASKS:
+        from weftex.cli.making import run_task
+
+        run_task(name, argv)
+    elif name == "completion":
+        from weftex.cli.commands.completion import run
+
+        run(argv, _COMMANDS, _run_command)
+    else:
+        import_module(f"weftex.cli.commands.{name}").run(argv)
 
 
 def entry() -> NoReturn:

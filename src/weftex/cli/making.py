@@ -1,32 +1,130 @@
-"""What the commands of tasks share: parsing a recipe, and making it."""
+"""The commands that do a task: synth, fill, tile and fuse."""
 
 from __future__ import annotations
 
 from time import perf_counter
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from weftex.cli.options import given_blocks, parse_task
+from weftex.cli.parser import Parser
+from weftex.cli.shared import BLOCKS
 from weftex.cli.terminal import finish
 from weftex.recipe.declared import options_of
 
 if TYPE_CHECKING:
     import argparse
 
-    from weftex.cli.parser import Parser
     from weftex.cli.terminal import Bar, Outputs
     from weftex.recipe import Recipe
     from weftex.recipe.making import Opened
     from weftex.results.synthesis import Synthesis
 
 
-def run_task(task: str, parser: Parser, argv: list[str], usual: str) -> None:
-    """Add the options of a task to a parser that has its materials, and do what it parses.
+class _Help(NamedTuple):
+    """What the help of a command says."""
 
-    `usual` is the method in words where none is named.
-    """
+    about: str
+    examples: str
+    metavar: str  # of its materials
+    materials: str
+    usual: str  # the method where none is named
+
+
+_HELP = {
+    "synth": _Help(
+        """\
+Synthesize an image of any size from a sample of a material.\
+""",
+        """\
+examples:
+  weftex synth brick.png -o wall.png --size 1024x768 --save-source wall.npz
+  weftex synth brick.png -o tile.png --size 512 --tileable --seed 7
+  weftex synth near.jpg far.jpg -o wall.png           several photos of one material
+  weftex synth stone_wall/ -o big/ --size 2k          a folder of aligned maps
+  weftex synth brick.png -o wall.png --method quilting --patch-size 48
+  weftex synth brick.png -o wall.png --best-of 8      the best of eight seeds
+  weftex synth brick.png -o wall.png --best-of quilting,graphcut,near-regular
+  weftex synth photo.jpg -o wall.png --straighten --even-light
+  weftex synth brick.png -o part.png --window 10000,-500,512,512 --seed 7    of an endless plane
+  weftex synth brick.png -o wall.zarr --size 100000x100000 --workers 4
+  weftex synth moss.png -o face.png --method ashikhmin --guide face.png
+  weftex synth photo.png -o new.png --method refinement --sample-guide painted.png --guide other.png
+""",
+        "SAMPLE",
+        "image, folder of maps, or sample:NAME; several must show the same material",
+        "chosen for the sample",
+    ),
+    "fill": _Help(
+        """\
+Fill the holes in a photo. All other pixels stay unchanged unless --overlap is given. Without
+--method and method parameters, weftex chooses a method: graphcut or near-regular for photos with a
+lattice or large features, patch-sampling for all others. patch-sampling has other defaults for
+holes than those listed below: candidates 400, epsilon 0.02, boundary width 4, and a patch size that
+depends on the width of the holes.\
+""",
+        """\
+examples:
+  weftex fill photo.png --mask hole.png -o whole.png
+  weftex fill erased.png -o whole.png                 fill the transparent pixels
+  weftex fill photo.png --mask hole.png -o whole.png --sample grass.png
+  weftex fill stone_wall/ --mask hole.png -o whole/   a folder of aligned maps
+""",
+        "PHOTO",
+        "image, folder of maps, or sample:NAME",
+        "chosen for the photo",
+    ),
+    "tile": _Help(
+        """\
+Make a photo tileable at its own size. Only a border changes; the middle keeps every byte.\
+""",
+        """\
+examples:
+  weftex tile photo.jpg -o tile.png
+  weftex tile photo.jpg -o strip.png --tileable x --border 40
+  weftex tile stone_wall/ -o tile/                    a folder of aligned maps
+""",
+        "PHOTO",
+        "image, folder of maps, or sample:NAME",
+        "chosen for the photo",
+    ),
+    "fuse": _Help(
+        """\
+Synthesize one image from several materials that merge according to a map. The map has one color
+for each sample. --colors lists these colors; by default the samples take the colors in the order of
+their appearance, row by row from the top left. --map gradient needs no image: it changes from one
+sample to the next, along a line or in rings around a center.\
+""",
+        """\
+examples:
+  weftex fuse clover.png grape.png plum.png --map map.png -o field.png
+  weftex fuse clover.png grape.png --map map.png --colors '#ff0000,#0000ff' -o field.png
+  weftex fuse purple.png yellow.png --map gradient --size 400x400 -o beans.png
+  weftex fuse stone_wall/ bark/ --map map.png --missing metallic=0 -o both/      folders of maps
+  weftex fuse sand.png grass.png rock.png --map gradient --center 0.5,0.5 --size 400 -o island.png
+""",
+        "SAMPLE",
+        "two or more images, folders of maps, or sample:NAME",
+        "refinement",
+    ),
+}
+
+
+def run_task(task: str, argv: list[str]) -> None:
+    """Run the command of a task; `argv` is what follows its name."""
     start = perf_counter()
+    said = _HELP[task]
+    parser = Parser(task, said.about, said.examples)
+    count = "+" if task in ("synth", "fuse") else None
+    parser.add_argument("materials", metavar=said.metavar, nargs=count, help=said.materials)
+    if task == "fill":
+        text = "image to fill the holes from, in place of the photo"
+        parser.add_argument("--sample", metavar="FILE", help=text)
+    if task == "synth":
+        text = "folder for images that show how the result is put together: sources, patches, seams"
+        parser.under["output"].add_argument("--debug", metavar="DIR", help=text)
+        parser.share(*BLOCKS)
     parser.share("--output", "--names", "--mtlx", "--verbose", "--save-source", "--preview")
-    args, recipe = parse_task(task, parser, argv, options_of(task), usual=usual)
+    args, recipe = parse_task(task, parser, argv, options_of(task), usual=said.usual)
     if task == "synth" and _is_plane(recipe, args):
         from weftex.cli.planes import synthesize
 

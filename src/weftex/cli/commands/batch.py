@@ -2,24 +2,35 @@
 
 from __future__ import annotations
 
+import argparse
 import os
+import string
 from time import perf_counter
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, NamedTuple
 
+from weftex.canvas import as_canvas
+from weftex.cli.files import open_materials, pixels_of, plan
 from weftex.cli.options import parse_task
 from weftex.cli.parser import Parser
-from weftex.cli.terminal import finish, say
-from weftex.errors import CancelledError, FileError, InvalidInputError
+from weftex.cli.terminal import Outputs, finish, say
+from weftex.errors import CancelledError, FileError, InvalidInputError, WeftexError, shown
+from weftex.io.formats import READABLE, suffix_of, written_as
+from weftex.io.manifest import MANIFEST, Manifest, unfinished
+from weftex.io.map_files import map_files
+from weftex.processes import LostError, Workers
+from weftex.quality.score import MapsScorer
 from weftex.recipe import MATERIAL, SEED
 from weftex.recipe.declared import OUTPUT_SIZE, TILEABLE
+from weftex.threads import in_turn, thread_count
 
 if TYPE_CHECKING:
-    from argparse import Namespace
+    from collections.abc import Iterator, Sequence
 
-    from weftex.cli.batches import Job
-    from weftex.cli.terminal import Bar, Outputs
-    from weftex.io.manifest import Manifest
+    from weftex.cli.terminal import Bar
+    from weftex.method import Model
     from weftex.recipe import Recipe
+    from weftex.recipe.making import Opened
+    from weftex.results.synthesis import Synthesis
 
 _ABOUT = """\
 Synthesize outputs from every image and every folder of maps in a folder. manifest.jsonl in the
@@ -33,6 +44,8 @@ examples:
   weftex batch samples/ out/ --count 1000 --seed 1 --skip-existing     resume
 """
 _MOST = 10**6
+_FIELDS = {"name", "seed"}
+_LONGEST = 255  # bytes of a file's name
 
 
 def run(argv: list[str]) -> None:
@@ -64,22 +77,18 @@ def run(argv: list[str]) -> None:
         raise InvalidInputError("give --skip-existing or --force, not both")
 
     def work(bar: Bar, outputs: Outputs) -> str:
-        from weftex.cli.batches import entries_of, jobs_of, left_of
-        from weftex.io.manifest import Manifest
-
         first = 0 if getattr(args, "--seed") is None else recipe.seed
         entries = entries_of(args.materials, args.output)
         seeds = [(first + k) % 2**64 for k in range(args.count)]
         template = args.template or ("{name}" if args.count == 1 else "{name}_{seed}")
-        jobs = jobs_of(entries, template, seeds, args.keep_best)
+        jobs = jobs_of(entries, template, seeds, together=args.keep_best is not None)
         try:
             os.makedirs(args.output, exist_ok=True)
         except OSError as error:
             raise FileError(f"{args.output}: cannot make this folder: {error.strerror}") from None
         manifest = Manifest(args.output)
         try:
-            how = {"skip": args.skip_existing, "force": args.force}
-            left = left_of(jobs, args.output, manifest, **how)
+            left = left_of(jobs, args, manifest)
             failures = _do(left, manifest, recipe, args, bar)
         finally:
             manifest.sweep()
@@ -95,17 +104,9 @@ def run(argv: list[str]) -> None:
 
 
 def _do(
-    jobs: list[Job],
-    manifest: Manifest,
-    recipe: Recipe,
-    args: Namespace,
-    bar: Bar,
+    jobs: list[Job], manifest: Manifest, recipe: Recipe, args: argparse.Namespace, bar: Bar
 ) -> list[str]:
     """Do the jobs, in as many processes as there are threads to use; what went wrong."""
-    from weftex.cli.batches import Done, Maker
-    from weftex.processes import LostError, Workers
-    from weftex.threads import in_turn, thread_count
-
     threads = thread_count(args.threads)
     count = max(1, min(threads, len(jobs)))
     maker = Maker(recipe, threads // count, args)
@@ -117,10 +118,10 @@ def _do(
         try:
             found: Done = maker(job) if count < 2 else workers.do(job)
         except LostError as error:
-            found = Done([], f"{job.entry.path}: {error}")
+            found = Done([], f"{job.path}: {error}")
         for record, path in found.made:
             manifest.publish(record, path)
-        if job.keep is not None and found.failure is None:
+        if args.keep_best is not None and found.failure is None:
             manifest.leave_out(job.outputs.values(), [k["output"] for k, _ in found.made])
         return found.failure
 
@@ -139,3 +140,216 @@ def _do(
                     say(failure)
             check(done)
     return failures
+
+
+class Entry(NamedTuple):
+    """A sample of a batch: a picture, or a folder of maps."""
+
+    path: str
+    name: str  # which outputs are called after
+    suffix: str  # of its outputs; empty for a folder of maps
+
+
+class Job(NamedTuple):
+    """Outputs of one sample."""
+
+    path: str  # of the sample
+    outputs: dict[int, str]  # names of files, or folders, by seed
+
+
+class Done(NamedTuple):
+    """The records of what a job made, where each output is until it is published, and why not."""
+
+    made: list[tuple[dict[str, Any], str]]
+    failure: str | None = None
+
+
+def entries_of(folder: str, output: str) -> list[Entry]:
+    """Return the pictures of a folder, and the folders in it that have pictures, but `output`."""
+    try:
+        names = sorted(os.listdir(folder))
+    except OSError as error:
+        raise FileError(f"{folder}: cannot read the folder: {error.strerror}") from None
+    found: dict[str, Entry] = {}
+    there = os.path.exists(output)
+    for file in names:
+        path, stem = os.path.join(folder, file), os.path.splitext(file)[0]
+        if file.startswith(".") or (
+            there and os.path.exists(path) and os.path.samefile(path, output)
+        ):
+            continue
+        if os.path.isdir(path):
+            try:
+                map_files(path)
+            except FileError:
+                continue
+            entry = Entry(path, file, "")
+        elif suffix_of(file) in READABLE:
+            entry = Entry(path, stem, written_as(path))
+        else:
+            continue
+        if entry.name in found:
+            raise InvalidInputError(
+                f"{found[entry.name].path} and {path} would both make {entry.name}; rename one"
+            )
+        found[entry.name] = entry
+    if not found:
+        raise FileError(f"{folder}: has no pictures, and no folders of maps")
+    return list(found.values())
+
+
+def jobs_of(
+    entries: Sequence[Entry], template: str, seeds: Sequence[int], *, together: bool
+) -> list[Job]:
+    """Return what there is to make: a job a seed, or, if `together`, a job a sample."""
+    try:
+        fields = {name for _, name, _, _ in string.Formatter().parse(template) if name is not None}
+        if not fields <= _FIELDS:
+            raise ValueError
+        template.format(name="", seed=0)
+    except (ValueError, LookupError, AttributeError):
+        raise InvalidInputError(
+            f"the template is {shown(template)}; it may have {{name}} and {{seed}}, such as "
+            "{name}_{seed}"
+        ) from None
+    taken: set[str] = set()
+    jobs = []
+    for entry in entries:
+        outputs = {seed: template.format(name=entry.name, seed=seed) for seed in seeds}
+        for seed, stem in outputs.items():
+            _check_name(stem, entry.suffix)
+            if stem.casefold() in taken:
+                raise InvalidInputError(
+                    f"two outputs would be named '{stem}'; use {{name}} and {{seed}} in --template"
+                )
+            taken.add(stem.casefold())
+            outputs[seed] = stem + entry.suffix
+        parts = [outputs] if together else [{seed: output} for seed, output in outputs.items()]
+        jobs += [Job(entry.path, part) for part in parts]
+    return jobs
+
+
+def _check_name(stem: str, suffix: str) -> None:
+    """Refuse names that files cannot have, hidden ones, and that of the manifest."""
+    plain = os.path.basename(stem) == stem and stem.isprintable()
+    if not plain or stem.startswith(".") or stem.casefold() in ("", MANIFEST):
+        raise InvalidInputError(f"the template makes {shown(stem)}, which is no name of an output")
+    if len(os.fsencode(stem + suffix)) > _LONGEST:
+        raise InvalidInputError(
+            f"the template makes a name of {len(stem + suffix)} letters; systems have room for "
+            f"{_LONGEST} bytes"
+        )
+
+
+def left_of(jobs: Sequence[Job], args: argparse.Namespace, manifest: Manifest) -> list[Job]:
+    """Return the jobs that are to be done; raises where outputs must not be replaced."""
+    left = []
+    for job in jobs:
+        paths = {one: os.path.join(args.output, one) for one in job.outputs.values()}
+        there = [one for one, path in paths.items() if os.path.lexists(path)]
+        if args.skip_existing and len(there) >= (args.keep_best or len(job.outputs)):
+            continue
+        foreign = [one for one in there if one not in manifest]
+        for one in foreign:
+            above = os.path.join(os.path.realpath(paths[one]), "")
+            if os.path.join(os.path.realpath(job.path), "").startswith(above):
+                raise FileError(f"{paths[one]} is a sample; name another folder for outputs")
+            if args.force and os.path.isdir(paths[one]):
+                raise FileError(f"{paths[one]} is a folder that no batch made; move it away")
+        if there and not args.force and (not args.skip_existing or foreign):
+            raise FileError(
+                f"{paths[there[0]]} is there; give --skip-existing to go on, or --force to make it "
+                "anew"
+            )
+        left.append(job)
+    return left
+
+
+class Maker:
+    """Does jobs with a recipe for any sample, and a number of threads for each output.
+
+    A sample is read and fitted once for jobs that follow each other.
+    """
+
+    def __init__(self, recipe: Recipe, threads: int, args: argparse.Namespace) -> None:
+        self.recipe, self.threads, self.args = recipe, threads, args
+        self._path, self._cancelled = "", False
+        self._opened: Opened
+        self._model: Model
+        self._scorer: MapsScorer | None = None
+
+    def __call__(self, job: Job) -> Done:
+        """Make the outputs of a job, or say what went wrong."""
+        made: list[tuple[dict[str, Any], str]] = []
+        try:
+            self._read(job.path)
+            for result, record in self._results(job):
+                made.append((record, self._write(result, record)))
+        except CancelledError:
+            raise
+        except WeftexError as error:
+            said = str(error)
+            return Done(made, said if said.startswith(job.path) else f"{job.path}: {said}")
+        except MemoryError:
+            return Done(made, f"{job.path}: not enough memory; make it smaller")
+        return Done(made)
+
+    def cancel(self) -> None:
+        """End at the next step."""
+        self._cancelled = True
+
+    def _read(self, path: str) -> None:
+        if self._path == path:
+            return
+        self._path, self._scorer = "", None
+        spec = {**self.recipe.materials[0], "path": path}
+        self._opened = open_materials(self.recipe.changed(materials=[spec]), self.args)
+        self._model = self.recipe.method.fit(self._opened.sample)
+        self._path = path
+
+    def _results(self, job: Job) -> Iterator[tuple[Synthesis, dict[str, Any]]]:
+        """All results and their records, or the best ones in the order of their seeds."""
+        canvas = as_canvas(self._opened.shape, self.recipe.options["tileable"])
+        keep = self.args.keep_best
+        best: list[tuple[float, int, Synthesis, dict[str, Any]]] = []
+        for order, (seed, output) in enumerate(job.outputs.items()):
+            start = perf_counter()
+            result = self._model.sample(
+                canvas, seed=seed, threads=self.threads, progress=lambda *_: not self._cancelled
+            )
+            record = self._record(job, output, seed, result)
+            if keep is not None or self.args.score:
+                self._scorer = self._scorer or MapsScorer(self._model.exemplar)
+                record["score"] = self._scorer.score(result)
+            record["seconds"] = round(perf_counter() - start, 3)
+            if keep is None:
+                yield result, record
+                continue
+            score = float("inf") if record["score"] is None else record["score"]
+            best = sorted([*best, (score, order, result, record)], key=lambda one: one[:2])[:keep]
+        for _, _, result, record in sorted(best, key=lambda one: one[1]):
+            yield result, record
+
+    def _record(self, job: Job, output: str, seed: int, result: Synthesis) -> dict[str, Any]:
+        used = dict(result.provenance)
+        about = {name: used.pop(name) for name in ("reason", "warnings") if name in used}
+        used.pop("seed", None)
+        return {
+            "output": output,
+            "sample": job.path,
+            "seed": seed,
+            "size": [result.shape[1], result.shape[0]],
+            "method": used.pop("method"),
+            "parameters": used,
+        } | about
+
+    def _write(self, result: Synthesis, record: dict[str, Any]) -> str:
+        """Write an output under another name, and return that."""
+        target, job = os.path.join(self.args.output, record["output"]), self._opened
+        with unfinished(target) as path, Outputs() as outputs:
+            options = argparse.Namespace(**vars(self.args) | {"output": path})
+            if job.materials[0].folder:
+                outputs.make_folder(path)
+            made = plan(job.materials, job.like, options)
+            made.write(pixels_of(result, made.main), outputs, self.args.threads)
+        return path

@@ -3,14 +3,11 @@
 from __future__ import annotations
 
 import argparse
-from importlib import import_module
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable, Mapping
+from typing import Any
 
 from weftex.cli.parser import Built, Parser
 from weftex.errors import WeftexError
-
-if TYPE_CHECKING:
-    from collections.abc import Mapping
 
 _EXAMPLES = """\
 examples:
@@ -24,8 +21,22 @@ _FILES = {"SAMPLE", "PHOTO", "RESULT", "MAP", "OUT", "OUT.html", "F.npz", "FILE"
 _METHODS = ("--method", "method")
 
 
-def run(argv: list[str], commands: Mapping[str, str]) -> None:
+Run = Callable[[str, list[str]], None]
+
+
+def run(argv: list[str], commands: Mapping[str, str], run_command: Run) -> None:
     """Run the command; `argv` is what follows its name, `commands` are all, and what they do."""
+
+    def built(command: str, argv: list[str]) -> Parser:
+        Parser.only_built = True
+        try:
+            run_command(command, argv)
+        except Built as whole:
+            return whole.parser
+        finally:
+            Parser.only_built = False
+        raise AssertionError(f"{command} parses nothing")
+
     parser = Parser(
         "completion",
         "Print a script that completes weftex commands and options in a shell.",
@@ -37,10 +48,12 @@ def run(argv: list[str], commands: Mapping[str, str]) -> None:
         import shtab
     except ImportError:
         raise WeftexError("completion needs shtab: pip install 'weftex[completion]'") from None
-    print(shtab.complete(_whole(commands, shtab.FILE), shell))
+    print(shtab.complete(_whole(commands, built, shtab.FILE), shell))
 
 
-def _whole(commands: Mapping[str, str], file: Any) -> argparse.ArgumentParser:
+def _whole(
+    commands: Mapping[str, str], built: Callable[[str, list[str]], Parser], file: Any
+) -> argparse.ArgumentParser:
     """All commands as one parser, each with the parameters of all methods that it takes."""
     from weftex.methods import METHODS
 
@@ -48,11 +61,11 @@ def _whole(commands: Mapping[str, str], file: Any) -> argparse.ArgumentParser:
     whole.add_argument("--version", "-V", action="store_true", help="print the version")
     parts = whole.add_subparsers()
     for name, text in commands.items():
-        parser = _built(name, [])
+        parser = built(name, [])
         part = parts.add_parser(name, help=text, parents=[parser], add_help=False)
         if "--method" in part._option_string_actions:
             for method in METHODS:
-                for action in _built(name, ["--method", method])._actions:
+                for action in built(name, ["--method", method])._actions:
                     if not {*action.option_strings} & {*part._option_string_actions}:
                         part._add_action(action)
         for action in part._actions:
@@ -61,18 +74,3 @@ def _whole(commands: Mapping[str, str], file: Any) -> argparse.ArgumentParser:
             if _METHODS[bool(not action.option_strings)] in (action.dest, *action.option_strings):
                 action.choices = ["auto", *METHODS]
     return whole
-
-
-def _built(command: str, argv: list[str]) -> Parser:
-    """The parser of a command."""
-    Parser.only_built = True
-    try:
-        if command == "completion":
-            run(argv, {})
-        else:
-            import_module(f"weftex.cli.commands.{command}").run(argv)
-    except Built as built:
-        return built.parser
-    finally:
-        Parser.only_built = False
-    raise AssertionError(f"{command} parses nothing")

@@ -42,8 +42,7 @@ def run(argv: list[str]) -> None:
         raise InvalidInputError("nothing to do; give --straighten, --even-light, or both")
 
     def work(bar: Bar, outputs: Outputs) -> str:
-        from weftex.cli.files import make_room, read
-        from weftex.cli.sets import plan
+        from weftex.cli.files import make_room, plan, read
         from weftex.recipe.making import mended
 
         make_room([args.sample], args, outputs)

@@ -46,10 +46,9 @@ def run(argv: list[str]) -> None:
     add("--background", metavar="PHOTO", help=text)
     parser.share("--output", "--names", "--mtlx", "--quiet", "--allow-huge", *BLOCKS)
     args = parser.parse(argv)
-    from weftex.cli.files import make_room, read
+    from weftex.cli.files import make_room, plan, read
     from weftex.cli.planes import definition_of_replay, is_source, refuse_options
     from weftex.cli.planes import write as write_plane
-    from weftex.cli.sets import plan
 
     if is_source(args.source):
 
