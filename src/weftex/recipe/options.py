@@ -118,7 +118,7 @@ def _a(*types: type) -> Callable[[Any], Any]:
     return check
 
 
-_whole, _number, _words = _a(int), _a(int, float), _a(str)
+_whole, _number, _word = _a(int), _a(int, float), _a(str)
 
 
 def _several(check: Callable[[Any], Any], count: int = 0) -> Callable[[Any], tuple[Any, ...]]:
@@ -132,70 +132,45 @@ def _several(check: Callable[[Any], Any], count: int = 0) -> Callable[[Any], tup
     return check_all
 
 
-def _by_names(check: Callable[[Any], Any]) -> Callable[[Any], dict[str, Any]]:
-    """A check for values by names."""
+def _listed(
+    name: str,
+    wanted: str,
+    read: Callable[[str], Any],
+    check: Callable[[Any], Any],
+    text: Callable[[Any], str] = str,
+    count: int = 0,
+) -> Kind:
+    """The kind of lists, written 'a,b', of what `read`, `check` and `text` are for one of."""
+    return Kind(
+        name,
+        wanted,
+        lambda given: [read(word.strip()) for word in given.split(",")],
+        _several(check, count),
+        lambda values: ",".join(map(text, values)),
+    )
 
-    def check_all(value: Any) -> dict[str, Any]:
-        if not isinstance(value, Mapping) or not all(isinstance(name, str) for name in value):
+
+def _named(
+    name: str,
+    wanted: str,
+    read: Callable[[str], Any],
+    check: Callable[[Any], Any],
+    text: Callable[[Any], str] = str,
+) -> Kind:
+    """The kind of values by names, written 'a=b,c=d'; the functions are for one value."""
+
+    def check_all(values: Any) -> dict[str, Any]:
+        if not isinstance(values, Mapping) or not all(isinstance(key, str) for key in values):
             raise ValueError
-        return {name: check(one) for name, one in value.items()}
+        return {key: check(value) for key, value in values.items()}
 
-    return check_all
-
-
-def _number_text(value: float) -> str:
-    return f"{value:g}" if float(f"{value:g}") == value else repr(value)
-
-
-def _numbers_text(values: Any) -> str:
-    return ",".join(map(_number_text, values if isinstance(values, tuple) else (values,)))
-
-
-def _read_numbers(text: str) -> list[float]:
-    return [float(word) for word in text.split(",")]
-
-
-def _one_or_several(value: Any) -> Any:
-    return _several(_number)(value) if isinstance(value, (list, tuple)) else _number(value)
-
-
-def _size(value: Any) -> tuple[int, ...]:
-    sides = _several(_whole, 2)(value)
-    if min(sides) < 1:
-        raise ValueError
-    return sides
-
-
-def _read_size(text: str) -> list[int]:
-    words = text.lower().split("x")
-    sides = [int(one.removesuffix("k")) * (1024 if one.endswith("k") else 1) for one in words]
-    width, height = sides * 2 if len(sides) == 1 else sides
-    return [height, width]
-
-
-def _size_text(size: tuple[int, int]) -> str:
-    height, width = size
-    return str(width) if width == height else f"{width}x{height}"
-
-
-def _axes(value: Any) -> Any:
-    if not isinstance(value, bool) and value not in ("x", "y"):
-        raise ValueError
-    return value
-
-
-def _corners(value: Any) -> str:
-    if len(_read_numbers(_words(value))) not in (4, 8) if value != "" else False:
-        raise ValueError
-    return str(value)
-
-
-def _tries(value: Any) -> Any:
-    return _several(_words)(value) if isinstance(value, (list, tuple)) and value else _whole(value)
-
-
-def _read_tries(text: str) -> Any:
-    return int(text) if re.fullmatch(r"[-+]?\d+", text) else [w.strip() for w in text.split(",")]
+    return Kind(
+        name,
+        wanted,
+        lambda given: {key: read(value) for key, value in _pairs(given).items()},
+        check_all,
+        lambda values: ",".join(f"{key}={text(value)}" for key, value in values.items()),
+    )
 
 
 def _pairs(text: str) -> dict[str, str]:
@@ -207,17 +182,116 @@ def _pairs(text: str) -> dict[str, str]:
     return pairs
 
 
-def _pairs_text(pairs: Mapping[str, Any]) -> str:
-    values = {k: v if isinstance(v, str) else _number_text(v) for k, v in pairs.items()}
-    return ",".join(f"{name}={value}" for name, value in values.items())
+def _number_text(value: float) -> str:
+    return f"{value:g}" if float(f"{value:g}") == value else repr(value)
+
+
+WHOLE = Kind("int", "an integer", int, _whole)
+NUMBER = Kind("float", "a number", float, _number, _number_text)
+TEXT = Kind("text", "a text", str, _word)
+FLAG = Kind("bool", "true or false", str, _a(bool))
+PICTURE = Kind("picture", "a picture", str, _word)
+DEGREE = WHOLE._replace(bare="2", values=r"[-+]?\d+")
+NUMBERS = _listed("numbers", "numbers with commas between them", float, _number, _number_text)
+ONE_OR_SEVERAL = NUMBERS._replace(
+    read=lambda text: NUMBERS.read(text) if "," in text else float(text),
+    check=lambda value: (NUMBERS if isinstance(value, (list, tuple)) else NUMBER).check(value),
+    text=lambda value: (NUMBERS if isinstance(value, tuple) else NUMBER).text(value),
+)
+#: Row and column, which the command line has as x and y.
+POINT = NUMBERS._replace(
+    read=lambda text: NUMBERS.read(text)[::-1], text=lambda value: NUMBERS.text(value[::-1])
+)
+WINDOW = _listed("window", "TOP,LEFT,HEIGHT,WIDTH, such as -100,0,256,256", int, _whole, count=4)
+
+
+def _read_size(text: str) -> list[int]:
+    words = text.lower().split("x")
+    sides = [int(one.removesuffix("k")) * (1024 if one.endswith("k") else 1) for one in words]
+    width, height = sides * 2 if len(sides) == 1 else sides
+    return [height, width]
+
+
+def _size(value: Any) -> tuple[int, ...]:
+    sides = _several(_whole, 2)(value)
+    if min(sides) < 1:
+        raise ValueError
+    return sides
+
+
+def _size_text(size: tuple[int, int]) -> str:
+    height, width = size
+    return str(width) if width == height else f"{width}x{height}"
+
+
+SIZE = Kind(
+    "size", "WxH or N, 1 or more, such as 640x480 or 2k", _read_size, _size, _size_text,
+    in_json="[height, width], 1 or more",
+)  # fmt: skip
+
+
+def _axes(value: Any) -> Any:
+    if not isinstance(value, bool) and value not in ("x", "y"):
+        raise ValueError
+    return value
+
+
+AXES = Kind(
+    "axes", "x, y or xy", lambda text: text == "xy" or text, _axes,
+    lambda value: "xy" if value is True else str(value),
+    in_json="true, false, 'x' or 'y'", bare="xy", values="x|y|xy",
+)  # fmt: skip
+
+
+def _vectors_or_corners(value: Any) -> Any:
+    if value != "" and len(NUMBERS.read(_word(value))) not in (4, 8):
+        raise ValueError
+    return value
+
+
+STRAIGHTEN = TEXT._replace(
+    wanted="four numbers, a lattice, or eight, corners", check=_vectors_or_corners,
+    bare="", values=r"[-+.,\deE]*,[-+.,\deE]*",
+)  # fmt: skip
+
+
+def _read_tries(text: str) -> Any:
+    return int(text) if re.fullmatch(r"[-+]?\d+", text) else [w.strip() for w in text.split(",")]
+
+
+def _tries(value: Any) -> Any:
+    return _several(_word)(value) if isinstance(value, (list, tuple)) and value else _whole(value)
+
+
+TRIES = Kind(
+    "int", "a number, or names of methods", _read_tries, _tries,
+    lambda value: str(value) if isinstance(value, int) else ",".join(value),
+)  # fmt: skip
+
+WEIGHTS = _named(
+    "weights", "maps and numbers, each once, such as height=3,normal=2", float, _number,
+    _number_text,
+)  # fmt: skip
+LEVELS = _named(
+    "weights", "maps and their values, each once, such as height=0.5,normal=flat",
+    lambda text: text if text == "flat" else float(text),
+    lambda value: value if value == "flat" else _number(value),
+    lambda value: value if value == "flat" else _number_text(value),
+)  # fmt: skip
 
 
 def _files(value: Any) -> dict[str, str]:
-    files = _by_names(_words)(value)
+    files = _NAMES_OF_FILES.check(value)
     names = re.compile(r"[A-Za-z0-9][A-Za-z0-9_ -]{0,39}")  # which files have, too
     if not 0 < len(files) <= 40 or not all(map(names.fullmatch, files)):
         raise ValueError
-    return files
+    return dict(files)
+
+
+_NAMES_OF_FILES = _named(
+    "files", "maps and their files, each once, such as color=a.png,normal=b.png", str, _word
+)
+FILES = _NAMES_OF_FILES._replace(check=_files)
 
 
 def _color(value: Any) -> tuple[int, ...]:
@@ -232,9 +306,9 @@ def _color_text(color: tuple[int, ...]) -> str:
     return "#" + bytes(color).hex() if len(color) == 3 else ",".join(map(str, color))
 
 
-def _mixed(value: Any) -> dict[tuple[int, ...], tuple[int, ...]]:
-    """Pairs of samples, counted from 0, by colors."""
-    return {_color(color): _several(_whole, 2)(pair) for color, pair in dict(value).items()}
+COLORS = _listed(
+    "colors", "colors, #rrggbb, or gray levels, with commas between them", str, _color, _color_text
+)
 
 
 def _read_mixed(text: str) -> dict[str, list[int]]:
@@ -242,95 +316,9 @@ def _read_mixed(text: str) -> dict[str, list[int]]:
     return {color: [int(number) - 1 for number in pair] for color, pair in pairs.items()}
 
 
-def _mixed_text(mixed: Mapping[tuple[int, ...], tuple[int, int]]) -> str:
-    return ",".join(f"{_color_text(k)}={a + 1}+{b + 1}" for k, (a, b) in mixed.items())
-
-
-WHOLE = Kind("int", "an integer", int, _whole)
-NUMBER = Kind("float", "a number", float, _number, _number_text)
-TEXT = Kind("text", "a text", str, _words)
-FLAG = Kind("bool", "true or false", str, _a(bool))
-PICTURE = Kind("picture", "a picture", str, _words)
-NUMBERS = Kind(
-    "numbers", "numbers with commas between them", _read_numbers, _several(_number), _numbers_text
-)
-ONE_OR_SEVERAL = NUMBERS._replace(
-    read=lambda text: float(text) if "," not in text else _read_numbers(text),
-    check=_one_or_several,
-)
-#: Row and column, which the command line has as x and y.
-POINT = NUMBERS._replace(
-    read=lambda text: _read_numbers(text)[::-1], text=lambda value: _numbers_text(value[::-1])
-)
-SIZE = Kind(
-    "size",
-    "WxH or N, 1 or more, such as 640x480 or 2k",
-    _read_size,
-    _size,
-    _size_text,
-    "[height, width], 1 or more",
-)
-WINDOW = Kind(
-    "window",
-    "TOP,LEFT,HEIGHT,WIDTH, such as -100,0,256,256",
-    lambda text: [int(word) for word in text.split(",")],
-    _several(_whole, 4),
-    lambda value: ",".join(map(str, value)),
-)
-AXES = Kind(
-    "axes",
-    "x, y or xy",
-    lambda text: True if text == "xy" else text,
-    _axes,
-    lambda value: "xy" if value is True else str(value),
-    "true, false, 'x' or 'y'",
-    "xy",
-    "x|y|xy",
-)
-STRAIGHTEN = TEXT._replace(
-    wanted="four numbers, a lattice, or eight, corners",
-    check=_corners,
-    bare="",
-    values=r"[-+.,\deE]*,[-+.,\deE]*",
-)
-DEGREE = WHOLE._replace(bare="2", values=r"[-+]?\d+")
-TRIES = Kind(
-    "int",
-    "a number, or names of methods",
-    _read_tries,
-    _tries,
-    lambda value: str(value) if isinstance(value, int) else ",".join(value),
-)
-WEIGHTS = Kind(
-    "weights",
-    "maps and numbers, each once, such as height=3,normal=2",
-    lambda text: {k: float(v) for k, v in _pairs(text).items()},
-    _by_names(_number),
-    _pairs_text,
-)
-LEVELS = WEIGHTS._replace(
-    wanted="maps and their values, each once, such as height=0.5,normal=flat",
-    read=lambda text: {k: v if v == "flat" else float(v) for k, v in _pairs(text).items()},
-    check=_by_names(lambda value: value if value == "flat" else _number(value)),
-)
-FILES = Kind(
-    "files",
-    "maps and their files, each once, such as color=a.png,normal=b.png",
-    _pairs,
-    _files,
-    _pairs_text,
-)
-COLORS = Kind(
-    "colors",
-    "colors, #rrggbb, or gray levels, with commas between them",
-    lambda text: [word.strip() for word in text.split(",")],
-    _several(_color),
-    lambda value: ",".join(map(_color_text, value)),
-)
+#: Pairs of samples, counted from 0, by colors.
 MIXED = Kind(
-    "mixed",
-    "colors and two samples each, such as #00ff00=1+2",
-    _read_mixed,
-    _mixed,
-    _mixed_text,
-)
+    "mixed", "colors and two samples each, such as #00ff00=1+2", _read_mixed,
+    lambda value: {_color(k): _several(_whole, 2)(pair) for k, pair in dict(value).items()},
+    lambda mixed: ",".join(f"{_color_text(k)}={a + 1}+{b + 1}" for k, (a, b) in mixed.items()),
+)  # fmt: skip
