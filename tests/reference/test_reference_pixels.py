@@ -82,6 +82,9 @@ def test_errors_name_the_parameter():
     sample = crop("pebbles", 12, 12)
     with pytest.raises(InvalidInputError, match="window is 4; it must be odd and from 1 to 12"):
         reference.efros_leung(sample, 10, window=4)
+    for method in (reference.wei_levoy, reference.exact_matching):
+        with pytest.raises(InvalidInputError, match="window is 1; it must be odd and from 3 to 12"):
+            method(sample, 10, window=1)
     with pytest.raises(InvalidInputError, match="size is 0; both sides must be 1 or more"):
         reference.ashikhmin(sample, 0)
     with pytest.raises(InvalidInputError, match="sample is float64"):

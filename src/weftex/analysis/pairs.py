@@ -100,7 +100,7 @@ def reduced(vectors: Floats) -> Floats:
 
 
 def _candidates(peaks: Peaks) -> Floats:
-    """Return reduced pairs of peaks (step 4 of the paper), neither close to a higher one."""
+    """Return pairs of peaks that are reduced already (step 4 of the thesis), no two alike."""
     lengths = np.hypot(peaks.shifts[:, 0], peaks.shifts[:, 1])
     wide = (peaks.dominance >= 2) & (lengths >= SHORTEST)
     octave = np.log2(np.maximum(lengths, 1)).astype(int)
@@ -123,7 +123,7 @@ class Rating:
     """The goodness of n pairs of vectors."""
 
     goodness: Floats  # (n,); 0 is no lattice
-    value: Floats  # (n,): the mean correlation of eq. 3.23, or the contrast in its place
+    value: Floats  # (n,): the mean correlation of eq. 3.24, or the contrast in its place
     count: Floats  # (n,) of significant multiples
 
 
@@ -167,6 +167,7 @@ def rate(field: Field, pairs: Floats, reach: int, kind: str, *, exact: bool = Fa
         else:
             value = _above_chance(contrasts, weights, times, field.unsure)
     number = count if exact else 2 * field.width * field.height / np.maximum(area, 1)
+    # Eq. 3.23.
     goodness = np.maximum(value, 0) ** field.alpha * np.maximum(number, 1) ** (field.alpha - 1)
     return Rating(np.where(both, goodness, 0), value, count)
 

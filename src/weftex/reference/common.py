@@ -42,12 +42,12 @@ def checked(sample: Any, size: Any) -> tuple[NDArray[np.int64], tuple[int, int]]
     return pixels.reshape(*pixels.shape[:2], -1).astype(np.int64), (height, width)
 
 
-def fits(name: str, value: int, sample: NDArray[Any], odd: bool = False) -> int:
+def fits(name: str, value: int, sample: NDArray[Any], odd: bool = False, least: int = 1) -> int:
     """The value, if a square of that side fits into the sample."""
     most = min(sample.shape[:2])
-    if not 1 <= value <= most or (odd and value % 2 == 0):
+    if not least <= value <= most or (odd and value % 2 == 0):
         kind = "odd and " if odd else ""
-        raise InvalidInputError(f"{name} is {value}; it must be {kind}from 1 to {most}")
+        raise InvalidInputError(f"{name} is {value}; it must be {kind}from {least} to {most}")
     return int(value)
 
 

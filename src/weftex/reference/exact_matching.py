@@ -67,7 +67,7 @@ def exact_matching(
     (10, 12)
     """
     pixels, (height, width) = checked(sample, size)
-    half = fits("window", window, pixels, odd=True) // 2
+    half = fits("window", window, pixels, odd=True, least=3) // 2
     # Section 4.3: the upper band, as high as the causal neighborhood.
     if structured:  # it is made in the rotated sample, so its beginning is a block at the left
         rotated = pixels.swapaxes(0, 1)

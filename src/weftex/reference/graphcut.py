@@ -2,8 +2,10 @@
 
 The random draws are those of `weftex.random.draw`, so the picture is that of the method `graphcut`
 with `candidates=1`, `halvings=0`, `variety=0` and `tone_reach=0`, byte by byte with
-`gradients=False`. Costs by gradients are no metric: there the method, which has no seam nodes, cuts
-a few pixels otherwise in about one patch of fifty.
+`gradients=False`. Costs by gradients are no metric: there the method, which has arcs for old seams
+(`graph_kernels.add_pair`) instead of seam nodes, cuts a few pixels otherwise in about one patch of
+fifty. Random and entire patch placement, the FFT (section 5) and surrounded regions (3.2) are in
+`weftex.methods.graphcut` only: `entire` and `GraphCut.cover`.
 """
 
 from __future__ import annotations
@@ -20,6 +22,9 @@ from weftex.reference.common import Made, at, checked, fits, made, places, windo
 Place = tuple[int, int]
 #: The terminals: what keeps its old pixels, and what takes new ones.
 OLD, NEW = "old", "new"
+#: The largest difference of a channel; gray values that a gradient has at least, so that flat parts
+#: have a cost. The paper names neither.
+WHITE, SOFT = 255, 32
 
 
 def graphcut(
@@ -103,11 +108,11 @@ def graphcut(
         a_s, a_t = color(*a), color(a[0] + step[0], a[1] + step[1])
         b_s, b_t = color(b[0] - step[0], b[1] - step[1]), color(*b)
         differences = [norm(p, q) for p, q in ((a_s, b_s), (a_t, b_t)) if p and q]
-        slopes = [norm(p, q) for p, q in ((a_s, a_t), (b_s, b_t)) if p and q]
-        cost, slope = sum(differences), sum(slopes)
+        gradient = [norm(p, q) for p, q in ((a_s, a_t), (b_s, b_t)) if p and q]
+        cost, across = sum(differences), sum(gradient)
         if len(differences) < 2:  # a patch ends here
-            cost, slope = (4 * cost, 2 * slope) if differences else (1020 * len(a_s), 0)
-        return 256 * cost // (slope + 32 * len(a_s)) if gradients else cost
+            cost, across = (4 * cost, 2 * across) if differences else (4 * WHITE * len(a_s), 0)
+        return 256 * cost // (across + SOFT * len(a_s)) if gradients else cost
 
     def offset(old: Any, known: Any) -> Any:
         """Sub-patch matching (section 4): one of the offsets by its chance, from the mean SSD."""

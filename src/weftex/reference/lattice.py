@@ -1,7 +1,8 @@
 """Regular structure detection (López Recas, 2011, chapter 3).
 
 `weftex.analysis.lattice.find_lattice` follows it with `goodness="height"`, and adds vectors with
-fractions, and evidence for and against a lattice.
+fractions, evidence for and against a lattice, and rows where there is no lattice. There, both
+vectors must be significant themselves (section 3.3, at Fig. 3.5).
 """
 
 from __future__ import annotations

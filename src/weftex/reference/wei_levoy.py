@@ -67,7 +67,7 @@ def wei_levoy(
     (10, 12)
     """
     pixels, shape = checked(sample, size)
-    half, parent_half = fits("window", window, pixels, odd=True) // 2, parent_window // 2
+    half, parent_half = fits("window", window, pixels, odd=True, least=3) // 2, parent_window // 2
     inputs = gaussian_pyramid(pixels, levels, torus=False)
 
     # Step 1: random white noise. Step 2: with the histogram of the input image.

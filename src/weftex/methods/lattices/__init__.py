@@ -1,1 +1,4 @@
-"""What methods over a lattice share: near-regular synthesis and the best tile."""
+"""Shared by the methods over a lattice: near-regular synthesis and the best tile.
+
+`weftex.analysis.lattice` finds the lattice.
+"""
