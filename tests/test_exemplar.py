@@ -27,11 +27,6 @@ def test_pixels_are_kept_as_they_are(rng, dtype, channels):
     assert matching.dtype == np.uint8 and matching.flags.c_contiguous
 
 
-def test_plain_bytes_match_on_themselves(rng):
-    pixels = rng.integers(90, 95, (6, 6, 3)).astype(np.uint8)
-    assert np.array_equal(Exemplar(pixels).matching(), pixels)
-
-
 @pytest.mark.parametrize(
     "pixels, says",
     [
@@ -108,19 +103,12 @@ def test_every_depth_matches_as_eight_bits(rng, kind, channels):
 @pytest.mark.parametrize("dtype", [np.uint16, np.float32, np.float64])
 def test_faint_pictures_are_stretched(rng, kind, dtype):
     """What 16 bits tell apart there, 8 bits could not."""
-    import weftex
-
     faint = FAINT[kind](wide(rng)).astype(np.uint8)
     deep = faint.astype(np.uint16) * 257 if dtype == np.uint16 else (faint / 255).astype(dtype)
     matching = Exemplar(deep).matching()
     order = np.argsort(faint, axis=None, kind="stable")
     assert (np.diff(matching.ravel()[order].astype(int)) >= 0).all()
     assert np.ptp(matching) >= 4 * np.ptp(faint) and matching.max() > 200
-    result = weftex.synthesize(
-        deep, 30, seed=1, method="patch-sampling", patch_size=5, blend="none"
-    )
-    source = result.source
-    assert np.array_equal(result.image, deep[source[..., 0], source[..., 1]])
 
 
 def test_the_color_of_clear_pixels_does_not_count(rng):
@@ -131,15 +119,8 @@ def test_the_color_of_clear_pixels_does_not_count(rng):
     assert np.array_equal(Exemplar(pixels).matching(), Exemplar(other).matching())
     other[0, 5, 3] ^= 255
     assert not np.array_equal(Exemplar(pixels).matching(), Exemplar(other).matching())
-
-
-def test_alpha_beyond_one_is_opaque(rng):
-    """Floats may hold anything; bytes must not wrap around."""
-    pixels = wide(rng, 4) / 255
-    pixels[..., 3] = 1.0
-    over = pixels.copy()
-    over[4:, :, 3] = 1.75
-    assert np.array_equal(Exemplar(over).matching(), Exemplar(pixels).matching())
+    over = np.where(np.arange(4) == 3, 1.75, pixels / 255)  # floats may hold anything
+    assert np.array_equal(Exemplar(over).matching(), Exemplar(np.minimum(over, 1)).matching())
 
 
 @given(st.floats(-1e6, 1e6), st.floats(1e-3, 1e6), st.integers(0, 99))
@@ -159,7 +140,7 @@ def test_brightness_ratios_survive_depth(rng):
     """A tolerance relative to the canvas means the same: no offset is taken off."""
     pixels = rng.random((20, 20)) * 8 + 1  # linear light, nothing near black
     matching = Exemplar(pixels).matching()[..., 0].astype(float)
-    ratio = matching / pixels[..., 0] if pixels.ndim == 3 else matching / pixels
+    ratio = matching / pixels
     assert np.abs(ratio / ratio.mean() - 1).max() < 0.05
 
 
@@ -203,8 +184,6 @@ def test_known_pixels_are_mapped_as_the_samples_own(rng):
 @pytest.mark.parametrize("dtype", [">u2", ">f4", ">f8"])
 def test_either_byte_order(rng, dtype):
     """Files of other machines arrive as arrays of the other byte order."""
-    import weftex
-
     pixels = (rng.random((24, 24)) * 60000).astype(dtype)
     native = pixels.astype(pixels.dtype.newbyteorder("="))
     one = weftex.synthesize(pixels, 40, seed=1, method="patch-sampling", patch_size=8)

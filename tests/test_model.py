@@ -59,25 +59,19 @@ def test_an_origin_is_saved_with_the_result(tmp_path):
 
 
 @pytest.mark.parametrize(
-    "origin, match",
+    "more, match",
     [
-        ((0.5, 0), "top is 0.5"),
-        ((0, 2**40 + 1), "left is"),
-        ((1,), r"must be \(top, left\)"),
-        (7, r"must be \(top, left\)"),
+        ({"origin": (0.5, 0)}, "top is 0.5"),
+        ({"origin": (0, 2**40 + 1)}, "left is"),
+        ({"origin": (1,)}, r"must be \(top, left\)"),
+        ({"origin": 7}, r"must be \(top, left\)"),
+        ({"origin": (3, 3), "wrap": (True, False)}, "neither wraps nor has known pixels"),
+        ({"origin": (3, 3), "hole": np.ones((4, 4), bool)}, "neither wraps nor has known pixels"),
     ],
 )
-def test_origins_are_checked(origin, match):
+def test_origins_are_checked(more, match):
     with pytest.raises(weftex.InvalidInputError, match=match):
-        weftex.Canvas(4, 4, origin=origin)
-
-
-def test_a_window_of_a_plane_neither_wraps_nor_has_holes():
-    with pytest.raises(weftex.InvalidInputError, match="neither wraps nor has known pixels"):
-        weftex.Canvas(4, 4, (True, False), origin=(3, 3))
-    hole = np.ones((4, 4), bool)
-    with pytest.raises(weftex.InvalidInputError, match="neither wraps nor has known pixels"):
-        weftex.Canvas(4, 4, known=noise((4, 4)), hole=hole, origin=(3, 3))
+        weftex.Canvas(4, 4, **more)
 
 
 @pytest.mark.parametrize("threads", [1, 2])

@@ -40,15 +40,18 @@ def test_samples_share_no_lattice():
         weftex.NearRegular(lattice=(8, 0, 0, 8)).fit(weftex.prepare.together([tiles, tiles]))
 
 
-@pytest.mark.parametrize("samples", [[], "sample:pebbles", weftex.Exemplar(noise((9, 9)))])
-def test_it_must_be_a_list(samples):
-    with pytest.raises(weftex.InvalidInputError, match="must be a list"):
+@pytest.mark.parametrize(
+    "samples, message",
+    [
+        ([], "must be a list"),
+        ("sample:pebbles", "must be a list"),
+        (weftex.Exemplar(noise((9, 9))), "must be a list"),
+        ([noise((9, 9)), noise((9, 9), dtype=np.uint16)], "sample 2 .* is uint16"),
+    ],
+)
+def test_what_is_no_list_of_one_kind_is_refused(samples, message):
+    with pytest.raises(weftex.InvalidInputError, match=message):
         weftex.prepare.together(samples)
-
-
-def test_samples_of_other_kinds_are_refused():
-    with pytest.raises(weftex.InvalidInputError, match="sample 2 .* is uint16"):
-        weftex.prepare.together([noise((9, 9)), noise((9, 9), dtype=np.uint16)])
 
 
 @pytest.mark.parametrize("store", [lambda v: v, lambda v: (v + 1) / 2])

@@ -5,7 +5,7 @@ import pytest
 
 import weftex
 from families import noise
-from laid import BLENDS, filled, make
+from laid import BLENDS, make
 from weftex.canvas import Canvas
 from weftex.errors import InvalidInputError
 from weftex.results.pixels import PixelSynthesis
@@ -112,15 +112,3 @@ def test_error_is_where_patches_overlap():
     assert alone.any() and error[alone].max() == 0
     flat = make(sample=np.full((30, 34), 9, np.uint8)).draw("error")
     assert flat.max() == 0
-
-
-def test_drawing_a_filled_photo():
-    result = filled(known_from=None)
-    assert (result.draw("sources")[~result.canvas.hole] == 0).all()
-    for what in ("seams", "error"):
-        assert result.draw(what).shape == (*result.shape, 3)
-
-
-def test_unknown_drawings_are_refused():
-    with pytest.raises(InvalidInputError, match="cannot draw 'colors'"):
-        make().draw("colors")

@@ -1,7 +1,6 @@
 """Results that keep one source a pixel."""
 
 import json
-import pickle
 
 import numpy as np
 import pytest
@@ -66,23 +65,6 @@ def test_known_pixels_stay_and_are_where_they_came_from():
     assert np.array_equal(inside.source[y, x], np.stack([y + 1, x + 2], axis=1))
 
 
-def test_maps_are_replayed():
-    own = np.arange(99, dtype=np.uint16).reshape(9, 11)
-    assert np.array_equal(make(maps={"roughness": own}).maps["roughness"], make().index)
-
-
-def test_saved_results_are_the_same_again(tmp_path):
-    for result in (make(), make(hole=True), make(hole=True, known_from=(1, 2))):
-        result.save(tmp_path / "r.npz")
-        known = result.canvas.known
-        again = weftex.Synthesis.load(tmp_path / "r.npz", result.exemplar, known)
-        assert isinstance(again, PixelSynthesis)
-        assert np.array_equal(again.index, result.index) and again.index.dtype == np.int32
-        assert np.array_equal(again.image, result.image)
-        assert again.provenance == result.provenance
-        assert again.canvas.wrap == result.canvas.wrap
-
-
 @pytest.mark.parametrize("value", [-1, 99, -7, 2**31 - 1])
 def test_sources_outside_are_refused(tmp_path, value):
     result = make()
@@ -105,21 +87,6 @@ def test_sources_of_another_size_or_type_are_refused(tmp_path):
     np.savez(path, about=np.array(json.dumps(about)), index=arrays["index"])
     with pytest.raises(weftex.FileError, match="known pixels"):
         weftex.Synthesis.load(path)
-
-
-def test_drawings():
-    result = make()
-    source, red = result.draw("sources"), (result.draw("seams") == (255, 0, 0)).all(axis=2)
-    y, x = np.moveaxis(result.source, -1, 0)
-    assert np.array_equal(source[..., 0], np.rint(x * 25.5))
-    assert np.array_equal(source[..., 1], np.rint(y * (255 / 8)))
-    assert red.sum() > 20
-    whole = PixelSynthesis(
-        weftex.Canvas(9, 11), np.arange(99, dtype=np.int32).reshape(9, 11), sample_shape=(9, 11),
-        exemplar=weftex.Exemplar(SAMPLE),
-    )  # fmt: skip
-    assert not (whole.draw("seams") == (255, 0, 0)).all(axis=2).any()
-    assert whole.draw("error").max() == 0
 
 
 def test_error_is_what_the_neighbors_did_not_expect():
@@ -147,8 +114,3 @@ def test_a_part_moves_into_the_whole():
     at = moved.source[(y + 16) % 20, (x + 17) % 20]
     assert np.array_equal(at, (result.source[y, x] + (9, 13)) % (18, 22))
     assert moved.provenance == {"seed": 1}
-
-
-def test_results_can_be_pickled():
-    copy = pickle.loads(pickle.dumps(make()))
-    assert np.array_equal(copy.image, make().image)

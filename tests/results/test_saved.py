@@ -167,22 +167,15 @@ def test_a_bomb_is_refused_from_its_header(tmp_path):
     tracemalloc.stop()
 
 
-@pytest.mark.parametrize("size", [0, 1, 50, -1])
-def test_truncated_files_are_refused(tmp_path, size):
-    path = tmp_path / "result.npz"
-    make().save(path)
-    path.write_bytes(path.read_bytes()[:size])
-    with pytest.raises(FileError, match=r"result\.npz is not a saved weftex result"):
-        weftex.Synthesis.load(path)
-
-
 def test_files_of_another_kind_are_refused(tmp_path):
     with pytest.raises(FileError, match="does not exist"):
         weftex.Synthesis.load(tmp_path / "nothing.npz")
     text = tmp_path / "text.npz"
-    text.write_text("hello")
-    with pytest.raises(FileError, match="is not a saved weftex result"):
-        weftex.Synthesis.load(text)
+    make().save(other := tmp_path / "whole.npz")
+    for damaged in (b"hello", b"", *(other.read_bytes()[:size] for size in (1, 50, -1))):
+        text.write_bytes(damaged)
+        with pytest.raises(FileError, match=r"text\.npz is not a saved weftex result"):
+            weftex.Synthesis.load(text)
     other = tmp_path / "other.npz"
     np.savez(other, a=np.zeros(3))
     with pytest.raises(FileError, match="is not a saved weftex result"):

@@ -12,15 +12,6 @@ from weftex.errors import InvalidInputError
 
 
 @pytest.mark.parametrize("blend", BLENDS)
-@pytest.mark.parametrize("wrap", [(False, False), (True, False), (True, True)])
-def test_rendering_the_sample_is_the_image(blend, wrap):
-    result = make(blend, wrap)
-    assert np.array_equal(result.render(), result.image)
-    assert np.array_equal(result.render(SAMPLE), result.image)
-    assert np.array_equal(result.render(weftex.Exemplar(SAMPLE)), result.image)
-
-
-@pytest.mark.parametrize("blend", BLENDS)
 @pytest.mark.parametrize("scale", [1, 2, 3])
 @pytest.mark.parametrize("dtype", [np.uint8, np.uint16, np.float32, np.float64])
 def test_maps_at_multiples_and_depths(rng, blend, scale, dtype):
@@ -93,12 +84,6 @@ def test_shares_sum_to_one_with_the_widest_boundary(wrap, size):
     assert np.allclose(result.layers()[1].sum(axis=2), 1, atol=1e-6)
 
 
-def test_source_is_the_heaviest_layer():
-    result = make()
-    assert result.source.dtype == np.int32
-    assert np.array_equal(result.source, result.layers()[0][:, :, 0])
-
-
 def test_source_of_a_tall_result_is_put_together_from_bands():
     result = weftex.synthesize(SAMPLE, (600, 20), seed=1, method="patch-sampling", patch_size=10)
     assert np.array_equal(result.source, result.layers()[0][:, :, 0])
@@ -146,12 +131,6 @@ def test_maps_of_another_size_are_refused(shape):
         make().render(np.zeros(shape, np.uint8))
 
 
-def test_maps_that_cannot_be_used_are_refused():
-    for bad in (np.zeros((30, 34), bool), np.full((30, 34), np.nan), np.zeros((30, 34), int)):
-        with pytest.raises(InvalidInputError):
-            make().render(bad)
-
-
 def test_maps_come_along():
     values = np.arange(30 * 34, dtype=np.uint16).reshape(30, 34)
     result = make(maps={"height": values, "roughness": values})
@@ -184,6 +163,4 @@ def test_pictures_with_alpha():
 
 def test_results_can_be_pickled():
     result = make("cut")
-    copy = pickle.loads(pickle.dumps(result))
-    assert np.array_equal(copy.image, result.image)
-    assert np.array_equal(copy.source, result.source)
+    assert np.array_equal(pickle.loads(pickle.dumps(result)).image, result.image)

@@ -17,29 +17,6 @@ def texture(seed, shape=(120, 140), channels=3):
     return rng.integers(100, 130, (*shape, channels)).astype(np.uint8)
 
 
-def twin(steps, places, cells):
-    """Means of steps as the third power of the distance weighs them, one cell after the other."""
-    found = np.empty((*cells, steps.shape[1]))
-    for y, x in np.ndindex(*cells):
-        weight = (((places - (y, x)) ** 2).sum(axis=1) + 10.0**2) ** -1.5
-        mean = (steps * weight[:, None]).sum(axis=0) / weight.sum()
-        spread = np.maximum((steps**2 * weight[:, None]).sum(axis=0) / weight.sum() - mean**2, 0)
-        error = spread * 16 * (weight**2).sum() / weight.sum() ** 2
-        found[y, x] = mean * np.minimum(mean**2 / np.maximum(9 * error, 1e-200), 1)
-    return found
-
-
-@pytest.mark.parametrize("seed", range(3))
-def test_cells_are_those_of_the_slow_twin(seed):
-    from weftex.results.tone import _shifts
-
-    rng = np.random.default_rng(seed)
-    border = rng.integers(0, 40, (2, 90))
-    steps = rng.normal(3, 4, (90, 2))
-    found = _shifts(steps, border, (40, 40), [(0, 40), (0, 40)], 1)
-    assert np.allclose(np.stack(found, axis=2), twin(steps, border.T // 4, (10, 10)))
-
-
 @pytest.mark.parametrize("dtype", DTYPES)
 @pytest.mark.parametrize("wrap", [(False, False), (True, True)])
 def test_a_step_is_taken_off_and_the_rest_stays(dtype, wrap):
