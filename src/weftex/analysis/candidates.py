@@ -8,7 +8,8 @@ vector along them.
 of the whitened sample, less chance and in units of it, which falls with the root of the number of
 multiples. Rows by joints (`weftex.analysis.joints`) have the contrast of edges in different strips
 and how alike these are; the bond of rows has one figure. A logistic regression combines them.
-`python benchmarks/quality/lattices.py --fit` prints weights; docs/background/lattice.md has their reliability.
+`python benchmarks/quality/lattices.py --fit` prints weights; their reliability is in
+docs/background/lattice.md.
 """
 
 from __future__ import annotations
