@@ -1,7 +1,5 @@
 """Non-parametric sampling: byte by byte what growing one pixel after the other gives."""
 
-import pickle
-
 import numpy as np
 import pytest
 from hypothesis import given
@@ -11,7 +9,6 @@ import weftex
 from families import noise
 from twins import efros_leung as reference
 from weftex.canvas import Canvas
-from weftex.errors import CancelledError
 from weftex.methods import efros_leung
 
 WRAPS = [(False, False), (False, True), (True, False), (True, True)]
@@ -149,26 +146,6 @@ def test_a_mask_without_room_for_the_window_is_refused(rng):
     assert mask[tuple(result.source.reshape(-1, 2).T)].all()
 
 
-def test_progress_counts_every_pixel_and_can_cancel(rng):
-    model = weftex.EfrosLeung(window_width=5).fit(
-        weftex.Exemplar(noise((20, 20, 3), values=9, rng=rng))
-    )
-    seen = []
-    model.sample(20, seed=1, progress=lambda *news: seen.append(news[:3]))
-    assert seen[-1][0] == seen[-1][1] == 400 - 9
-    assert [news[0] for news in seen] == sorted(news[0] for news in seen)
-    with pytest.raises(CancelledError):
-        model.sample(20, seed=1, progress=lambda done, *_: done < 100)
-
-
-def test_a_model_can_be_pickled(rng):
-    model = weftex.EfrosLeung(window_width=5).fit(
-        weftex.Exemplar(noise((20, 20, 3), values=200, rng=rng))
-    )
-    again = pickle.loads(pickle.dumps(model))
-    assert np.array_equal(again.sample(12, seed=4).image, model.sample(12, seed=4).image)
-
-
 def test_a_photo_is_filled():
     photo = weftex.load_exemplar("sample:grass").pixels[:90, :80]
     hole = np.zeros(photo.shape, bool)
@@ -176,17 +153,3 @@ def test_a_photo_is_filled():
     result = weftex.fill(photo, hole, method="efros-leung", window_width=9, seed=3)
     assert np.array_equal(result.image[~hole], photo[~hole])
     assert not hole[tuple(result.source[hole].T)].any()
-
-
-@pytest.mark.parametrize("wrap", [(False, False), (True, True)])
-def test_threads_change_nothing(wrap):
-    exemplar = weftex.Exemplar(weftex.load_exemplar("sample:pebbles").pixels[:50, :50])
-    model = weftex.EfrosLeung(window_width=5).fit(exemplar)
-    one, *others = (model.sample(Canvas(60, 64, wrap), seed=1, threads=n) for n in (1, 2, 5))
-    for other in others:
-        assert np.array_equal(other.source, one.source)
-
-
-def test_a_seed_wider_than_the_window_is_refused_before_there_is_a_sample():
-    with pytest.raises(weftex.InvalidInputError, match="seed_size is 7; .* window_width of 5"):
-        weftex.EfrosLeung(window_width=5, seed_size=7)

@@ -77,11 +77,6 @@ def test_wrong_parameters_are_named(wrong, message):
         GraphCut(**wrong).fit(weftex.Exemplar(few_levels((30, 31))))
 
 
-def test_a_boundary_wider_than_its_patch_is_refused_before_a_sample_is_read():
-    with pytest.raises(weftex.InvalidInputError, match="boundary_width is 5; .* 4"):
-        GraphCut(patch_size=10, boundary_width=5)
-
-
 @pytest.mark.parametrize("tileable", [False, True])
 def test_of_large_samples_each_patch_is_looked_for_in_a_part(monkeypatch, tileable):
     """Time and memory do not grow with the sample; patches come from all over it, and match."""

@@ -313,24 +313,6 @@ def test_a_hole_of_a_texture_that_repeats_is_filled_with_it():
         assert np.array_equal(filled.image, photo)
 
 
-def test_progress_counts_every_pixel_and_shows_coarse_levels():
-    seen, previews = [], []
-
-    def watch(done, total, stage, preview):
-        seen.append((done, total, stage))
-        if not previews or done == total:
-            previews.append(preview())
-
-    exemplar = weftex.Exemplar(weftex.load_exemplar("sample:pebbles").pixels[:64, :64])
-    model = weftex.Refinement(window_width=13, iterations=3).fit(exemplar)
-    result = model.sample((40, 44), seed=1, progress=watch)
-    assert seen[-1][0] == seen[-1][1] and {stage for *_, stage in seen} == {"pixels"}
-    assert previews[0].shape == result.image.shape
-    assert np.array_equal(previews[-1], result.image)
-    with pytest.raises(weftex.WeftexError, match="cancelled"):
-        model.sample((40, 44), seed=1, progress=lambda *_: False)
-
-
 def test_it_starts_from_a_method_with_parameters(tmp_path):
     """As an object, as a text, and as what is saved; and it is that method's result."""
     exemplar = weftex.Exemplar(weftex.load_exemplar("sample:pebbles").pixels[:64, :64].copy())

@@ -125,24 +125,6 @@ def test_parameters_that_do_not_fit(parameters, message):
         weftex.WeiLevoy(**parameters).fit(weftex.Exemplar(noise((30, 40))))
 
 
-def test_progress_covers_all_levels_and_passes():
-    seen = []
-    model = weftex.WeiLevoy(levels=2, window_width=5, passes=1).fit(
-        weftex.Exemplar(noise((30, 30)))
-    )
-    model.sample((20, 24), seed=1, progress=lambda *report: seen.append(report[:3]))
-    total = 2 * (20 * 24 + 10 * 12)
-    assert seen[-1] == (total, total, "pixels")
-    assert [done for done, *_ in seen] == sorted({done for done, *_ in seen})
-    assert len(seen) >= 2 * (20 * 24 // 64)
-
-
-def test_a_cancelled_run_stops():
-    model = weftex.WeiLevoy(levels=1).fit(weftex.Exemplar(noise((30, 30))))
-    with pytest.raises(weftex.CancelledError):
-        model.sample(60, seed=1, progress=lambda done, *_: done < 500)
-
-
 def test_layers_go_inwards():
     unknown = np.zeros((9, 9), bool)
     unknown[2:7, 2:7] = True

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
 from PIL import Image
 
 import families
@@ -49,34 +47,6 @@ def test_known_pixels_stay_and_holes_get_sample_pixels(method, kind):
     assert (source[~hole] == np.argwhere(~hole)).all()
     assert not hole[tuple(source[hole].T)].any()
     assert (image == photo[source[..., 0], source[..., 1]]).all()
-
-
-@settings(max_examples=15, deadline=None)
-@given(
-    dtype=st.sampled_from(["uint8", "uint16", "float32"]),
-    channels=st.sampled_from([(), (1,), (2,), (3,), (4,), (5,)]),
-    wrap=st.sampled_from([False, True, "x", "y"]),
-    corner=st.tuples(st.integers(0, 39), st.integers(0, 49)),
-    size=st.tuples(st.integers(1, 20), st.integers(1, 20)),
-    seed=st.integers(0, 9),
-)
-def test_known_pixels_stay_for_any_kind(dtype, channels, wrap, corner, size, seed):
-    photo = noise((40, 50, *channels), dtype=dtype, seed=seed)
-    hole = box((40, 50), (*corner, corner[0] + size[0], corner[1] + size[1]))
-    image = weftex.fill(photo, hole, seed=seed, tileable=wrap).image
-    assert image.dtype == photo.dtype and image.shape == photo.shape
-    assert (image[~hole] == photo[~hole]).all()
-
-
-@pytest.mark.parametrize("method", METHODS)
-def test_the_same_seed_gives_the_same_bytes(method):
-    photo, hole = noise((70, 90, 3)), HOLES["several"]
-    small = families.TRIALS[method].small
-    first, second = (
-        weftex.fill(photo, hole, method=method, seed=5, threads=n, **small).image.tobytes()
-        for n in (1, 2)
-    )
-    assert first == second
 
 
 def test_what_marks_the_hole_does_not_matter():
