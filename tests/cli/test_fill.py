@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 import weftex
-from commands import read_maps, weft_run
+from commands import weft_run
 from weftex.io.pictures import read_image, write_image
 
 
@@ -19,18 +19,6 @@ def test_fill(here, capsys):
     assert weft_run("fill", *words, "--sample", "sample.png") == 0
     expected = weftex.fill("photo.png", "hole.png", seed=1, sample="sample.png").image
     assert (read_image("out.png").pixels == expected).all()
-
-
-def test_fill_a_folder(here):
-    given = read_maps("sample:stone_wall")
-    mask = np.zeros(given["albedo"].pixels.shape[:2], np.uint8)
-    mask[100:130, 90:140] = 255
-    write_image("mask.png", mask)
-    assert weft_run("fill", "sample:stone_wall", "--mask", "mask.png", "-o", "new") == 0
-    made = read_maps("new")
-    assert sorted(made) == sorted(given)
-    for name, picture in made.items():
-        assert (picture.pixels[mask == 0] == given[name].pixels[mask == 0]).all()
 
 
 def test_fill_nothing(here, capsys):

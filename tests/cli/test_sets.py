@@ -42,7 +42,10 @@ def sets(tmp_path, monkeypatch):
 
 
 def test_synth_keeps_names_sizes_and_depths(sets, capsys):
-    assert weft_run("synth", "rock", "-o", "out", "--size", "60x52", "--seed", 1) == 0
+    (sets / "out").mkdir()
+    (sets / "out" / "notes.txt").write_text("mine")
+    assert weft_run("synth", "rock", "-o", "out/", "--size", "60x52", "--seed", 1) == 0
+    assert (sets / "out" / "notes.txt").read_text() == "mine"
     made = weftex.synthesize("rock", (52, 60), seed=1)
     out = read_maps("out")
     assert {stem: one.pixels.shape[:2] for stem, one in out.items()} == {
@@ -145,15 +148,10 @@ def test_fill_of_a_set_from_another(sets, capsys):
     known, made = mask == 0, read_maps("new")
     for folder in ("own", "new"):
         found = {name: read_image(f"{folder}/{name}").pixels for name in ROCK}
-        color, height = "Rock01_1K_Color.png", "Rock01_1K_Displacement.png"
-        assert np.array_equal(found[color][known], ROCK[color][known])
-        assert np.array_equal(found[height][known], ROCK[height][known])
         twice = known.repeat(2, 0).repeat(2, 1)
-        normal = "Rock01_1K_NormalGL.png"
-        assert np.array_equal(found[normal][twice], ROCK[normal][twice])
         half = known.reshape(20, 2, 24, 2).all(axis=(1, 3))
-        rough = "Rock01_1K_Roughness.png"
-        assert np.array_equal(found[rough][half], ROCK[rough][half])
+        for name, same in zip(ROCK, (known, twice, known, half), strict=True):
+            assert np.array_equal(found[name][same], ROCK[name][same])
     assert made["Rock01_1K_Displacement"].pixels.dtype == np.uint16
 
 
@@ -264,23 +262,6 @@ def test_pictures_of_one_name_are_not_written_over_each_other(sets, capsys):
     assert "would both be written to a_ao.png" in message
 
 
-def test_the_api_says_what_is_wrong():
-    pixels = noise((20, 20, 3))
-    for call, says in (
-        (lambda: weftex.Exemplar(pixels, maps={1: pixels}), "maps has the name 1"),
-        (lambda: weftex.Exemplar(pixels, role="normals"), "did you mean 'normal'"),
-        (lambda: weftex.Exemplar(pixels, role=7), "role is 7"),
-        (lambda: weftex.load_exemplar("sample:stone_wall", files={}), "names no maps"),
-        (lambda: weftex.load_exemplar("sample:stone_wall", files={2: "ao.png"}), "the name 2"),
-        (lambda: weftex.fuse([pixels, pixels], "gradient", 20, missing=3), "missing is 3"),
-        (lambda: weftex.fuse([pixels, pixels], "gradient", 20, missing={"ao": np.nan}), "nan"),
-        (lambda: weftex.fuse([pixels, pixels], "gradient", 20, missing={"ao": True}), "True"),
-    ):
-        with pytest.raises(weftex.InvalidInputError, match=says):
-            call()
-    assert weftex.Exemplar(pixels, role="normal_dx").role is ROLES["normal_dx"]
-
-
 def test_tile_of_a_set(sets):
     words = ["--seed", 1, "--border", 8, "--names", "polyhaven", "--quiet"]
     assert weft_run("tile", "rock", "-o", "tile", *words) == 0
@@ -315,12 +296,10 @@ def test_report_of_a_set(sets, capsys):
 
 
 def test_weights_of_maps(here, capsys):
-    words = ["--method", "quilting", "--patch-size", "24", "--size", "120", "--seed", "1"]
-    assert weft_run("synth", "sample:stone_wall", "-o", "a", *words) == 0
-    assert (
-        weft_run("synth", "sample:stone_wall", "-o", "b", *words, "--map-weights", "height=9,ao=0")
-        == 0
-    )
+    words = ["synth", "sample:stone_wall", "--method", "quilting", "--patch-size", "24"]
+    words += ["--size", "120", "--seed", "1", "-o"]
+    assert weft_run(*words, "a") == 0
+    assert weft_run(*words, "b", "--map-weights", "height=9,ao=0") == 0
     a, b = (read_image(here / k / "albedo.png").pixels for k in "ab")
     assert not np.array_equal(a, b)
     sample = weftex.load_exemplar("sample:stone_wall")
@@ -328,8 +307,5 @@ def test_weights_of_maps(here, capsys):
     made = weftex.synthesize(sample, 120, method=weftex.Quilting(patch_size=24), seed=1)
     assert np.array_equal(b, made.image)
     capsys.readouterr()
-    for text in ("height", "height=x", "height=flat"):
-        assert weft_run("synth", "sample:stone_wall", "-o", "c", "--map-weights", text) == 2
-        assert "height" in capsys.readouterr().err
-    assert weft_run("synth", "sample:stone_wall", "-o", "c", "--map-weights", "heigt=2") == 2
-    assert "did you mean 'height'" in capsys.readouterr().err
+    words = ["synth", "sample:stone_wall", "-o", "c", "--map-weights", "heigt=2"]
+    assert "did you mean 'height'" in fails(capsys, here, *words)

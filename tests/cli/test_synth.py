@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import weftex
-from commands import read_maps, weft_run
+from commands import weft_run
 from families import TRIALS, every, method_of, noise
 from weftex.io.pictures import read_image, write_image
 
@@ -34,21 +34,6 @@ def test_a_seed_that_was_drawn_can_be_had_again(here, capsys):
     assert capsys.readouterr().err == ""
     assert (here / "a.png").read_bytes() == (here / "b.png").read_bytes()
     assert read_image("a.png").pixels.shape == (128, 144, 3)
-
-
-def test_a_folder_gives_a_folder(here):
-    """It may exist, and keeps what else is in it."""
-    (here / "big").mkdir()
-    (here / "big" / "notes.txt").write_text("mine")
-    assert weft_run("synth", "sample:stone_wall", "-o", "big/", "--size", 150, "--seed", 3) == 0
-    assert (here / "big" / "notes.txt").read_text() == "mine"
-    (here / "big" / "notes.txt").unlink()
-    maps = read_maps("big")
-    result = weftex.synthesize("sample:stone_wall", 150, seed=3)
-    assert sorted(maps) == ["albedo", "ao", "height", "normal", "roughness"]
-    assert (maps.pop("albedo").pixels == result.image).all()
-    for name, picture in maps.items():
-        assert (picture.pixels == result.maps[name]).all()
 
 
 @every("method")

@@ -15,7 +15,6 @@ from families import noise
 from strategies import cases
 from weftex.errors import InvalidInputError
 from weftex.io.pictures import read_image, write_image
-from weftex.raster.turning import TURNS
 from weftex.recipe import MATERIAL, TASKS, Recipe
 from weftex.recipe.declared import options_of
 from weftex.recipe.making import opened
@@ -100,15 +99,6 @@ def test_json_and_commands_are_read_again(given):
     assert words[0] == "weftex" and "&&" not in words
     again = parsed([*words[1:], "--allow-huge"])
     assert again == recipe, line
-
-
-def test_declarations_are_complete():
-    assert MATERIAL["turn"].choices == tuple(TURNS)
-    for task in TASKS:
-        for option in options_of(task):
-            assert (option.help and option.metavar) or option.kind.name == "bool"
-            assert value_of(option) is not None
-            assert {"name", "type", "default", "help", "low", "high"} <= option.as_json().keys()
 
 
 @pytest.fixture

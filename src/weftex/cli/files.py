@@ -243,30 +243,16 @@ def pixels_of(result: Synthesis, main: str) -> Callable[[str], NDArray[Any]]:
     return lambda name: result.image if name == main else result.render(result.sample.map(name))
 
 
-#: The pictures of --debug, by what `Synthesis.draw` calls them.
-_DEBUG = {
-    "coordinates": "sources",
-    "patches": "patches",
-    "seams": "seams",
-    "uncertainty": "uncertainty",
-}
-
-
 def write_debug(result: Synthesis, folder: str, outputs: Outputs) -> None:
     """Write how a result was put together."""
     from weftex.io.pictures import write_image
 
-    for name, what in _DEBUG.items():
+    for what in ("sources", "patches", "seams", "uncertainty"):
+        name = "coordinates" if what == "sources" else what
         write_image(outputs.add(os.path.join(folder, f"{name}.png")), result.draw(what))
 
 
-def report(
-    args: argparse.Namespace,
-    result: Synthesis,
-    what: str,
-    start: float,
-    told: str,
-) -> str:
+def report(args: argparse.Namespace, result: Synthesis, what: str, start: float, told: str) -> str:
     """Print what was made, how and how fast, after the maps and the reasons if weftex chose."""
     used, took = result.provenance, perf_counter() - start
     if args.verbose:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import re
 from typing import TYPE_CHECKING, Any
 
 from weftex.cli.shared import BLOCKS, HUGE
@@ -80,7 +79,8 @@ def _add_parameters(parser: Parser, argv: list[str], name: str) -> list[str]:
         return []
     if name == "auto":
         for option in unknown:
-            _refuse_parameter(option)
+            if option != "--effort":  # finding owners imports all methods
+                _refuse_parameter(option)
         if not (parser.only_built or {"-h", "--help", "--effort"} & {*argv, *unknown}):
             return []
     from weftex.naming import kind_of
@@ -106,24 +106,12 @@ def _add_parameters(parser: Parser, argv: list[str], name: str) -> list[str]:
 def _refuse_parameter(option: str) -> None:
     """Name the methods that have a parameter which "auto" chooses by itself."""
     name = option[2:].replace("-", "_")
-    folder = os.path.join(os.path.dirname(os.path.dirname(__file__)), "methods")
-    from importlib.metadata import entry_points
-
-    if not (_is_in_sources(name, folder) or entry_points(group="weftex.methods")):
-        return  # importing all methods takes a third of a second
     from weftex.methods import owners
 
     if able := owners(name):
         raise InvalidInputError(
             f"{option} belongs to a method, so name one: --method {' or '.join(able)}"
         )
-
-
-def _is_in_sources(name: str, folder: str) -> bool:
-    from pathlib import Path
-
-    found = re.compile(rf"^    {re.escape(name)}: ", re.M)
-    return any(found.search(path.read_text("utf-8")) for path in Path(folder).rglob("*.py"))
 
 
 def check_numbers(args: argparse.Namespace) -> None:

@@ -247,6 +247,13 @@ def finish(
             say(line)
 
 
+def print_json(found: object) -> None:
+    """Print measures on standard output; what JSON does not have as text."""
+    import json
+
+    print(json.dumps(found, indent=1, default=str))
+
+
 def say(text: str) -> None:
     """Print one line about this program on standard error, with escapes for what is not printable.
 

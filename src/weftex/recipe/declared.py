@@ -30,45 +30,47 @@ from weftex.recipe.options import (
 
 _PREPARATION, _QUALITY, _SETS = "preparation of the sample", "quality", "map sets"
 
+
+def _by_name(*options: Option) -> dict[str, Option]:
+    return {option.name: option for option in options}
+
+
 #: What is done to a material before anything is made from it, in this order.
-MATERIAL = {
-    option.name: option
-    for option in (
-        Option(
-            "maps", FILES, "files of the maps in the folder, if their names do not say which map "
-            "they are", metavar="NAME=FILE,...", heading=_SETS,
-        ),
-        Option(
-            "repeats", FLAG, "the sample is tileable, so patches can cross its borders; see "
-            "'weftex analyze'", False, given_flag="--tileable-sample", heading="tiling",
-        ),
-        Option(
-            "map_weights", WEIGHTS, "weights of the maps in matching, such as height=3,normal=2; "
-            "higher makes seams run where that map matches, 0 ignores it", default_text="1 each",
-            metavar="NAME=N,...", heading=_SETS,
-        ),
-        Option(
-            "mask", PICTURE, "image that is white where the sample may be used; 'alpha': where the "
-            "sample is opaque", given_flag="--sample-mask", metavar="FILE", heading=_PREPARATION,
-        ),
-        Option(
-            "straighten", STRAIGHTEN, "straighten the photo by its own lattice or rows (no value), "
-            "by lattice vectors x1,y1,x2,y2, or by the corners of a rectangle in it, clockwise "
-            "from the top left, as x1,y1,...,x4,y4", metavar="X,Y,...", heading=_PREPARATION,
-        ),
-        Option(
-            "even_light", DEGREE, "remove uneven lighting from the photo; maps stay unchanged; "
-            "DEGREE is that of the polynomial that models the light, 1 to 8; higher removes finer "
-            "changes", default_text="2 (no value)", low=1, high=8, metavar="DEGREE",
-            heading=_PREPARATION,
-        ),
-        Option(
-            "turn", TEXT, "also use copies of the sample that are mirrored (flip), rotated by 180 "
-            "degrees (half), rotated by quarter turns (4), or both mirrored and rotated (8)",
-            choices=("flip", "half", "4", "8"), metavar="flip|half|4|8", heading=_QUALITY,
-        ),
-    )
-}  # fmt: skip
+MATERIAL = _by_name(
+    Option(
+        "maps", FILES, "files of the maps in the folder, if their names do not say which map "
+        "they are", metavar="NAME=FILE,...", heading=_SETS,
+    ),
+    Option(
+        "repeats", FLAG, "the sample is tileable, so patches can cross its borders; see "
+        "'weftex analyze'", False, given_flag="--tileable-sample", heading="tiling",
+    ),
+    Option(
+        "map_weights", WEIGHTS, "weights of the maps in matching, such as height=3,normal=2; "
+        "higher makes seams run where that map matches, 0 ignores it", default_text="1 each",
+        metavar="NAME=N,...", heading=_SETS,
+    ),
+    Option(
+        "mask", PICTURE, "image that is white where the sample may be used; 'alpha': where the "
+        "sample is opaque", given_flag="--sample-mask", metavar="FILE", heading=_PREPARATION,
+    ),
+    Option(
+        "straighten", STRAIGHTEN, "straighten the photo by its own lattice or rows (no value), "
+        "by lattice vectors x1,y1,x2,y2, or by the corners of a rectangle in it, clockwise "
+        "from the top left, as x1,y1,...,x4,y4", metavar="X,Y,...", heading=_PREPARATION,
+    ),
+    Option(
+        "even_light", DEGREE, "remove uneven lighting from the photo; maps stay unchanged; "
+        "DEGREE is that of the polynomial that models the light, 1 to 8; higher removes finer "
+        "changes", default_text="2 (no value)", low=1, high=8, metavar="DEGREE",
+        heading=_PREPARATION,
+    ),
+    Option(
+        "turn", TEXT, "also use copies of the sample that are mirrored (flip), rotated by 180 "
+        "degrees (half), rotated by quarter turns (4), or both mirrored and rotated (8)",
+        choices=("flip", "half", "4", "8"), metavar="flip|half|4|8", heading=_QUALITY,
+    ),
+)  # fmt: skip
 #: Those of `MATERIAL` that `weftex prepare` does, too.
 MENDING = ("straighten", "even_light")
 
@@ -83,32 +85,29 @@ TILEABLE = Option(
 )  # fmt: skip
 
 #: What `weftex.label_maps.Gradient` takes; a map of a fusion may be such a gradient.
-GRADIENT = {
-    option.name: option
-    for option in (
-        Option(
-            "direction", NUMBER, "direction of the last sample, in degrees: 0 is right, 90 is "
-            "down", default_text="90", metavar="DEG", heading="--map gradient",
-        ),
-        Option(
-            "center", POINT, "center of the first sample, with rings of the others; 0,0 is top "
-            "left, 1,1 bottom right", metavar="X,Y", heading="--map gradient",
-        ),
-        Option(
-            "radii", NUMBERS, "middle of each transition, from 0 (first sample) to 1 (last)",
-            default_text="evenly spaced", metavar="R,R,...", heading="--map gradient",
-        ),
-        Option(
-            "width", NUMBER, "length of each transition, above 0 and at most 1",
-            default_text="transitions fill the image", metavar="W", heading="--map gradient",
-        ),
-        Option(
-            "circles", ONE_OR_SEVERAL, "radius of the circles that mix the samples, one or one "
-            "for each, as a share of the shorter side", default_text="the samples' scales",
-            metavar="C,C,...", heading="--map gradient",
-        ),
-    )
-}  # fmt: skip
+GRADIENT = _by_name(
+    Option(
+        "direction", NUMBER, "direction of the last sample, in degrees: 0 is right, 90 is "
+        "down", default_text="90", metavar="DEG", heading="--map gradient",
+    ),
+    Option(
+        "center", POINT, "center of the first sample, with rings of the others; 0,0 is top "
+        "left, 1,1 bottom right", metavar="X,Y", heading="--map gradient",
+    ),
+    Option(
+        "radii", NUMBERS, "middle of each transition, from 0 (first sample) to 1 (last)",
+        default_text="evenly spaced", metavar="R,R,...", heading="--map gradient",
+    ),
+    Option(
+        "width", NUMBER, "length of each transition, above 0 and at most 1",
+        default_text="transitions fill the image", metavar="W", heading="--map gradient",
+    ),
+    Option(
+        "circles", ONE_OR_SEVERAL, "radius of the circles that mix the samples, one or one "
+        "for each, as a share of the shorter side", default_text="the samples' scales",
+        metavar="C,C,...", heading="--map gradient",
+    ),
+)  # fmt: skip
 
 
 def _map(value: object) -> object:
@@ -131,20 +130,10 @@ class Task(NamedTuple):
     parameters_of: str  # the method that parameters belong to then
 
 
-def _task(
-    options: tuple[Option, ...],
-    material: tuple[str, ...],
-    counts: tuple[int, int],
-    method: str,
-    parameters_of: str,
-) -> Task:
-    return Task({one.name: one for one in options}, material, *counts, method, parameters_of)
-
-
 #: The tasks by the names of their commands.
 TASKS = {
-    "synth": _task(
-        (
+    "synth": Task(
+        _by_name(
             Option("size", SIZE, "output size in pixels, such as 1024x768 or 2k",
                    default_text="the guide's, or twice the sample's", metavar="WxH|N"),
             Option("guide", PICTURE, "image of the output's size that the output follows",
@@ -161,19 +150,19 @@ TASKS = {
             Option("period", SIZE, "with --window: number of pixels after which the plane wraps "
                    "around", metavar="WxH|N", heading="tiling", local=True),
         ),
-        tuple(MATERIAL), (1, 1000), "auto", "auto",
+        tuple(MATERIAL), 1, 1000, "auto", "auto",
     ),
-    "tile": _task(
-        (
+    "tile": Task(
+        _by_name(
             Option("border", WHOLE, "width of the border that may change", low=1, unit="px",
                    default_text="an eighth of the photo's shorter side", metavar="PX"),
             Option("axes", AXES, "make the photo tileable along both axes (default), or only along "
                    "x or y", True, given_flag="--tileable", metavar="x|y"),
         ),
-        ("maps", "map_weights"), (1, 1), "auto", "patch-sampling",
+        ("maps", "map_weights"), 1, 1, "auto", "patch-sampling",
     ),
-    "fill": _task(
-        (
+    "fill": Task(
+        _by_name(
             Option("mask", PICTURE, "image that is white where the photo has holes", "alpha",
                    default_text="pixels that are not opaque", metavar="FILE"),
             Option("tileable", AXES, "the photo is tileable along both axes, or only x or y, so "
@@ -183,10 +172,10 @@ TASKS = {
             Option("match_tone", FLAG, "match the tone of the filling to its surroundings",
                    default_text="yes if weftex chooses the method", heading=_QUALITY),
         ),
-        ("maps", "repeats", "map_weights"), (1, 2), "auto", "patch-sampling",
+        ("maps", "repeats", "map_weights"), 1, 2, "auto", "patch-sampling",
     ),
-    "fuse": _task(
-        (
+    "fuse": Task(
+        _by_name(
             Option("map", Kind("map", "a picture, or what a gradient takes", str, _map),
                    "image with one color for each sample, or 'gradient'", metavar="MAP"),
             Option("colors", COLORS, "map colors of the samples, in their order, as #rrggbb or "
@@ -206,7 +195,7 @@ TASKS = {
                    "for normals", default_text="omit such maps", metavar="NAME=VALUE,...",
                    heading=_SETS),
         ),
-        (), (2, 1000), "refinement", "refinement",
+        (), 2, 1000, "refinement", "refinement",
     ),
 }  # fmt: skip
 

@@ -68,7 +68,9 @@ class Fields:
                 )
         materials = _materials(task, given.get("materials"), local)
         seed = given.get("seed")
-        seed = drawn_seed() if seed is None else SEED.checked(seed, SEED.flag if local else "")
+        if seed is None:
+            seed = int.from_bytes(os.urandom(4), "little")  # short enough to be typed again
+        seed = SEED.checked(seed, SEED.flag if local else "")
         options = {name: option.default for name, option in declared.items()}
         for name, option in declared.items():
             if given.get(name) is not None:
@@ -174,11 +176,6 @@ def gradient(given: Mapping[str, Any]) -> Any:
         if name not in GRADIENT:
             raise InvalidInputError(f"map has {shown(name)}{did_you_mean(str(name), GRADIENT)}")
     return Gradient(**given)
-
-
-def drawn_seed() -> int:
-    """Return a random seed that is short enough to be typed again."""
-    return int.from_bytes(os.urandom(4), "little")
 
 
 def checked_material(given: Any, *, local: bool = False) -> dict[str, Any]:

@@ -98,7 +98,10 @@ def path_of(spec: Mapping[str, Any], names: Mapping[str, str]) -> str:
 def command_of(recipe: Fields, output: str, names: Mapping[str, str]) -> str:
     """Return the commands of a recipe; see `Recipe.command`."""
     lines, paths, specs = list[list[str]](), list[str](), list[dict[str, Any]]()
-    together = recipe.task == "synth" and _are_equal(recipe.materials, MENDING)
+    first = recipe.materials[0]
+    together = recipe.task == "synth" and all(
+        spec.get(name) == first.get(name) for spec in recipe.materials for name in MENDING
+    )
     for number, spec in enumerate(recipe.materials, 1):
         path, left = path_of(spec, names), dict(spec)
         mending = {name: left.pop(name) for name in MENDING if name in left and not together}
@@ -124,10 +127,6 @@ def command_of(recipe: Fields, output: str, names: Mapping[str, str]) -> str:
     words += [*said, *SEED.words(recipe.seed)]
     lines.append(words + _method_words(recipe))
     return " && ".join(shlex.join(line) for line in lines)
-
-
-def _are_equal(specs: Sequence[Mapping[str, Any]], names: Words) -> bool:
-    return all({spec.get(name) for spec in specs} == {specs[0].get(name)} for name in names)
 
 
 def _material_words(

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 from weftex.cli.files import load
 from weftex.cli.parser import Parser
+from weftex.cli.terminal import print_json
 from weftex.errors import InvalidInputError
 from weftex.recipe import MATERIAL
 
@@ -38,17 +39,10 @@ def run(argv: list[str]) -> None:
     parser.take(MATERIAL["maps"])
     add("--json", action="store_true", help="print JSON")
     add("--overlay", metavar="FILE", help="write the sample with its lattice drawn over it")
-    add(
-        "--lattice",
-        metavar="X1,Y1,X2,Y2",
-        help="also rate and draw these lattice vectors; rows: X1,Y1 and a unit vector along them",
-    )
-    add(
-        "--runner-up",
-        type=int,
-        metavar="N",
-        help="draw the Nth alternative lattice in place of the best one",
-    )
+    text = "also rate and draw these lattice vectors; rows: X1,Y1 and a unit vector along them"
+    add("--lattice", metavar="X1,Y1,X2,Y2", help=text)
+    text = "draw the Nth alternative lattice in place of the best one"
+    add("--runner-up", type=int, metavar="N", help=text)
     text = "number of alternative lattices to list, up to 24; default: 3"
     add("--runners-up", type=int, default=3, metavar="N", help=text)
     text = "ranking of lattices: contrast, height (the paper's) or dominance; default: contrast"
@@ -86,9 +80,7 @@ def run(argv: list[str]) -> None:
 
         write_image(args.correlation, draw_correlation(gncc(exemplar)))
     if args.json:
-        import json
-
-        print(json.dumps(found.as_dict(), indent=1))
+        print_json(found.as_dict())
     else:
         print(found)
 

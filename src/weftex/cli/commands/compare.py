@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from weftex.cli.options import check_numbers, check_size
 from weftex.cli.parser import Parser
-from weftex.cli.terminal import finish
+from weftex.cli.terminal import finish, print_json
 from weftex.errors import InvalidInputError
 from weftex.recipe import MATERIAL, SEED
 from weftex.recipe.declared import OUTPUT_SIZE, TILEABLE
@@ -67,9 +67,7 @@ def run(argv: list[str]) -> None:
         if args.output is not None:
             found.save(outputs.add(args.output))
         if args.json:
-            import json
-
-            print(json.dumps(found.as_dict(), indent=1, default=str))
+            print_json(found.as_dict())
         best, took = found.entries[0], perf_counter() - start
         said = f"compared {len(found.entries)} methods in {took:.1f} s"
         said += f"; the best score has {best.method}" if best.assessment is not None else ""

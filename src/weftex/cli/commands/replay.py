@@ -32,15 +32,10 @@ def run(argv: list[str]) -> None:
     start = perf_counter()
     parser = Parser("replay", "Render a saved result with other maps of its sample.", _EXAMPLES)
     add = parser.add_argument
-    add(
-        "source",
-        metavar="F.npz",
-        help="file from --save-source, or an image written block by block",
-    )
-    text = (
-        "image of the sample's size, or of an integer multiple or fraction of it; or a folder of "
-    )
-    text += "such maps; for 'weftex fuse', one for each sample"
+    text = "file from --save-source, or an image written block by block"
+    add("source", metavar="F.npz", help=text)
+    text = "image of the sample's size, or of an integer multiple or fraction of it; or a folder "
+    text += "of such maps; for 'weftex fuse', one for each sample"
     add("maps", metavar="MAP", nargs="+", help=text)
     text = "same map, or folder of maps, of the photo, if it was filled from another sample"
     add("--background", metavar="PHOTO", help=text)

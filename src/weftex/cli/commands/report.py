@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 from weftex.cli.files import load
 from weftex.cli.parser import Parser
+from weftex.cli.terminal import print_json
 from weftex.errors import InvalidInputError
 from weftex.recipe import MATERIAL
 from weftex.recipe.declared import TILEABLE
@@ -61,9 +62,7 @@ def run(argv: list[str]) -> None:
     if args.output is not None:
         found.save(args.output)
     if args.json:
-        import json
-
-        print(json.dumps(found.as_dict(), indent=1))
+        print_json(found.as_dict())
     else:
         print(found.verdict())
 
@@ -84,10 +83,7 @@ def _report_plane(args: argparse.Namespace) -> None:
     if args.output is not None:
         found[worst].save(args.output)
     if args.json:
-        import json
-
-        rows = [{"window": window, **one.as_dict()} for window, one in found.items()]
-        print(json.dumps(rows, indent=1))
+        print_json([{"window": window, **one.as_dict()} for window, one in found.items()])
         return
     for top, left, height, width in found:
         score = scores[top, left, height, width]

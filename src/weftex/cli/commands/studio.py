@@ -46,10 +46,8 @@ def run(argv: list[str]) -> None:
     add("--port", type=int, metavar="N", help="port to listen on; default: 8427, or any free port")
     text = "address to listen on; other machines can reach all but 127.0.0.1, which is the default"
     add("--host", default="127.0.0.1", metavar="ADDRESS", help=text)
-    text = (
-        "folder for uploads and saved results; default: a folder of yours, such as ~/.local/state"
-    )
-    add("--data", metavar="DIR", help=text)
+    text = "folder for uploads and saved results; default: a folder of yours, such as "
+    add("--data", metavar="DIR", help=text + "~/.local/state")
     text = "memory for results, in MiB; synthesis needs more; default: depends on this machine"
     add("--memory", type=int, metavar="MIB", help=text)
     args = parser.parse(argv)
