@@ -54,19 +54,15 @@ def test_small_photos(shape):
 
 
 @pytest.mark.parametrize(
-    "how, message",
+    "sample, how, message",
     [
-        ({"depth": 0}, "depth is 0; it must be above 0"),
-        ({"depth": float("nan")}, "it must be above 0"),
-        ({"depth": "6"}, "it must be above 0"),
-        ({"invert": 1}, "invert is 1; it must be True or False"),
+        (hills(), {"depth": 0}, "depth is 0; it must be above 0"),
+        (hills(), {"depth": float("nan")}, "it must be above 0"),
+        (hills(), {"depth": "6"}, "it must be above 0"),
+        (hills(), {"invert": 1}, "invert is 1; it must be True or False"),
+        ("sample:stone_wall", {}, "has height and normal; nothing"),
     ],
 )
-def test_bad_input(how, message):
+def test_bad_input(sample, how, message):
     with pytest.raises(weftex.InvalidInputError, match=message):
-        estimate_maps(hills(), **how)
-
-
-def test_what_is_there_is_not_estimated():
-    with pytest.raises(weftex.InvalidInputError, match="has height and normal; nothing"):
-        estimate_maps("sample:stone_wall")
+        estimate_maps(sample, **how)

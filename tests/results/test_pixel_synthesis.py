@@ -41,30 +41,6 @@ def test_every_pixel_is_that_of_its_source(rng, scale, dtype, channels):
         assert np.array_equal(got[y, x], big[v * scale + y % scale, u * scale + x % scale])
 
 
-def test_windows_are_parts_of_the_whole():
-    for result in (make(), make(hole=True), make(hole=True, known_from=(1, 2))):
-        coordinates, shares = result.layers()
-        for window in [(0, 0, 1, 1), (6, 7, 1, 1), (2, 3, 4, 5), (0, 0, 7, 8)]:
-            top, left, height, width = window
-            rows, columns = slice(top, top + height), slice(left, left + width)
-            part = result.layers(window)
-            assert np.array_equal(part[0], coordinates[rows, columns])
-            assert np.array_equal(part[1], shares[rows, columns])
-            assert np.array_equal(result.render(window=window), result.image[rows, columns])
-
-
-def test_known_pixels_stay_and_are_where_they_came_from():
-    apart, inside = make(hole=True), make(hole=True, known_from=(1, 2))
-    for result in (apart, inside):
-        hole = result.canvas.hole
-        assert np.array_equal(result.image[~hole], result.canvas.known[~hole])
-        at = result.source[hole]
-        assert np.array_equal(result.image[hole], SAMPLE[at[:, 0], at[:, 1]])
-    assert (apart.source[~apart.canvas.hole] == -1).all()
-    y, x = np.nonzero(~inside.canvas.hole)
-    assert np.array_equal(inside.source[y, x], np.stack([y + 1, x + 2], axis=1))
-
-
 @pytest.mark.parametrize("value", [-1, 99, -7, 2**31 - 1])
 def test_sources_outside_are_refused(tmp_path, value):
     result = make()
