@@ -12,7 +12,7 @@ import numpy as np
 
 from weftex.errors import InvalidInputError, shown
 from weftex.exemplar import Exemplar
-from weftex.exemplar.checks import as_mask, check_guide, check_pixels
+from weftex.raster.arrays import as_mask, check_guide, check_pixels
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

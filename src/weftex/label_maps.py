@@ -16,8 +16,8 @@ import numpy as np
 
 from weftex.errors import InvalidInputError
 from weftex.exemplar import load_exemplar
-from weftex.exemplar.checks import check_pixels
 from weftex.random import draw
+from weftex.raster.arrays import check_pixels
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -79,27 +79,24 @@ class Gradient:
                 "a gradient has a direction or a center, not both; leave one out"
             )
         if self.direction is not None:
-            _number("direction", self.direction, -360, 360)
+            _numbers("direction", [self.direction], -360, 360)
         if self.center is not None:
-            values = _several("center", self.center)
-            if len(values) != 2:
+            if len(_several("center", self.center)) != 2:
                 raise InvalidInputError(
                     f"center is {self.center!r}; it must be two numbers, row and column"
                 )
-            for value in values:
-                _number("center", value, 0, 1)
+            _numbers("center", self.center, 0, 1)
         if self.radii is not None:
             values = _several("radii", self.radii)
-            for value in values:
-                _number("radii", value, 0, 1)
+            _numbers("radii", values, 0, 1)
             if any(a >= b for a, b in itertools.pairwise(values)):
                 raise InvalidInputError(f"radii is {self.radii!r}; they must rise")
         if self.width is not None:
-            _number("width", self.width, 0, 1, above=True)
+            _numbers("width", [self.width], 0, 1, above=True)
         if self.circles is not None:
             single = isinstance(self.circles, numbers.Real)
-            for value in [self.circles] if single else _several("circles", self.circles):
-                _number("circles", value, 0, 1, above=True)
+            values = [self.circles] if single else _several("circles", self.circles)
+            _numbers("circles", values, 0, 1, above=True)
 
     def label_map(
         self, size: tuple[int, int], scales: Sequence[int], seed: int
@@ -132,11 +129,9 @@ class Gradient:
             beyond = [max(0.0, way - start) for start in starts]
             label = sum(chance >= math.exp(-(b**2) / (2 * sigma**2)) for b in beyond)
             radius = sizes[label]
-            rows = slice(max(0, y - radius), y + radius + 1)
-            columns = slice(max(0, x - radius), x + radius + 1)
-            v, u = np.ogrid[
-                rows.start : min(rows.stop, height), columns.start : min(columns.stop, width)
-            ]
+            rows = slice(max(0, y - radius), min(y + radius + 1, height))
+            columns = slice(max(0, x - radius), min(x + radius + 1, width))
+            v, u = np.ogrid[rows, columns]
             inside = (v - y) ** 2 + (u - x) ** 2 <= radius**2
             part = labels[rows, columns]
             left -= int((inside & (part < 0)).sum())
@@ -194,11 +189,14 @@ def _several(name: str, values: Any) -> list[Any]:
     return list(values)
 
 
-def _number(name: str, value: Any, low: float, high: float, *, above: bool = False) -> None:
-    number = isinstance(value, numbers.Real) and not isinstance(value, bool)
-    if not number or not low <= value <= high or (above and value == low):
-        reach = f"above {low:g} and at most {high:g}" if above else f"from {low:g} to {high:g}"
-        raise InvalidInputError(f"{name} is {value!r}; it must be {reach}")
+def _numbers(
+    name: str, values: Sequence[Any], low: float, high: float, *, above: bool = False
+) -> None:
+    reach = f"above {low:g} and at most {high:g}" if above else f"from {low:g} to {high:g}"
+    for value in values:
+        number = isinstance(value, numbers.Real) and not isinstance(value, bool)
+        if not number or not low <= value <= high or (above and value == low):
+            raise InvalidInputError(f"{name} is {value!r}; it must be {reach}")
 
 
 def labels_of(

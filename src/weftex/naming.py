@@ -62,6 +62,4 @@ def kind_of(field: dataclasses.Field[Any]) -> type[int] | type[float] | type[str
     """What the text of a parameter is read as."""
     # A class where the method's module does not postpone its annotations, as ours do.
     wanted = getattr(field.type, "__name__", str(field.type)).split(" ")[0]
-    kinds: dict[str, Any] = {"int": int, "float": float}
-    kind: type[int] | type[float] | type[str] = kinds.get(wanted, str)
-    return kind
+    return int if wanted == "int" else float if wanted == "float" else str

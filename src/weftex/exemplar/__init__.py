@@ -1,8 +1,7 @@
 """From whatever shows a material to an `Exemplar`.
 
 Read it in this order: `material` (what can be given, and how files become pixels and maps),
-`checks` (what is refused), `exemplar` (what a sample holds); `turns` makes a sample of mirrored
-and rotated copies.
+`exemplar` (what a sample holds); `turns` makes a sample of mirrored and rotated copies.
 """
 
 from typing import TYPE_CHECKING

@@ -9,9 +9,15 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from weftex.errors import InvalidInputError, shown
-from weftex.exemplar.checks import as_mask, check_guide, check_layout, check_pixels
 from weftex.io.shown import Shown, size_text
-from weftex.raster.arrays import owned, without_mask
+from weftex.raster.arrays import (
+    as_mask,
+    check_guide,
+    check_layout,
+    check_pixels,
+    owned,
+    without_mask,
+)
 from weftex.raster.levels import edges_of, resized, scale_between, scale_to_bytes, to_bytes
 from weftex.raster.mixing import Mixing, mixing_of
 from weftex.roles import COLOR, Role, as_role, checked_weights, role_of
@@ -196,17 +202,9 @@ class Exemplar(Shown):
         return mixing_of(self.pixels, self.role.kind, self.alpha)
 
     def matching(self, edge_weight: float = 0.0) -> NDArray[np.uint8]:
-        """Return what distances are taken on: bytes, so that they are exact integers.
+        """Return what distances are taken on: bytes (H, W, K), so that they are exact integers.
 
-        Parameters
-        ----------
-        edge_weight : float
-            Appends the gradient's magnitude, times this; see `as_matching`.
-
-        Returns
-        -------
-        uint8 array (H, W, K)
-            The pixels themselves for plain 8-bit pictures without maps.
+        Plain 8-bit pixels without maps are themselves; see `as_matching` for `edge_weight`.
         """
         if edge_weight not in self._matching:
             self._matching[edge_weight] = self.matching_of(self, edge_weight)
@@ -236,7 +234,8 @@ class Exemplar(Shown):
 
         Brightness ratios survive (a tolerance relative to the canvas means the same at any bit
         depth) unless the values lie in a narrow band, which is then stretched. Alpha is multiplied
-        in and kept beside the colors, so that the color of clear pixels does not count.
+        in and kept beside the colors, so that the color of clear pixels does not count. The
+        gradient's magnitude times `edge_weight` is appended.
         """
         pixels = pixels.reshape(*pixels.shape[:2], -1)
         if self.alpha:
@@ -262,13 +261,7 @@ class Exemplar(Shown):
         return found if len(found) <= _LABELS else None
 
     def as_known(self, known: NDArray[Any]) -> NDArray[np.uint8]:
-        """Return a canvas's known pixels as `as_matching` does.
-
-        Raises
-        ------
-        InvalidInputError
-            If the sample is matched on maps too, which a canvas has not.
-        """
+        """Return a canvas's known pixels as `as_matching` does; refuse them if maps matter."""
         found = self.as_matching(known)
         if found.shape[2] != self.matching().shape[2]:
             raise InvalidInputError("a canvas's known pixels have no maps; use weftex.fill")
@@ -277,12 +270,8 @@ class Exemplar(Shown):
     def as_guide(self, pixels: NDArray[Any]) -> NDArray[np.uint8]:
         """Map a guide to bytes, so that it can be compared with the sample's own.
 
-        Labels become as many channels, so that any two of them are equally far apart.
-
-        Raises
-        ------
-        InvalidInputError
-            If there is a label that the sample's guide lacks.
+        Labels become as many channels, so that any two of them are equally far apart; those that
+        the sample's guide lacks are refused.
         """
         if self.guide is None:
             return self.as_matching(pixels)

@@ -8,9 +8,9 @@ import numpy as np
 
 from weftex.errors import InvalidInputError, shown
 from weftex.exemplar import Exemplar
-from weftex.exemplar.checks import check_pixels
 from weftex.exemplar.turns import as_made_from
 from weftex.quality.copying import check_source
+from weftex.raster.arrays import check_pixels
 from weftex.results.synthesis import Synthesis
 
 if TYPE_CHECKING:

@@ -11,8 +11,8 @@ import numpy as np
 from weftex.analysis.correlation import correlate
 from weftex.errors import InvalidInputError
 from weftex.exemplar import Exemplar
-from weftex.exemplar.checks import check_pixels
 from weftex.random import draw
+from weftex.raster.arrays import check_pixels
 from weftex.raster.boxes import centered_sums, whole_windows
 from weftex.raster.pyramids import gaussian_pyramid, mask_pyramid
 

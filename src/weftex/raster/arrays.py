@@ -10,6 +10,9 @@ from numpy.typing import NDArray
 
 from weftex.errors import InvalidInputError, shown
 
+_DTYPES = ("uint8", "uint16", "float32", "float64")
+_MOST_CHANNELS = 32  # of a picture of four rows or fewer
+
 
 def as_array(values: Any, name: str) -> NDArray[Any]:
     """Return `np.asarray(values)`, or raise `InvalidInputError`, also for a masked array."""
@@ -35,6 +38,62 @@ def without_mask(pixels: Any) -> tuple[Any, NDArray[np.bool_] | None]:
     usable: NDArray[np.bool_] = np.logical_not(masked.any(axis=2))
     first = pixels.data[usable]
     return pixels.filled(first.flat[0] if first.size else 0), usable
+
+
+def check_layout(pixels: NDArray[Any], name: str) -> None:
+    """Refuse (channels, height, width), which is how other programs stack them.
+
+    A picture of four rows or fewer may well have three or five channels, but hardly more than
+    `_MOST_CHANNELS`; as a picture of so few columns a stack would be no sample.
+    """
+    shape = as_array(pixels, name).shape
+    if len(shape) == 3 and 0 < shape[0] <= 4 and shape[2] > _MOST_CHANNELS:
+        raise InvalidInputError(
+            f"{name} has the shape {shape}, which is taken for (channels, height, width); use "
+            "np.moveaxis(pixels, 0, -1), or give alpha=False if it has "
+            f"{shape[2]} channels indeed"
+        )
+
+
+def as_mask(values: Any, name: str) -> NDArray[np.bool_]:
+    """Return a contiguous mask (H, W), of booleans or numbers; refuse anything else."""
+    mask = as_array(values, name)
+    if mask.dtype.kind not in "biuf":
+        raise InvalidInputError(f"{name} has dtype {mask.dtype}; it must be boolean")
+    if mask.ndim != 2:
+        raise InvalidInputError(f"{name} has shape {mask.shape}; it must be (H, W)")
+    return np.ascontiguousarray(mask, bool)
+
+
+def check_guide(pixels: NDArray[Any], name: str) -> NDArray[Any]:
+    """`check_pixels`, but for labels in whole numbers of any type too."""
+    pixels = as_array(pixels, name)
+    if pixels.dtype.kind in "biu" and pixels.dtype.name not in _DTYPES and pixels.size:
+        if pixels.min() < 0 or pixels.max() > 65535:
+            raise InvalidInputError(
+                f"{name} has labels from {pixels.min()} to {pixels.max()}; they must be from 0 to "
+                "65535"
+            )
+        pixels = pixels.astype(np.uint16)
+    return check_pixels(pixels, name)
+
+
+def check_pixels(pixels: NDArray[Any], name: str) -> NDArray[Any]:
+    """Return `pixels` contiguous, or raise `InvalidInputError` saying what is wrong with them."""
+    pixels = as_array(pixels, name)
+    if pixels.dtype.name not in _DTYPES:
+        if pixels.dtype == bool:
+            raise InvalidInputError(f"{name} is boolean; multiply by 255 and make it uint8")
+        raise InvalidInputError(f"{name} has dtype {pixels.dtype}; supported: {', '.join(_DTYPES)}")
+    if pixels.ndim not in (2, 3):
+        raise InvalidInputError(
+            f"{name} has {pixels.ndim} dimensions; a picture is (height, width[, channels])"
+        )
+    if 0 in pixels.shape:
+        raise InvalidInputError(f"{name} is empty: its shape is {pixels.shape}")
+    if pixels.dtype.kind == "f" and not np.isfinite(pixels).all():
+        raise InvalidInputError(f"{name} contains NaN or infinity; replace them first")
+    return np.ascontiguousarray(pixels, pixels.dtype.newbyteorder("="))
 
 
 def owned(values: NDArray[Any]) -> NDArray[Any]:

@@ -64,9 +64,8 @@ class Facts:
             raise DamageError("its sizes are larger than any picture of weftex")
         if not _whole(self.origin) or not (self.known_from is None or _whole(self.known_from)):
             raise DamageError("its places are no places")
-        if [*map(type, self.wrap)] != [bool, bool] or not isinstance(self.provenance, dict):
-            raise DamageError("its facts have other types")
-        if [type(self.match_tone), type(self.is_window)] != [bool, bool]:
+        switches = (*self.wrap, self.match_tone, self.is_window)
+        if [*map(type, switches)] != [bool] * 4 or not isinstance(self.provenance, dict):
             raise DamageError("its facts have other types")
         if type(self.tone_reach) is not float or not 0 <= self.tone_reach <= MOST_REACH:
             raise DamageError("its tones are spread no known way")

@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 
 from weftex.errors import InvalidInputError
 from weftex.exemplar import Exemplar
-from weftex.exemplar.checks import check_pixels
 from weftex.exemplar.exemplar import as_map
+from weftex.raster.arrays import check_pixels
 from weftex.raster.levels import resized, scale_between
 from weftex.roles import as_role
 
