@@ -13,7 +13,6 @@ from hypothesis import strategies as st
 
 import weftex
 from materials import wall
-from weftex import cli
 from weftex.analysis.autocorrelations import Field, find_peaks, fit_vectors
 from weftex.analysis.correlation import correlate
 from weftex.analysis.lattice import Lattice, find_lattice, rate_lattices
@@ -290,19 +289,6 @@ def test_bases_of_one_lattice(numbers, times):
 def test_no_lattices(vectors, message):
     with pytest.raises(InvalidInputError, match=message):
         Lattice(vectors)
-
-
-def test_an_overlay_that_cannot_be_written(capsys):
-    assert cli.main(["analyze", "sample:grass", "--overlay", "lattice.xyz"]) == 2
-    out, err = capsys.readouterr()
-    assert out == "" and ".xyz" in err and err.count("\n") == 1
-
-
-@pytest.mark.parametrize("shape", [(27, 28), (28, 28), (29, 40), (30, 31)])
-def test_small_samples_that_once_failed(shape):
-    pixels = np.random.default_rng(shape[0] * 50 + shape[1]).integers(0, 256, shape, np.uint8)
-    found = find_lattice(Exemplar(pixels))
-    assert found is None or found.confidence < 0.9
 
 
 @pytest.mark.parametrize("channels", [(), (1,), (2,), (3,), (4,), (7,)])

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from weftex.analysis.autocorrelations import _tops
-from weftex.analysis.joints import Joints, contrast
+from weftex.analysis.joints import Joints
 from weftex.analysis.relief import Relief
 from weftex.analysis.rows import _profiles
 
@@ -49,23 +49,6 @@ def test_profiles_are_means_along_lines(rng):
                 row, column = np.clip(round(y) + 19, 0, 38), np.clip(round(x) + 29, 0, 58)
                 values.append(correlation[row, column])
             assert found[k, distance] == pytest.approx(np.mean(values))
-
-
-@pytest.mark.parametrize("size", [1, 5, 90])
-def test_contrast_is_what_multiples_have_above_places_between(size, rng):
-    profile, distances = rng.normal(size=size), np.array([2.0, 7.3, 11.25, 40.0, 200.0])
-    found, counts = contrast(profile, distances)
-    for distance, value, count in zip(distances, found, counts, strict=True):
-        assert count == min(max(int(0.75 * size / distance), 1), 8)
-        times = np.arange(1, count + 1)
-        weights = np.maximum(1 - times * distance / size, 0.05)
-        at = {
-            phase: np.interp((times - phase) * distance, np.arange(size), profile)
-            for phase in (0, 1 / 2, 1 / 3, 2 / 3)
-        }
-        means = {phase: (at[phase] * weights).sum() / weights.sum() for phase in at}
-        own = means.pop(0)
-        assert value == pytest.approx(own - max(means.values()))
 
 
 @pytest.mark.parametrize("window", [1, 2, 3])

@@ -68,19 +68,6 @@ def test_large_holes_keep_sources_apart(rng, wrap, repeat_distance, blend, kind)
     assert len(result.placements) > 40
 
 
-@pytest.mark.parametrize("wrap", WRAPS)
-@pytest.mark.parametrize("size", [(1, 1), (1, 6), (2, 2), (3, 9), (6, 6)])
-def test_holes_in_canvases_smaller_than_a_patch(rng, size, wrap):
-    hole = np.ones(size, bool)
-    hole[0, -1] = size == (1, 1)
-    known = noise((*size, 3), rng=rng)
-    exemplar = weftex.Exemplar(noise((14, 15, 3), rng=rng))
-    canvas = weftex.Canvas(*size, wrap, known=known, hole=hole)
-    result = sampling().fit(exemplar).sample(canvas, seed=1)
-    assert np.array_equal(result.image[~hole], known[~hole])
-    assert (result.source[hole] >= 0).all()
-
-
 @given(st.data())
 def test_random_holes_are_filled_and_nothing_else(data):
     rng = np.random.default_rng(data.draw(st.integers(0, 2**30)))

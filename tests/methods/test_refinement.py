@@ -162,7 +162,15 @@ def test_parameters_are_resolved_and_reported():
     assert about["init"] == "seeds"
 
 
-@pytest.mark.parametrize("parameters", [{"seed_density": 2.0}, {"matches": 3}])
+@pytest.mark.parametrize(
+    "parameters",
+    [
+        {"seed_density": 2.0},
+        {"matches": 3},
+        {"search": "nearest", "similar": 1},
+        {"search": "nearest", "evenness": 0.0},
+    ],
+)
 def test_what_has_no_effect_is_refused(parameters):
     with pytest.raises(weftex.InvalidInputError, match="has no effect unless"):
         weftex.Refinement(**parameters)
@@ -215,12 +223,6 @@ def test_labels_are_followed():
         model = weftex.Refinement(window_width=15, init=init).fit(exemplar)
         image = model.sample(Canvas(48, 64, guide=wanted), seed=1).image
         assert ((image > 150) == wanted).mean() > 0.97
-
-
-def test_what_has_no_effect_on_the_search_is_refused():
-    for parameters in ({"similar": 1}, {"evenness": 0.0}):
-        with pytest.raises(weftex.InvalidInputError, match="has no effect unless search is"):
-            weftex.Refinement(search="nearest", **parameters)
 
 
 def curve_of(**parameters):

@@ -173,12 +173,6 @@ def test_a_start_that_does_not_fit_is_refused_before_work():
         weftex.Refinement(init="quilting patch_size=99").fit(exemplar)
 
 
-def test_seed_points_farther_apart_than_the_sample_is_wide_take_no_memory():
-    method = weftex.Refinement(init="seeds", seed_scale=1e6, window_width=5)
-    made = method.fit(weftex.Exemplar(noise((16, 18), values=9))).sample((20, 20), seed=1)
-    assert made.shape == (20, 20)
-
-
 def test_a_margin_for_places_that_nothing_looks_for_is_refused():
     """Without similar places only seed points, holes and guides have any that continue nothing."""
     pixels = weftex.load_exemplar("sample:pebbles").pixels[:64, :64].copy()

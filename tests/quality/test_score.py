@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import importlib.util
-import math
 import sys
 from pathlib import Path
 
@@ -142,23 +141,6 @@ def test_the_score_is_the_weighted_sum_and_monotone():
         worse = {"lattice": 0.1, "seams": 2.0}.get(name, 0.5)
         assert weigh(figures | {name: worse}) > weigh(figures)
     assert weigh({}) is None and weigh({"broken": None}) is None
-
-
-def test_depths_alpha_and_gray():
-    sample = weftex.load_exemplar("sample:pebbles").pixels[:96, :96]
-    made = np.roll(sample, (20, 30), (0, 1))
-    score = Scorer(Exemplar(sample)).score(made)
-    assert (
-        Scorer(Exemplar(sample.astype(np.uint16) * 257)).score(made.astype(np.uint16) * 257)
-        == score
-    )
-    gray = Scorer(Exemplar(sample[..., 0])).score(made[..., 0])
-    assert gray == Scorer(Exemplar(sample[..., :1])).score(made[..., :1])
-    clear = np.full((96, 96, 1), 255, np.uint8)
-    both = (np.concatenate([side, clear], axis=2) for side in (sample, made))
-    assert math.isfinite(Scorer(Exemplar(next(both))).score(next(both)))
-    floats = (sample / np.float32(255)).astype(np.float32)
-    assert math.isfinite(Scorer(Exemplar(floats)).score(np.roll(floats, 20, 0)))
 
 
 def test_the_tables_of_the_judged_pictures_belong_together():

@@ -283,15 +283,6 @@ def test_any_canvas_that_a_method_does(kind):
     assert np.array_equal(made.image, same.image)
 
 
-@pytest.mark.parametrize("shape", [(1, 1), (1, 40), (2, 300), (33, 32), (400, 33)])
-@pytest.mark.parametrize("value", ["noise", "constant"])
-def test_samples_of_any_size_give_something(shape, value):
-    pixels = noise((*shape, 3)) if value == "noise" else np.full((*shape, 3), 9, np.uint8)
-    made = weftex.synthesize(pixels, (37, 41), seed=1)
-    assert made.image.shape == (37, 41, 3) and "reason" in made.provenance
-    assert value == "noise" or (made.image == 9).all()
-
-
 def test_a_mask_that_leaves_little_gets_a_method_that_takes_it():
     grass = weftex.load_exemplar("sample:grass").pixels
     mask = np.random.default_rng(0).random(grass.shape[:2]) < 0.7  # no patch is whole

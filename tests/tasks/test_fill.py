@@ -169,14 +169,6 @@ def test_save_and_replay(tmp_path):
     ).all()
 
 
-def test_usable_pixels_of_the_photo_are_respected():
-    photo, hole = noise((70, 160, 3)), box((70, 160), (20, 60, 45, 80))
-    mask = np.zeros((70, 160), bool)
-    mask[:, 100:] = True
-    result = weftex.fill(weftex.Exemplar(photo, mask=mask), hole, seed=1)
-    assert mask[tuple(result.source[hole].T)].all()
-
-
 @pytest.mark.parametrize("wrap", [False, True])
 def test_a_large_photo_is_filled_from_nearby(monkeypatch, wrap):
     monkeypatch.setattr(region, "NEIGHBORHOOD", 40_000)

@@ -157,14 +157,6 @@ def test_maps_and_saved_results(tmp_path):
     assert np.array_equal(again.image, result.image)
 
 
-def test_masks_are_respected():
-    mask = np.zeros(A.shape[:2], bool)
-    mask[:, :30] = True
-    result = weftex.fuse([weftex.Exemplar(A, mask=mask), B], HALVES, seed=1, **FAST)
-    source = result.source[which(result, 2) == 0]
-    assert (source[:, 1] < 30).all()
-
-
 def test_what_does_not_fit_is_refused():
     def refused(match, *args, error=weftex.InvalidInputError, **more):
         with pytest.raises(error, match=match):
