@@ -89,8 +89,5 @@ def test_channels_first_are_refused(shape):
             call(noise(shape))
     assert weftex.Exemplar(noise(shape), alpha=False).channels == shape[2]
     assert weftex.Exemplar(np.moveaxis(noise(shape), 0, -1)).shape == shape[1:]
-
-
-@pytest.mark.parametrize("shape", [(3, 64, 3), (4, 40, 4), (1, 1, 3), (3, 3, 3), (3, 40)])
-def test_low_pictures_are_pictures(shape):
-    assert weftex.Exemplar(noise(shape)).shape == shape[:2]
+    for low in ((3, 64, 3), (4, 40, 4), (1, 1, 3), (3, 3, 3), (3, 40), (4, 9, 32)):
+        assert weftex.Exemplar(noise(low)).shape == low[:2]

@@ -101,17 +101,6 @@ def test_sources_are_of_the_sample_itself(turn, shape, rng):
         assert np.array_equal(result.image, pixels[result.source[..., 0], result.source[..., 1]])
 
 
-def test_drawings_of_copies(rng):
-    """Sources have the sample's colors; a piece that lies upside down is one piece."""
-    sample = rng.integers(0, 256, (30, 40)).astype(np.uint8)
-    result = weftex.synthesize(weftex.prepare.turned(sample, "half"), 60, method="graphcut", seed=1)
-    colors, shape = result.draw("sources"), np.array(sample.shape)
-    assert np.array_equal(colors[..., 1::-1], np.rint(result.source * (255 / (shape - 1))))
-    y, x = np.moveaxis(result.pictured_source() - np.indices((60, 60)).transpose(1, 2, 0), -1, 0)
-    pieces = result.draw("patches").astype(int) @ [1, 256, 65536]
-    assert len(np.unique(pieces)) == len(np.unique((y % 30) * 81 + x % 81))
-
-
 def test_a_map_of_fewer_pixels_is_rendered_in_fewer(rng):
     sample, small = rng.random((20, 24)), rng.random((10, 12))
     result = weftex.synthesize(weftex.prepare.turned(sample, "flip"), 40, method="quilting", seed=1)

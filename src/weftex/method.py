@@ -320,14 +320,8 @@ class Method(ABC):
     ) -> Self:
         """Return this method with what suits a hole where its parameters leave that open.
 
-        Parameters
-        ----------
-        hole : bool array (H, W)
-            What is to be filled.
-        usable : bool array (H', W')
-            The exemplar's pixels that may be copied.
-        given : set of str, optional
-            Parameters that somebody chose; None if all values were, so that only None is open.
+        `usable` are the exemplar's pixels that may be copied; `given` names the parameters that
+        somebody chose, None if all values were, so that only None is open.
         """
         return self
 

@@ -89,6 +89,7 @@ DAMAGE = {
     "a huge output": {"shape": lambda _: [2**20, 2**20]},
     "places that are none": {"origin": lambda _: [0.5, None]},
     "known from nowhere": {"known_from": lambda _: ["a", "b"]},
+    "known from outside": {"known_from": lambda _: [5, 5]},
     "wrap of numbers": {"wrap": lambda _: [0, 1]},
     "no provenance": {"provenance": lambda _: [1]},
     "arrays of the other byte order": {"placements": lambda a: a.astype(">i4")},

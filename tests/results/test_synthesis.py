@@ -7,7 +7,6 @@ import pytest
 
 import weftex
 from laid import BLENDS, SAMPLE, filled, make
-from twins import compositing as reference
 from weftex.errors import InvalidInputError
 
 
@@ -138,27 +137,8 @@ def test_maps_come_along():
     assert np.array_equal(result.maps["roughness"], result.render(values))
     assert np.array_equal(result.maps["height"], result.render(values, role="height"))
     assert make().maps == {}
-
-
-def test_only_the_map_that_is_asked_for_is_rendered(monkeypatch):
-    values = np.arange(30 * 34, dtype=np.uint16).reshape(30, 34)
-    result, rendered = make(maps={"height": values, "roughness": values}), []
-    monkeypatch.setattr(result, "render", lambda given: rendered.append(given.name))
-    assert "roughness" in result.maps and result.maps["height"] is None and rendered == ["height"]
     with pytest.raises(KeyError, match="normal"):
         result.maps["normal"]
-
-
-def test_pictures_with_alpha():
-    sample = np.concatenate([SAMPLE, SAMPLE[..., :1]], axis=2)
-    result = make(sample=sample)
-    assert result.image.shape == (40, 45, 4)
-    out = np.zeros_like(result.image)
-    arrays = result.placements, result.weights, result.cuts
-    reference.paste_all(out, sample, 0, 0, result.shape, *arrays, alpha=True)
-    assert np.array_equal(out, result.image)
-    straight = result.render(weftex.Exemplar(sample, alpha=False))
-    assert not np.array_equal(straight, result.image)
 
 
 def test_results_can_be_pickled():
