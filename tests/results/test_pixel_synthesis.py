@@ -9,21 +9,16 @@ from weftex.results.pixels import PixelSynthesis
 SAMPLE = np.random.default_rng(5).integers(0, 256, (9, 11, 3)).astype(np.uint8)
 
 
-def make(hole=False, known_from=None, sample=SAMPLE, size=(7, 8), **more):
+def make(sample=SAMPLE, size=(7, 8), known_from=None):
     index = np.random.default_rng(1).integers(0, 99, size).astype(np.int32)
     canvas = weftex.Canvas(*size, wrap=(True, False))
-    if hole:
-        where = np.random.default_rng(2).random(size) < 0.5
-        known = np.random.default_rng(3).integers(0, 256, (*size, 3)).astype(np.uint8)
-        if known_from is not None:
-            y, x = known_from
-            known = sample[y : y + size[0], x : x + size[1]]
+    if known_from is not None:
+        where, (y, x) = np.random.default_rng(2).random(size) < 0.5, known_from
+        known = sample[y : y + size[0], x : x + size[1]]
         canvas = weftex.Canvas(*size, known=known, hole=where)
         index[~where] = -1
-    return PixelSynthesis(
-        canvas, index, sample_shape=(9, 11), exemplar=weftex.Exemplar(sample, **more),
-        known_from=known_from, provenance={"method": "by hand"},
-    )  # fmt: skip
+    about = {"sample_shape": (9, 11), "exemplar": weftex.Exemplar(sample)}
+    return PixelSynthesis(canvas, index, known_from=known_from, **about)
 
 
 @pytest.mark.parametrize("scale", [1, 2, 3])
@@ -58,7 +53,7 @@ def test_damaged_sources_are_refused(tmp_path, text):
 
 def test_error_is_what_the_neighbors_did_not_expect():
     gray = np.random.default_rng(4).integers(0, 256, (9, 11)).astype(np.uint8)
-    for result in (make(sample=gray), make(sample=gray, hole=False, size=(1, 5))):
+    for result in (make(sample=gray), make(sample=gray, size=(1, 5))):
         error = result.draw("error")[..., 0]
         for y, x in np.ndindex(result.shape):
             wanted = [0]
@@ -71,7 +66,7 @@ def test_error_is_what_the_neighbors_did_not_expect():
 
 
 def test_a_part_moves_into_the_whole():
-    result = make(hole=True, known_from=(1, 2))
+    result = make(known_from=(1, 2))
     large = weftex.Exemplar(np.tile(SAMPLE, (2, 2, 1)))
     canvas = weftex.Canvas(20, 20, (True, True))
     moved = result.moved(canvas, large, to=(16, 17), source_to=(9, 13), provenance={"seed": 1})

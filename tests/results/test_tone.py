@@ -86,10 +86,6 @@ def test_fill_matches_tones_unless_a_method_is_named(tmp_path):
     assert np.array_equal(again.render(photo, window=(50, 60, 40, 50)), own[50:90, 60:110])
     large = again.render(photo.repeat(2, 0).repeat(2, 1))
     assert abs(large[::2, ::2].astype(int) - own).max() <= 1
-
-
-@pytest.mark.parametrize("value", ["yes", 1, 0.0])
-def test_other_words_are_refused(value):
-    photo = texture(0)
-    with pytest.raises(weftex.InvalidInputError, match="match_tone is"):
-        weftex.fill(photo, photo[..., 0] > 150, match_tone=value)
+    for value in ("yes", 1, 0.0):
+        with pytest.raises(weftex.InvalidInputError, match="match_tone is"):
+            weftex.fill(photo, hole, match_tone=value)
