@@ -125,16 +125,6 @@ def test_fuse_gives_missing_maps_a_value(sets, capsys):
     assert "save one of them as the other" in fails(capsys, sets, *words[:-1], "new")
 
 
-def test_replay_of_a_set(sets):
-    words = ["--seed", 3, "--save-source", "rock.npz", "--method", "efros-leung"]
-    assert weft_run("synth", "rock", "-o", "wall", "--size", 40, *words) == 0
-    assert weft_run("replay", "rock.npz", "rock", "-o", "again", "--names", "substance") == 0
-    first, again = read_maps("wall"), read_maps("again")
-    names = {"Color": "BaseColor", "NormalGL": "Normal_OpenGL", "Displacement": "Height"}
-    for own, scheme in names.items():
-        assert np.array_equal(first[f"Rock01_1K_{own}"].pixels, again[f"again_{scheme}"].pixels)
-
-
 def test_fill_of_a_set_from_another(sets, capsys):
     mask = np.zeros((40, 48), np.uint8)
     mask[10:30, 12:34] = 255

@@ -68,20 +68,6 @@ def test_kind_alpha_and_profile_are_kept(here, dtype, channels):
     assert (made.alpha, made.icc) == (given.alpha, given.icc)
 
 
-def test_texture_by_numbers(here):
-    """The sample has a map of labels, and the output follows another one."""
-    sample = weftex.load_exemplar("sample.png").pixels
-    labels = np.zeros(sample.shape[:2], np.uint8)
-    labels[:, labels.shape[1] // 2 :] = 200
-    write_image("in.png", labels)
-    write_image("out.png", np.resize(np.uint8([0] * 9 + [200] * 9), (20, 36)))
-    words = ["--method", "refinement", "--guide", "out.png", "--seed", 1]
-    assert weft_run("synth", "sample.png", "-o", "a.png", *words, "--sample-guide", "in.png") == 0
-    guides = {"guide": "out.png", "sample_guide": labels}
-    expected = weftex.synthesize("sample.png", (20, 36), method="refinement", seed=1, **guides)
-    assert np.array_equal(weftex.read_image("a.png").pixels, expected.image)
-
-
 def test_the_input_may_be_overwritten(here):
     given = read_image("sample.png").pixels
     assert weft_run("synth", "sample.png", "-o", "sample.png", "--seed", 2) == 0

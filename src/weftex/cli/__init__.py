@@ -59,19 +59,7 @@ keep the parts that were finished.
 
 
 def main(argv: list[str] | None = None) -> int:
-    """Run a command.
-
-    Parameters
-    ----------
-    argv : list of str, optional
-        Arguments; those of the process by default.
-
-    Returns
-    -------
-    int
-        The exit code: 0, 2 after an error, 130 after Ctrl-C, 143 after SIGTERM, 129 after SIGHUP,
-        141 if nobody reads what is printed.
-    """
+    """Run a command, by default that of the process, and return its exit code; see `_ABOUT`."""
     if "numpy" not in sys.modules:
         # Matrix products are small here: threads for them take longer to start than they save.
         os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")

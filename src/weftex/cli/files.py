@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from dataclasses import dataclass
+from functools import partial
 from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
@@ -46,28 +47,26 @@ def _refuse_plane(path: str) -> None:
             )
 
 
+def _load(spec: dict[str, Any], args: argparse.Namespace) -> Loaded:
+    """Read a material, and do to it what its description says."""
+    material = read(path_of(spec, {}), args, spec.get("maps"))
+    return loaded(spec, material, partial(_read_picture, args))
+
+
+def _read_picture(args: argparse.Namespace, path: str) -> Picture:
+    from weftex.io.pictures import MAX_PIXELS, read_image
+
+    return read_image(path, max_pixels=None if args.allow_huge else MAX_PIXELS)
+
+
 def open_materials(recipe: Recipe, args: argparse.Namespace) -> Opened:
     """Open the materials of a recipe, in files."""
-
-    def picture(path: str) -> Picture:
-        from weftex.io.pictures import MAX_PIXELS, read_image
-
-        return read_image(path, max_pixels=None if args.allow_huge else MAX_PIXELS)
-
-    def material(spec: dict[str, Any]) -> Loaded:
-        return loaded(spec, read(path_of(spec, {}), args, spec.get("maps")), picture)
-
-    return opened(recipe, material, picture)
+    return opened(recipe, partial(_load, args=args), partial(_read_picture, args))
 
 
 def load(path: str, args: argparse.Namespace, *options: str) -> Exemplar:
     """Read a sample, with what some options of `MATERIAL` say about it."""
-    spec = material_of(path, vars(args), options)
-
-    def picture(path: str) -> Picture:
-        return read(path, args).pictures[path]
-
-    return loaded(spec, read(path, args, spec.get("maps")), picture).sample
+    return _load(material_of(path, vars(args), options), args).sample
 
 
 def open_job(recipe: Recipe, args: argparse.Namespace, outputs: Outputs) -> tuple[Opened, Plan]:

@@ -38,21 +38,9 @@ class Fields:
 
     @classmethod
     def from_json(cls, given: Any, *, local: bool = False) -> Self:
-        """Read and check a recipe; a seed that is left out is drawn.
+        """Return a checked recipe; None is as if the field was left out, and a seed is drawn.
 
-        Parameters
-        ----------
-        given : dict
-            "task" ("synth" by default), "materials", "seed", "method", "parameters", and the
-            options of the task. None is as if the field was left out.
-        local : bool
-            Whether it comes from whoever works on this machine: materials may be paths, and errors
-            name options of the command line.
-
-        Raises
-        ------
-        InvalidInputError
-            With a line that names the field.
+        If `local`, materials may be paths, and errors name options of the command line.
         """
         if not isinstance(given, Mapping):
             raise InvalidInputError(f"recipe is {shown(given)}; it must be an object")

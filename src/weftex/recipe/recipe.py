@@ -22,12 +22,7 @@ class Recipe(Fields):
     def command(self, output: str = "out.png", names: Mapping[str, str] | None = None) -> str:
         """Return the commands that make the same; empty if the command line cannot say it.
 
-        Parameters
-        ----------
-        output : str
-            The file to write; a name that ends with a slash is a folder.
-        names : dict of str to str, optional
-            What the pictures are called; by default as in the recipe.
+        An `output` that ends with a slash is a folder; `names` are other names of the pictures.
         """
         from weftex.recipe.words import command_of
 
