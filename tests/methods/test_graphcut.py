@@ -10,8 +10,8 @@ from hypothesis import strategies as st
 import weftex
 from families import canvas_of, noise
 from weftex.methods.graphcut import GraphCut
+from weftex.methods.graphcut.cutting import CanvasSeams
 from weftex.methods.graphcut.placement import chances_of, drawn_places
-from weftex.methods.graphcut.seams import CanvasSeams
 from weftex.search.translation import Spectra, fast_size, overlap_mismatch, window_mismatch
 
 KINDS = ("plain", "x", "y", "xy", "hole", "wrapped hole")

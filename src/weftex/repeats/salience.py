@@ -1,4 +1,4 @@
-"""The repetition penalty of entire samples: salient features that repeat nearby."""
+"""The repetition penalty of entire samples: salient features that repeat nearby, in any copy."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from weftex.raster.turning import TURNS, turned_pixels
 from weftex.repeats import Usage
 from weftex.repeats import repeat_kernels as kernels
 from weftex.search.translation import correlations, fast_size
@@ -13,9 +14,11 @@ from weftex.search.translation import correlations, fast_size
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    from weftex.exemplar import Exemplar
+    from weftex.raster.turning import Box
     from weftex.repeats import Offsets, Output, Repetition
 
-DIRECT = 2**22  #: offsets times pixels up to which sums are faster than transforms
+_DIRECT = 2**22  # offsets times pixels up to which sums are faster than transforms
 #: What repeats count for: strength apart, see `Repetition`.
 _CELLS = 16  # of the sample's shorter side, or up to twice as many, are looked at
 _LEVELS = 16  # of salience, so that sums are of whole numbers
@@ -24,7 +27,12 @@ _FAR = 1.25  # sides of the sample from which on nothing is in sight
 # Repeats in the same row or column count so much more, and farther away; a sixth of a side off
 # it is in another one.
 _IN_LINE, _LINE_FAR, _LINES = 2.0, 2.0, 6.0
-UNIT = 64  #: weight of a repeat at no distance
+_UNIT = 64  # weight of a repeat at no distance
+# What an offset shows within a third of a side of another copy of it costs by its share, at most.
+_BESIDE, _NEAR, _MOST_BESIDE = 10.0, 0.35, 4.0
+# A feature beside its mirror image is seen at once, and costs nothing to cut between. So an offset
+# with more than a share within a seventh of a side is taken only where there is no other.
+_CLOSE, _SHARE, _NEVER = 0.15, 0.05, 1e6
 
 
 class Sight:
@@ -50,7 +58,7 @@ class Sight:
         self.count = [-(-n // self.cell) for n in self.shape]
         line, self.far = (_IN_LINE, _LINE_FAR) if output.canvas.hole is None else (0.0, _FAR)
         self.distances = np.array(
-            [self.cell, *self.shape, _FAR, line, _LINE_FAR, _LINES, UNIT], np.float64
+            [self.cell, *self.shape, _FAR, line, _LINE_FAR, _LINES, _UNIT], np.float64
         )
 
     def cells_of(
@@ -121,7 +129,7 @@ class SaliencePenalty:
             for at, reach in zip(offsets.pixel, self._reach, strict=True)
         )
         missing, offset = missing_at(self.output, *lines), [reach >> k for reach in self._reach]
-        if allowed.sum() * counts.size <= DIRECT:
+        if allowed.sum() * counts.size <= _DIRECT:
             sums = np.zeros((*allowed.shape, 2), np.int64)
             kernels.sum_where_missing(
                 counts.astype(np.int32),
@@ -147,7 +155,7 @@ class SaliencePenalty:
         total, sums = np.zeros(count, np.int64), np.zeros((*count, 2), np.int64)
         kernels.sum_pieces(*self._pieces(pixel), missing, cells, sight.distances, total)
         kernels.sum_where_missing(sight.salience, missing, cells, np.array(count, np.int32), sums)
-        result: NDArray[np.float64] = total / np.maximum(UNIT * sums[..., 0], 1)
+        result: NDArray[np.float64] = total / np.maximum(_UNIT * sums[..., 0], 1)
         return result
 
     def _pieces(
@@ -187,3 +195,86 @@ def _halved(
     upper, lower = usable[:rows:2, :columns], usable[1:rows:2, :columns]
     half = upper[:, ::2] & upper[:, 1::2] & lower[:, ::2] & lower[:, 1::2]
     return (total + 2 >> 2).astype(np.uint8), half
+
+
+class OrientedPenalty:
+    """`SaliencePenalty` where the sample is a picture of oriented copies, see `prepare.turned`.
+
+    `boxes` are those of the copies; the first is the sample, of these pixels.
+    """
+
+    def __init__(
+        self,
+        policy: Repetition,
+        exemplar: Exemplar,
+        output: Output,
+        pixels: NDArray[np.uint8],
+        usable: NDArray[np.uint8],
+        boxes: list[Box],
+    ) -> None:
+        self.policy, self.output = policy, output
+        self.sight = sight = Sight(output, pixels, usable)
+        height, width = sight.count
+        side = sight.cell
+        rows, columns = (np.arange(n) // side for n in sight.shape)
+        own = (rows[:, None] * width + columns).astype(np.int32)
+        assert exemplar.turn is not None
+        #: Of each pixel of the picture of copies, the cell of the sample, and the copy.
+        self.cell_of = turned_pixels(own, exemplar.turn)
+        self.copy_of = np.zeros(exemplar.shape, np.int32)
+        self.cells = []
+        for number, (top, left, high, wide) in enumerate(boxes):
+            self.copy_of[top : top + high, left : left + wide] = number
+            middles = [
+                np.minimum(np.arange(0, n, side) + side // 2, n - 1) + start
+                for n, start in ((high, top), (wide, left))
+            ]
+            self.cells.append(np.ascontiguousarray(self.cell_of[np.ix_(*middles)]))
+        salience = np.zeros((height, width), np.int32)
+        salience[: sight.salience.shape[0], : sight.salience.shape[1]] = sight.salience
+        self.salience = salience.ravel()
+        copies = [copy for row in TURNS[exemplar.turn] for copy in row]
+        self.mirrored = np.array([mirrored for _, mirrored in copies], np.int32)
+        near, close = (int((far * min(height, width)) ** 2) for far in (_NEAR, _CLOSE))
+        self.near = np.array([near, close if self.mirrored.any() else -1], np.int32)
+        reach = [-(-int(sight.far * n) // side) for n in sight.shape]
+        self.weights = np.empty([2 * n + 1 for n in reach], np.int32)
+        kernels.weigh_cells(sight.distances, self.weights)
+
+    def next_patch(self, pixel: tuple[int, int]) -> None:
+        """See `Penalty.next_patch`."""
+        sight, source, cell_of = self.sight, self.output.source, self.cell_of.ravel()
+        rows, columns = sight.lines(pixel)
+        shown = source[np.ix_(rows[0], columns[0])]
+        v, u = np.nonzero(shown >= 0)
+        label = shown[v, u]
+        cell, copy = cell_of[label], self.copy_of.ravel()[label]
+        order = np.argsort(cell, kind="stable")
+        at = [rows[1][v] // sight.cell, columns[1][u] // sight.cell, copy, self.mirrored[copy]]
+        self._where = np.ascontiguousarray(np.stack(at, 1).astype(np.int32)[order])
+        some = source[:: sight.cell, :: sight.cell]
+        counts = np.bincount(cell_of[some[some >= 0]], minlength=len(self.salience))
+        self._mean = max(float(counts.mean()), 1.0 / len(counts))
+        first = np.searchsorted(cell[order], np.arange(len(self.salience) + 1))
+        self._cells = np.zeros((3, len(first)), np.int32)
+        self._cells[0], self._cells[1, :-1], self._cells[2, :-1] = first, counts, self.salience
+        self._missing = sight.missing(pixel, *[max(self.cells[0].shape)] * 2)
+
+    def of(self, offsets: Offsets) -> NDArray[np.float64]:
+        """See `Penalty.of`."""
+        own, strength = self.cells[offsets.copy], self.policy.strength
+        rows, columns, cells = self.sight.cells_of(offsets, list(own.shape))
+        sums = np.zeros((*own.shape, 6), np.int64)
+        copy = np.array([offsets.copy, self.mirrored[offsets.copy]], np.int32)
+        kernels.sum_copies(
+            self._cells, self._where, self.weights, self.near, own, copy, self._missing, cells, sums
+        )
+        repeats, salience, used, beside, area, mirrored = np.moveaxis(sums, 2, 0)
+        factors = self.policy.factors(
+            nearby=repeats / np.maximum(_UNIT * salience, 1),
+            use=used / np.maximum(area * self._mean, 1),
+        )
+        factors += strength * np.minimum(_BESIDE * beside / np.maximum(area, 1), _MOST_BESIDE)
+        factors[mirrored > _SHARE * own.size] += strength * _NEVER
+        result: NDArray[np.float64] = factors[np.ix_(rows, columns)]
+        return result

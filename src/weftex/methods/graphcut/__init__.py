@@ -12,19 +12,15 @@ from weftex.endless.grid import Sizes
 from weftex.errors import InvalidInputError
 from weftex.exemplar.turns import turned
 from weftex.method import Method
-from weftex.methods.graphcut.cutting import Picture
-from weftex.methods.graphcut.entire import EntirePatchMatching
-from weftex.methods.graphcut.orientations import OrientedMatching
+from weftex.methods.graphcut.cutting import CanvasSeams, Picture
+from weftex.methods.graphcut.entire import EntirePatchMatching, OrientedMatching
 from weftex.methods.graphcut.placement import draw_offsets
 from weftex.methods.graphcut.sample import PATCH_SHARE, Sample, check_boundary, patch_shape_for
-from weftex.methods.graphcut.seams import CanvasSeams
 from weftex.methods.graphcut.subpatch import SubPatchMatching
 from weftex.methods.pixels.growth import PixelModel
 from weftex.parameters import parameter
-from weftex.repeats import Repetition
-from weftex.repeats.orientations import OrientedPenalty
-from weftex.repeats.patches import PatchPenalty
-from weftex.repeats.salience import SaliencePenalty
+from weftex.repeats import PatchPenalty, Repetition
+from weftex.repeats.salience import OrientedPenalty, SaliencePenalty
 from weftex.search.windows import windows_of
 from weftex.threads import quick_map
 

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from weftex.canvas import Canvas
-    from weftex.methods.graphcut.pyramid import Level
+    from weftex.methods.graphcut.sample import Level
 
 _LARGEST_EXPONENT = 64.0  # e**-64 is no chance at all
 _BEST_CHANCE = 2.0**32  # the chance of the best match, as a whole number

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from weftex.methods.graphcut.placement import Matches, Patch, size_on
-from weftex.methods.graphcut.pyramid import (
+from weftex.methods.graphcut.sample import (
     Level,
     box_of,
     coarsest,
