@@ -224,9 +224,9 @@ def _own_name(args: argparse.Namespace) -> str:
     return os.path.basename(os.path.abspath(str(args.output)))
 
 
-def write(result: Synthesis, made: Plan, args: argparse.Namespace, outputs: Outputs) -> None:
+def write(result: Synthesis, planned: Plan, args: argparse.Namespace, outputs: Outputs) -> None:
     """Write the result and, from the same coordinates, each other map of the sample."""
-    made.write(pixels_of(result, made.main), outputs, args.threads)
+    planned.write(pixels_of(result, planned.main), outputs, args.threads)
     if args.save_source is not None:
         result.save(outputs.add(args.save_source))
     if args.preview is not None:

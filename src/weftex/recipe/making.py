@@ -270,6 +270,7 @@ class Opened:
             return model.window(*options["window"], period=options["period"], **how)
         canvas = as_canvas(self.shape, options["tileable"])
         guide = self._guide("guide")
+        # As `tasks.synthesize`, which guides and best-of need; less to import.
         if guide is None and options["best_of"] == 1:
             method.require(canvas)
             return fit(self.sample).sample(canvas, **how)
