@@ -6,8 +6,8 @@ import pytest
 import weftex
 from families import noise
 from materials import wall
-from weftex.methods.near_regular.rectification import rectified
 from weftex.methods.near_regular.rows import axis_of_rows
+from weftex.methods.near_regular.sample import rectified
 
 
 def model_of(pixels, **parameters):
