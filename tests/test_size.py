@@ -15,20 +15,20 @@ TESTS = Path(__file__).parent
 READ = ("methods", "repeats", "search", "seams")
 #: Lower a ceiling when the code has become smaller; a feature that needs room removes something.
 CEILINGS = {
-    "lines of Python in src": 49_650,
-    "of these code": 34_540,
-    "modules": 356,
-    "kernel classes": 31,
+    "lines of Python in src": 47_507,
+    "of these code": 33_313,
+    "modules": 314,
+    "kernel classes": 24,
     "names that several kernel classes have": 0,
-    "lines of tests": 28_640,
-    "quilting: files to read": 21,
-    "quilting: lines to read": 3_225,
-    "graphcut: files to read": 28,
-    "graphcut: lines to read": 4_845,
-    "efros-leung: files to read": 11,
-    "efros-leung: lines to read": 1_945,
-    "near-regular: files to read": 23,
-    "near-regular: lines to read": 3_785,
+    "lines of tests": 25_370,
+    "quilting: files to read": 12,
+    "quilting: lines to read": 2_841,
+    "graphcut: files to read": 19,
+    "graphcut: lines to read": 4_413,
+    "efros-leung: files to read": 8,
+    "efros-leung: lines to read": 1_345,
+    "near-regular: files to read": 17,
+    "near-regular: lines to read": 3_063,
 }
 
 

@@ -41,7 +41,8 @@ def pair_of(
 ) -> Pair:
     """Return a pair as `weftex.assess` takes it, checked."""
     exemplar = sample if isinstance(sample, Exemplar) else Exemplar(sample)
-    wrap: Any = tileable if isinstance(tileable, tuple) else (tileable or False,) * 2
+    tiles = False if tileable is None else tileable
+    wrap: Any = tiles if isinstance(tiles, tuple) else (tiles,) * 2
     if len(wrap) != 2 or not all(isinstance(axis, (bool, np.bool_)) for axis in wrap):
         raise InvalidInputError(
             f"tileable is {shown(tileable)}; it must be True, False or two of them"
