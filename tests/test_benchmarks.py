@@ -94,7 +94,7 @@ def test_lattices_are_counted(capsys):
     """A few small surfaces: every table is there, and what is right is never more than all."""
     lattices.main(["--small", "--fit"])
     out = capsys.readouterr().out
-    assert "PAIRS = " in out and "ROWS = " in out and "| 256 |" in out and "| whole |" in out
+    assert "pairs = " in out and "rows = " in out and "| 256 |" in out and "| whole |" in out
     shares = [cell.split(" of ") for line in out.splitlines() for cell in line.split(" | ")]
     counts = [tuple(map(int, one)) for one in shares if len(one) == 2 and one[1].isdigit()]
     assert counts and all(good <= number for good, number in counts)

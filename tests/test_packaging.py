@@ -15,7 +15,16 @@ ROOT = Path(__file__).parent.parent
 #: Tests of what stays in the repository.
 STAY = {
     f"tests/test_{name}.py"
-    for name in ("benchmarks", "fidelity", "fuzz", "gallery", "notebooks", "packaging", "readme")
+    for name in (
+        "benchmarks",
+        "fidelity",
+        "fuzz",
+        "gallery",
+        "notebooks",
+        "packaging",
+        "readme",
+        "words",
+    )  # fmt: skip
 }
 SUFFIXES = {".py", ".pxd", ".typed", ".png", ".csv", ".json", ".html", ".css", ".js", ".svg"}
 

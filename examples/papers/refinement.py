@@ -326,7 +326,7 @@ def steps() -> Table:
 128x128 from the lower right 128x128 of the samples, seed 1: patches / sharpness / seams of
 `weftex.assess`. Good are patches of at most 1.6, sharpness of 0.87 to 1.15, seams of at most 1.75.
 """
-    sand = HERE.parent / "benchmarks" / "data" / "surfaces" / "sand_coast.webp"
+    sand = HERE.parents[1] / "benchmarks" / "data" / "surfaces" / "sand_coast.webp"
     crops = {name: load(name) for name in ("pebbles", "leaves", "grass", "weave", "bricks")}
     crops["sand"] = weftex.load_exemplar(sand).pixels
     side = sized(128)
