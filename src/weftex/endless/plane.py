@@ -227,7 +227,7 @@ def hole_of(own: Box, within: Box) -> NDArray[np.bool_]:
 
 
 def paste(shown: NDArray[np.int32], box: Box, block: NDArray[np.int32], place: Box) -> None:
-    """Lay a block over what a box shows."""
+    """Paste a block over the pixels of a box."""
     part = block[box.within(place)]
     here = shown[place.within(box)]
     np.copyto(here, part, where=part >= 0)

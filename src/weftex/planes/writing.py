@@ -149,7 +149,7 @@ def write_plane(
 
 
 def _check_free_space(plane: PlaneFile, left: int) -> None:
-    """Raise `FileError` unless the disk has room for a number of blocks."""
+    """Raise `FileError` unless a number of blocks fit on the disk."""
     need = most_bytes(plane, left)
     free = shutil.disk_usage(os.path.dirname(os.path.abspath(plane.path))).free
     if need > free:

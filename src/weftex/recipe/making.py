@@ -170,7 +170,7 @@ class Opened:
 
     @cached_property
     def pictures(self) -> dict[str, Picture]:
-        """By the names of maps, pictures like those that the result has: the main one first."""
+        """By the names of maps, pictures like the result's: the main one first."""
         return pictures_like(self.materials, self.like)
 
     @cached_property

@@ -38,7 +38,7 @@ def draw_sources(source: NDArray[np.int32], sample_shape: tuple[int, int]) -> ND
 def draw_seams(
     gray: NDArray[np.uint8], source: NDArray[np.int32], sample_shape: tuple[int, int]
 ) -> NDArray[np.uint8]:
-    """A gray picture, and in red the pixels whose source does not go on from the one before."""
+    """A gray picture, and in red the pixels whose source does not continue the one before."""
     y, x = np.indices(source.shape[:2])
     shift = (source - np.stack([y, x], axis=-1)) % sample_shape
     seam = np.zeros(source.shape[:2], bool)

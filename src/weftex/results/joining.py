@@ -39,7 +39,7 @@ _LARGEST = 1e30  # whose squares are numbers
 
 
 class Laid(NamedTuple):
-    """What was laid, asked for by windows; `pixels` is `scale` times as fine as the output."""
+    """The pasted pieces, read by windows; `pixels` is `scale` times as fine as the output."""
 
     pixels: Callable[[Window], NDArray[Any]]
     layers: Callable[[Window], tuple[NDArray[np.int32], NDArray[np.float32]]]
@@ -63,7 +63,7 @@ def reach_of(given: Exemplar, tones: float, hole: NDArray[np.bool_] | None) -> f
 
 
 def join_steps(laid: Laid, given: Exemplar, reach: float, window: Window) -> NDArray[Any]:
-    """Return a window of what was laid, without the steps where pieces of other tones meet.
+    """Return a window of the pasted pieces, without the steps where pieces of other tones meet.
 
     `reach` is in pixels of the output; 0 leaves all as it is. Parts are the same bytes as in the
     whole. Values are cut to what an integer type holds (heights), or to the sample's range.

@@ -1,5 +1,5 @@
 # mypy: ignore-errors
-"""Kernels that lay patches over each other and copy pixels; see the .pxd.
+"""Kernels that paste patches over each other and copy pixels; see the .pxd.
 
 Weights are in 1/256, from 0 (the older pixel stays) to 256 (the new one replaces it), so constant
 in is constant out and integer pictures round once a patch. A picture, a map of the same sample at

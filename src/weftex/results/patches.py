@@ -1,4 +1,4 @@
-"""Results of patch methods: patches of the sample laid over each other."""
+"""Results of patch methods: patches of the sample pasted over each other."""
 
 from __future__ import annotations
 

@@ -52,7 +52,7 @@ class PixelSynthesis(Synthesis):
         paste_kernels.copy_pixels(lines, sample, index, self.sample_shape[1], scale)
 
     def _error(self) -> NDArray[np.int16]:
-        """The larger difference from what the upper and the left neighbor go on with."""
+        """The larger difference from the pixels that continue the upper and the left neighbor."""
         gray = gray_of(self.sample.pixels).astype(np.int16)
         source, made = self.pictured_source(), self.index >= 0
         value = gray[source[..., 0], source[..., 1]]

@@ -115,7 +115,7 @@ class Synthesis(Shown, ABC):
 
     @abstractmethod
     def _lay(self, out: NDArray[Any], pixels: NDArray[Any], window: Window, mixing: Mixing) -> None:
-        """Lay the pixels of (H, W, C) over `out`, which is a multiple of the window's size."""
+        """Paste the pixels of (H, W, C) over `out`, which is a multiple of the window's size."""
 
     @abstractmethod
     def _error(self) -> NDArray[np.int16]:
@@ -191,7 +191,7 @@ class Synthesis(Shown, ABC):
         return in_first_copy(self.pictured_source(), self.turn, self.copy_shape)
 
     def pictured_source(self) -> NDArray[np.int32]:
-        """The same, in the picture of copies if the sample was turned: pieces go on there."""
+        """The same, in the picture of copies if the sample was turned, with whole pieces."""
         bands = drawing.bands(self.shape[0])
         return np.concatenate([self._source_of(rows).astype(np.int32) for rows in bands])
 
@@ -348,7 +348,7 @@ class Synthesis(Shown, ABC):
         return drawing.draw_pieces(self._source_of, self.shape, self.sample_shape)
 
     def uncertainty(self) -> NDArray[np.float64]:
-        """How badly each pixel fits what is around it; see `drawing.uncertainty_of`."""
+        """How badly each pixel fits its neighbors; see `drawing.uncertainty_of`."""
         return drawing.uncertainty_of(self.image, self._source_of, self.sample, self.canvas.wrap)
 
     def _source_of(self, rows: slice) -> NDArray[np.int64]:

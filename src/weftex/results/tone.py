@@ -1,4 +1,4 @@
-"""The tone of a filling, matched to that of what is around it.
+"""The tone of a filling, matched to that of its surroundings.
 
 The steps between each pixel inside and its neighbor outside are averaged along the border and led
 on inwards, with weights that fall as the third power of the distance, as in a membrane. Steps of

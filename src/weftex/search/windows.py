@@ -88,7 +88,7 @@ def windows_of(
 
 
 def new_query(reach: int, channels: int) -> Query:
-    """Return room for the known part of a square window, or of the eight pixels around."""
+    """Return an empty query for the known part of a square window, or of the 8 neighbors."""
     width = max(2 * reach + 1, 3)
     runs = np.empty((width * (width + 1), 3), np.int32)
     return Query(runs, np.empty(width * width * channels, np.uint8))

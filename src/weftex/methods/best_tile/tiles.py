@@ -22,7 +22,7 @@ def tile_rows(vectors: tuple[float, ...], border: int) -> NDArray[np.int64]:
 
 
 def tile_fits(shape: tuple[int, int], rows: NDArray[np.int64]) -> bool:
-    """Whether a picture has room for a tile of these rows and for its corner.
+    """Whether a tile of these rows and its corner fit into a picture.
 
     >>> rows = tile_rows((4, 0, 0, 3), 0)
     >>> tile_fits((3, 4), rows), tile_fits((2, 4), rows)
