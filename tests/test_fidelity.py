@@ -4,11 +4,13 @@ import ast
 import functools
 import re
 import shlex
+import tomllib
 from pathlib import Path
 from typing import NamedTuple
 
 import pytest
 
+import weftex
 from commands import weft_run
 from test_readme import EXAMPLES, experiments
 
@@ -41,31 +43,7 @@ TABLES = {
     "exact-neighborhood-matching": ["1"],
     "refinement-and-fusion": ["1"],
 }
-#: What the papers say that their methods are or may be used for, or leave for later.
-NAMED = {
-    "patch-based-sampling": (
-        "application: textures larger", "application: occlusion", "application: image and video",
-        "future work: a better metric", "future work: surfaces", "future work: texture mixtures",
-        "future work: texture movies",
-    ),
-    "non-parametric-sampling-and-tsvq": (
-        "hole filling", "motion synthesis", "hiding data", "image completion", "meshes",
-        "compression", "geometric details",
-    ),
-    "exact-neighborhood-matching": (
-        "application: image completion", "motion synthesis", "film", "compression",
-        "future work: exploit", "future work: propose", "future work: multi-resolution",
-    ),
-    "refinement-and-fusion": (
-        "application: texture fusion", "temporal textures", "future work: \"could be accelerated",
-    ),
-    "near-regular": (
-        "application: texture mapping", "future work: regions of dominance",
-        "future work: other goodness", "future work: vectors below a pixel",
-        "future work: correct the input", "future work: the input corrected",
-        "future work: deformations", "future work: image quilting or graph cuts",
-    ),
-}  # fmt: skip
+REQUIRED = tomllib.loads((ROOT / "tests" / "fidelity.toml").read_text("utf-8"))
 
 
 class Row(NamedTuple):
@@ -127,10 +105,10 @@ def test_every_figure_and_table_has_a_row(name):
         assert set(found) <= set(numbers)
 
 
-@pytest.mark.parametrize("name", sorted(NAMED))
+@pytest.mark.parametrize("name", sorted(REQUIRED))
 def test_every_application_and_future_work_has_a_row(name):
     places = [row.place for row in rows(PAGES[name])]
-    for words in NAMED[name]:
+    for words in REQUIRED[name]["named"]:
         assert any(words in place for place in places), words
 
 
@@ -165,6 +143,25 @@ def test_rows_are_whole(row):
     assert "`" not in rest and not re.search(r"\w\.py", rest), f"not a proof: {rest}"
     for file in re.findall(r"`([\w/]+\.py)`", row.weftex + row.different):
         assert (SOURCE / file).exists(), file
+
+
+STATED = [(name, *row) for name, page in REQUIRED.items() for row in page["stated"].items()]
+
+
+def number_of(file_or_method, name):
+    """The constant of a file, of a kernel too, or the default of a method's parameter."""
+    if not file_or_method.endswith(".py"):
+        return getattr(weftex.METHODS[file_or_method], name)
+    line = re.search(rf"^{name} = (.*)$", (SOURCE / file_or_method).read_text("utf-8"), re.M)[1]
+    value = re.sub(r"cython.declare\([\w.]+, (.*)\)", r"\1", line.partition("  #")[0])
+    return eval(value, {})
+
+
+@pytest.mark.parametrize(("name", "phrase", "where"), STATED, ids=[words[1] for words in STATED])
+def test_stated_numbers_are_those_of_the_code(name, phrase, where):
+    number = number_of(*where.split())
+    number = int(number) if number == int(number) else number
+    assert phrase.format(number) in PAGES[name].read_text("utf-8"), number
 
 
 @pytest.mark.pages

@@ -20,7 +20,7 @@ CEILINGS = {
     "modules": 314,
     "kernel classes": 24,
     "names that several kernel classes have": 0,
-    "lines of tests": 25_370,
+    "lines of tests": 25_365,
     "quilting: files to read": 12,
     "quilting: lines to read": 2_841,
     "graphcut: files to read": 19,

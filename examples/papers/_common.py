@@ -1,6 +1,6 @@
 """What the scripts of this folder share: samples, sheets of pictures, tables and the command line.
 
-Needs Pillow beside weftex: pip install 'weftex[test]'.
+Needs Pillow beside weftex: pip install '.[test]'.
 """
 
 from __future__ import annotations

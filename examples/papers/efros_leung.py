@@ -5,7 +5,7 @@ python examples/papers/efros_leung.py FIGURE -o FOLDER [--small]
 Figures: fig1 fig2 fig3, which are those of the comparison of non-parametric sampling and TSVQ
 (section III.A), and surfaces; `all` makes every one. The method is that of A. A. Efros and
 T. K. Leung, Texture synthesis by non-parametric sampling, ICCV 1999.
-Needs Pillow beside weftex: pip install 'weftex[test]'.
+Needs Pillow beside weftex: pip install '.[test]'.
 """
 
 from __future__ import annotations

@@ -5,7 +5,7 @@ python examples/papers/exact_matching.py EXPERIMENT -o FOLDER [--small]
 Experiments that draw a picture: fig6 fig7 fig8 fig10 fig11 fig12 fig13 levels; that print a table
 and write it as Markdown: table1 fig9 grouping; `all` runs every one. M. Sabha, P. Peers and P.
 Dutré, Texture synthesis using exact neighborhood matching, Computer Graphics Forum 26(2), 2007.
-Needs Pillow beside weftex: pip install 'weftex[test]'.
+Needs Pillow beside weftex: pip install '.[test]'.
 """
 
 from __future__ import annotations

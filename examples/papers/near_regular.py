@@ -9,7 +9,7 @@ by repetition, thesis, weftex and quilting), fig510 (where joints broke), fig511
 samples), fig512 (wide blending), fig513 (5.13 to 5.17: every other sample, unconstrained), blocks
 (section 5.2: block sizes), holes and figures (what weftex.assess says of fig52 and fig513), which
 are not in the thesis; `all` runs every one. Figures are those of the thesis: 410 is 4.10.
-Needs Pillow beside weftex: pip install 'weftex[test]'.
+Needs Pillow beside weftex: pip install '.[test]'.
 """
 
 from __future__ import annotations

@@ -6,7 +6,7 @@ Experiments that draw a picture: fig1 fig4 fig6 fig7 fig8 fig10 fig11 fig12 fig1
 fig17; that print a table and write it as Markdown: copying edges table1; `all` runs every one.
 L. Liang, C. Liu, Y.-Q. Xu, B. Guo and H.-Y. Shum, Real-time texture synthesis by patch-based
 sampling, ACM Transactions on Graphics, 2001. `--small` makes all of them small.
-Needs Pillow and SciPy beside weftex: pip install 'weftex[test]'.
+Needs Pillow and SciPy beside weftex: pip install '.[test]'.
 """
 
 from __future__ import annotations

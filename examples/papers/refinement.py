@@ -6,7 +6,7 @@ Experiments that draw a picture: fig4 fig5 fig6 fig7 fig8 recipe fig9 fig10 fig1
 density evenness coherence init; that print a table and write it as Markdown: table1 (takes
 minutes) and steps (takes a quarter of an hour); `all` runs every one. Figures are those of the
 paper on iterative texture refinement and texture fusion; density is of its section 6, recipe and
-steps replace its steps one at a time. Needs Pillow beside weftex: pip install 'weftex[test]'.
+steps replace its steps one at a time. Needs Pillow beside weftex: pip install '.[test]'.
 """
 
 from __future__ import annotations

@@ -6,7 +6,7 @@ Experiments that draw a picture: surfaces levels windows search constrained tile
 that print a table and write it as Markdown: times; `all` runs every one. Seconds are of processor
 time. L.-Y. Wei and M. Levoy, Fast texture synthesis using tree-structured vector quantization,
 SIGGRAPH 2000.
-Needs Pillow beside weftex: pip install 'weftex[test]'.
+Needs Pillow beside weftex: pip install '.[test]'.
 """
 
 from __future__ import annotations
