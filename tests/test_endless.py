@@ -11,8 +11,8 @@ import pytest
 import weftex
 from families import METHODS, method_of, noise
 from twins.planes import refined_plane, whole_plane
-from weftex.endless.cache import BlockCache
 from weftex.endless.grid import Sizes
+from weftex.endless.plane import BlockCache
 from weftex.method import Model
 
 FAR = 2**40

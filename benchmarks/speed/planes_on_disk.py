@@ -208,7 +208,7 @@ def null(args: argparse.Namespace, folder: Path) -> None:
     import planes_on_disk as planes
 
     import weftex
-    from weftex.planes import cluster as module
+    from weftex.planes import runners as module
     from weftex.planes.definition import define
     from weftex.planes.plane_file import PlaneFile
     from weftex.planes.record import Record

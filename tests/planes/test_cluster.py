@@ -18,7 +18,7 @@ from families import noise
 from processes import ENVIRONMENT, weftex_process
 from weftex.errors import FileError, InvalidInputError
 from weftex.io.pictures import write_image
-from weftex.planes import cluster
+from weftex.planes import runners
 from weftex.planes.lazy import plane
 
 pytest.importorskip("distributed")
@@ -71,19 +71,19 @@ def test_workers_that_die_and_join_change_no_byte(tmp_path, monkeypatch):
 
 
 def test_no_scheduler(monkeypatch):
-    monkeypatch.setattr(cluster, "_PATIENCE", "0.2s")
+    monkeypatch.setattr(runners, "_PATIENCE", "0.2s")
     for address, why in [
         ("tcp://127.0.0.1:1", "no scheduler answers"),
         ("nonsense://x", "nonsense"),
     ]:
-        with pytest.raises(FileError, match=why), cluster.connected(address):
+        with pytest.raises(FileError, match=why), runners.connected(address):
             pass
 
 
 def test_another_version(monkeypatch):
     monkeypatch.setattr("distributed.get_worker", lambda: SimpleNamespace(address="a"))
     with pytest.raises(InvalidInputError, match=r"worker a has weftex .*, this process 0\.0\.1"):
-        cluster.make_block(b"", "", (0, 0, 0), "0.0.1")
+        runners.make_block(b"", "", (0, 0, 0), "0.0.1")
 
 
 def test_a_missing_library(monkeypatch):
@@ -91,7 +91,7 @@ def test_a_missing_library(monkeypatch):
         monkeypatch.setitem(sys.modules, name, None)
     with (
         pytest.raises(InvalidInputError, match=r"pip install 'weftex\[dask\]'"),
-        cluster.connected("tcp://127.0.0.1:1"),
+        runners.connected("tcp://127.0.0.1:1"),
     ):
         pass
     with pytest.raises(InvalidInputError, match=r"pip install 'weftex\[dask\]'"):

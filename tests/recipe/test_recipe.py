@@ -73,14 +73,14 @@ def recipes(draw):
 
 def parsed(words):
     """The recipe of a command that is not run."""
-    from weftex.cli import making
+    from weftex.cli import tasks
 
     found = []
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(making, "finish", lambda *_, **__: None)
-        real = making.parse_task
-        patch.setattr(making, "parse_task", lambda *a, **k: found.append(real(*a, **k)) or found[0])
-        patch.setattr(making, "_is_plane", lambda *_: False)
+        patch.setattr(tasks, "finish", lambda *_, **__: None)
+        real = tasks.parse_task
+        patch.setattr(tasks, "parse_task", lambda *a, **k: found.append(real(*a, **k)) or found[0])
+        patch.setattr(tasks, "_is_plane", lambda *_: False)
         assert weft_run(*words) == 0
     return found[0][1]
 

@@ -6,9 +6,9 @@ from urllib.parse import quote
 import numpy as np
 import pytest
 
-from weftex.studio import routes_results, routes_start  # noqa: F401
+from weftex.studio import routes  # noqa: F401
 from weftex.studio.guard import HEADERS
-from weftex.studio.pages import static_files
+from weftex.studio.page_files import static_files
 from weftex.studio.requests import ROUTES
 
 CHANGING = [(method, path) for method, path, _ in ROUTES if method != "GET"]

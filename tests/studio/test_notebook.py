@@ -9,7 +9,7 @@ import pytest
 
 import weftex
 from weftex.errors import InvalidInputError, UnsupportedError
-from weftex.studio.bundled import module, styles, words
+from weftex.studio.page_files import module, styles, words
 
 pytest.importorskip("anywidget", reason="no anywidget: pip install 'weftex[notebook]'")
 

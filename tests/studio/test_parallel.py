@@ -17,7 +17,7 @@ from test_jobs import LONG, QUICK, idle
 
 from conftest import SMALL, serving
 from weftex.io.png import png_bytes
-from weftex.studio import app, routes_results, routes_start, uploads  # noqa: F401
+from weftex.studio import app, routes, uploads  # noqa: F401
 from weftex.studio.requests import ROUTES
 from weftex.studio.sessions import Session
 from weftex.studio.studio import Studio

@@ -5,7 +5,7 @@ import re
 
 import pytest
 
-from weftex.studio.pages import static_files
+from weftex.studio.page_files import static_files
 
 FILES = {name: place.read_text("utf-8") for name, (place, _) in static_files().items()}
 NOTEBOOK = {"notebook.js", "notebook.css"}

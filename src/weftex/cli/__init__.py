@@ -118,7 +118,7 @@ def _run(arguments: list[str]) -> None:
 def _run_command(name: str, argv: list[str]) -> None:
     """Run a command; `argv` is what follows its name."""
     if name in _TASKS:
-        from weftex.cli.making import run_task
+        from weftex.cli.tasks import run_task
 
         run_task(name, argv)
     elif name == "completion":

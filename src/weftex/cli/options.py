@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from typing import TYPE_CHECKING, Any
 
-from weftex.cli.shared import BLOCKS, HUGE
+from weftex.cli.parser import BLOCKS, HUGE
 from weftex.errors import InvalidInputError
 from weftex.recipe import TASKS, Recipe
 from weftex.recipe.options import SIZE

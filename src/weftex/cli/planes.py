@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from weftex.canvas import MAX_PIXELS
 from weftex.cli.options import given_blocks
-from weftex.cli.shared import HUGE
+from weftex.cli.parser import HUGE
 from weftex.cli.terminal import finish, say
 from weftex.errors import InvalidInputError
 from weftex.planes.files import ALWAYS, SUFFIXES, check_target, suffix_of
@@ -163,7 +163,7 @@ def write(
             how["runner"] = partial(in_processes, workers, args.workers)
             bar.at_stop(workers.end)
         elif args.cluster is not None:
-            from weftex.planes.cluster import connected, in_cluster
+            from weftex.planes.runners import connected, in_cluster
 
             how["runner"] = in_cluster(stack.enter_context(connected(args.cluster)), plane)
         written = write_plane(plane, **how)
@@ -203,7 +203,7 @@ def definition_of_replay(args: argparse.Namespace, materials: list[Material]) ->
 
 def is_source(path: str) -> bool:
     """Whether a path is that of a plane, or of what --save-source kept of one."""
-    from weftex.planes.packing import is_saved
+    from weftex.planes.definition import is_saved
     from weftex.planes.record import Record
 
     return Record(path).begun() is not None or is_saved(path)

@@ -1,13 +1,16 @@
 """An endless plane of a material, made block by block by any method that fills holes.
 
-Every block is the method's own answer to a hole: the pixels around it that are there already are
-known, with their places in the sample. Random numbers are those of a seed that is hashed from the
-plane's seed and the block, so no block knows when it was made, or by whom; `weftex.endless.grid`
-says which blocks there are.
+A block is the method's answer to a hole: the pixels around it are known, with their positions in
+the sample. Its random numbers depend only on the plane's seed and on the block, so the order in
+which blocks are made does not matter; `weftex.endless.grid` says which blocks there are.
 """
 
 from __future__ import annotations
 
+from collections import OrderedDict
+from collections.abc import Callable, Hashable
+from concurrent.futures import Future
+from threading import Lock
 from typing import TYPE_CHECKING, Any, Protocol
 from weakref import WeakKeyDictionary
 
@@ -15,7 +18,6 @@ import numpy as np
 
 from weftex.canvas import Canvas
 from weftex.endless.boxes import Box, around, canvas_of, check_period
-from weftex.endless.cache import BlockCache
 from weftex.endless.corners import Pieces
 from weftex.endless.grid import ACROSS, CORNER, DOWN, Axis, Block, Grid, Sizes
 from weftex.progress import Progress
@@ -32,10 +34,50 @@ if TYPE_CHECKING:
     from weftex.progress import ProgressCallback
     from weftex.results.synthesis import Synthesis
 
+
 #: Bytes of blocks that are kept for each model.
 MOST_BYTES = 2**27
 _MOST_AT_ONCE = 2**24  # pixels of a start
 _FEWEST = 2  # blocks around a plane that repeats
+
+
+class BlockCache:
+    """A thread-safe cache of arrays with at most `most` bytes; the least recently used go first.
+
+    Of two threads that want one block, one computes it and the other waits.
+    """
+
+    def __init__(self, most: int) -> None:
+        self.most, self.size = most, 0
+        self._lock = Lock()
+        self._kept: OrderedDict[Hashable, Future[NDArray[Any]]] = OrderedDict()
+
+    def __contains__(self, key: Hashable) -> bool:
+        return key in self._kept
+
+    def get(self, key: Hashable, make: Callable[[], NDArray[Any]]) -> NDArray[Any]:
+        """Return what is kept under a key, or make it."""
+        with self._lock:
+            found = self._kept.get(key)
+            making = self._kept.setdefault(key, Future())
+            self._kept.move_to_end(key)
+        if found is not None:
+            return found.result()
+        try:
+            made = make()
+        except BaseException as error:
+            with self._lock:
+                del self._kept[key]
+            making.set_exception(error)
+            raise
+        made.setflags(write=False)
+        making.set_result(made)
+        with self._lock:
+            self.size += made.nbytes
+            for old in [*self._kept] if self.size > self.most else ():
+                if self.size > self.most and old != key and self._kept[old].done():
+                    self.size -= self._kept.pop(old).result().nbytes
+        return made
 
 
 class Filler(Protocol):

@@ -17,7 +17,7 @@ from starlette.routing import Mount, Route, Router
 
 from weftex.errors import WeftexError
 from weftex.studio.guard import Guard
-from weftex.studio.pages import static_files
+from weftex.studio.page_files import static_files
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Awaitable, Callable, Collection
@@ -30,11 +30,11 @@ if TYPE_CHECKING:
 
 _SWEEP = 1.0  # seconds
 _MARK = 60  # sweeps between two marks of the folders in use
-_BREATH = 0.004  # seconds between two steps of the imports, in which files of the page are sent
-#: What the routes under /api need, in steps; a thread for it would hold up the page's files more.
-_STEPS = (
+_PAUSE = 0.004  # seconds between two imports, in which files of the page are sent
+#: Imported one after the other while the page loads; a thread would delay the page's files more.
+_MODULES = (
     *("weftex.exemplar", "weftex.recipe.making", "weftex.quality", "weftex.analysis.drawn"),
-    *("weftex.studio.routes_start", "weftex.studio.routes_results"),
+    "weftex.studio.routes",
 )
 _PAGE = "index.html"
 _log = logging.getLogger(__name__)
@@ -79,10 +79,10 @@ def make_app(studio: Studio, hosts: Collection[str]) -> ASGIApp:
 
 
 async def _routes(studio: Studio) -> Router:
-    """The routes under /api. They need most of weftex, which is imported while the page loads."""
-    for step in _STEPS:
-        await asyncio.sleep(_BREATH)
-        import_module(step)
+    """Return the routes under /api, which need most of weftex."""
+    for module in _MODULES:
+        await asyncio.sleep(_PAUSE)
+        import_module(module)
     from weftex.studio.refusals import answer_of
     from weftex.studio.requests import ROUTES, Call, as_plain
 

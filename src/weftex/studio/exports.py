@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from weftex.studio.downloads import Downloads
-    from weftex.studio.making import Made
+    from weftex.studio.synthesis import Made
 
 #: What may stand beside the pictures.
 BESIDE = ("mtlx", "source", "report", "recipe")

@@ -17,8 +17,8 @@ from weftex.studio.refusals import Refusal
 if TYPE_CHECKING:
     from weftex import Exemplar
     from weftex.io.pictures import Picture
-    from weftex.studio.making import Made
     from weftex.studio.sessions import Session
+    from weftex.studio.synthesis import Made
 
     Bytes = np.ndarray[Any, np.dtype[np.uint8]]
 

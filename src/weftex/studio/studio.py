@@ -16,7 +16,7 @@ from weftex.studio.store import Store
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from weftex.studio.opened import Opened
+    from weftex.studio.uploads import Opened
 
 _AT_A_TIME = 4  # pieces of short work, such as pictures to be packed
 

@@ -1,22 +1,27 @@
-"""Pictures that come in: counted in bytes while they come, in pixels before they are decoded."""
+"""Images that come in: counted in bytes while they come, in pixels before they are decoded."""
 
 from __future__ import annotations
 
 import hashlib
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 from urllib.parse import unquote
 
 from weftex.errors import FileError, InvalidInputError
+from weftex.exemplar.material import read_material
 from weftex.io.formats import kind_of
 from weftex.io.pictures import read_image
+from weftex.recipe import checked_material
 from weftex.studio.refusals import Refusal
 
 if TYPE_CHECKING:
     from pathlib import Path
 
     from weftex.io.pictures import Picture
+    from weftex.studio.limits import Limits
     from weftex.studio.sessions import Session
+
 
 #: By what the first bytes say; readers go by suffixes.
 _SUFFIXES = {
@@ -108,3 +113,32 @@ def _read(path: Path, name: str, session: Session) -> Picture:
             line = f"{name} has more than {most / 2**20:g} megapixels, the most for one file"
             raise Refusal(413, line) from None
         raise FileError(line) from None
+
+
+@dataclass(frozen=True)
+class Opened:
+    """What a page begins with: the description of a material, and the files of its maps."""
+
+    spec: dict[str, Any]
+    files: dict[str, Path]
+
+    @classmethod
+    def of(cls, path: str, limits: Limits) -> Opened:
+        """Look at what the command was given."""
+        if path.startswith("sample:") and "/" not in path:
+            return cls(checked_material({"sample": path}), {})
+        material = read_material(path, max_pixels=limits.upload_pixels)
+        if not material.folder:
+            (picture,) = material.pictures.values()
+            return cls({}, {"color": Path(picture.path)})
+        files = {name: Path(one.path) for name, one in material.pictures.items()}
+        return cls({"name": material.name} if len(files) > 1 else {}, files)
+
+    def give(self, session: Session) -> dict[str, Any]:
+        """Put the files among a session's uploads; the material's description."""
+        if not self.files:
+            return self.spec
+        from weftex.studio.uploads import file_in
+
+        maps = {name: file_in(path, session)["id"] for name, path in self.files.items()}
+        return {**self.spec, "maps": maps}

@@ -10,8 +10,8 @@ import traitlets
 
 from weftex.errors import WeftexError
 from weftex.results.drawing import DRAWINGS
-from weftex.studio.bundled import module, styles, words
 from weftex.studio.materials import map_of, maps_of
+from weftex.studio.page_files import module, styles, words
 from weftex.studio.pictures import packed, smaller, source_of, times_smaller
 from weftex.studio.pictures import shown as as_shown
 

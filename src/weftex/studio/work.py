@@ -13,9 +13,9 @@ import weftex
 from weftex.errors import CancelledError, InvalidInputError, WeftexError, shown
 from weftex.studio import results
 from weftex.studio.exports import DATE, Wanted, pack, write
-from weftex.studio.making import make, open_job
 from weftex.studio.materials import id_of
 from weftex.studio.refusals import answer_of
+from weftex.studio.synthesis import make, open_job
 from weftex.studio.uploads import label_of
 
 if TYPE_CHECKING:
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from weftex.recipe import Recipe
     from weftex.studio.downloads import Downloads
     from weftex.studio.jobs import Job
-    from weftex.studio.making import Made
+    from weftex.studio.synthesis import Made
 
 MOST_SEEDS = 16
 _MOST_IN_BATCH = 1000

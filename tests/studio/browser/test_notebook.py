@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 import weftex
-from weftex.studio.bundled import module, styles
+from weftex.studio.page_files import module, styles
 
 MODEL = """async ([code, css, traits]) => {
   const heard = [];

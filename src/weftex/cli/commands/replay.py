@@ -7,8 +7,7 @@ from dataclasses import replace
 from time import perf_counter
 from typing import TYPE_CHECKING
 
-from weftex.cli.parser import Parser
-from weftex.cli.shared import BLOCKS
+from weftex.cli.parser import BLOCKS, Parser
 from weftex.cli.terminal import finish
 from weftex.roles import role_of
 

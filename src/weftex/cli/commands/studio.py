@@ -66,9 +66,9 @@ def run(argv: list[str]) -> None:
 
     from weftex.studio.limits import usual_limits
     from weftex.studio.listening import LOOPBACK, address_of, listen
-    from weftex.studio.opened import Opened
     from weftex.studio.store import default_folder
     from weftex.studio.studio import Studio
+    from weftex.studio.uploads import Opened
 
     limits = usual_limits()
     if args.memory is not None:

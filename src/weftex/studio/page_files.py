@@ -1,4 +1,4 @@
-"""The page's modules, styles and words as a notebook's widget takes them: one text of each."""
+"""The files of the page: for the server, and as one module for a notebook's widget."""
 
 from __future__ import annotations
 
@@ -7,6 +7,37 @@ import posixpath
 import re
 from functools import cache
 from importlib.resources import files
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from importlib.resources.abc import Traversable
+
+
+_TYPES = {
+    "html": "text/html; charset=utf-8",
+    "css": "text/css; charset=utf-8",
+    "js": "text/javascript; charset=utf-8",
+    "json": "application/json",
+    "svg": "image/svg+xml",
+}
+
+
+@cache
+def static_files() -> dict[str, tuple[Traversable, str]]:
+    """Return every file and its type by its name, with slashes."""
+    found: dict[str, tuple[Traversable, str]] = {}
+    waiting = [("", files("weftex.studio") / "static")]
+    while waiting:
+        folder, place = waiting.pop()
+        for one in place.iterdir():
+            name = folder + one.name
+            kind = _TYPES.get(one.name.rpartition(".")[2])
+            if one.is_dir():
+                waiting.append((f"{name}/", one))
+            elif kind is not None:
+                found[name] = one, kind
+    return found
+
 
 _STYLES = ("base.css", "controls.css", "stage.css", "notebook.css")
 _WORDS = ("stage.", "mode.", "role.", "overlay.", "see.", "light.", "time.", "close")

@@ -6,8 +6,7 @@ from time import perf_counter
 from typing import TYPE_CHECKING, NamedTuple
 
 from weftex.cli.options import given_blocks, parse_task
-from weftex.cli.parser import Parser
-from weftex.cli.shared import BLOCKS
+from weftex.cli.parser import BLOCKS, Parser
 from weftex.cli.terminal import finish
 from weftex.recipe.declared import options_of
 

@@ -1,4 +1,4 @@
-"""From a recipe to a result."""
+"""From a recipe to a result, or to windows of an endless plane."""
 
 from __future__ import annotations
 
@@ -8,17 +8,23 @@ from functools import partial
 from time import perf_counter
 from typing import TYPE_CHECKING, Any, cast
 
+from weftex.recipe import Recipe
 from weftex.recipe.making import opened
-from weftex.studio.materials import id_of, load, map_of, size_of
+from weftex.studio.materials import id_of, load, map_of, maps_of, size_of
+from weftex.studio.pictures import shown, whole_number
 from weftex.studio.refusals import Refusal
 from weftex.studio.uploads import picture_of
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    import numpy as np
+    from numpy.typing import NDArray
+
     from weftex import Exemplar, Synthesis
     from weftex.io.pictures import Picture
     from weftex.method import Model
     from weftex.progress import ProgressCallback
-    from weftex.recipe import Recipe
     from weftex.recipe.making import Opened
     from weftex.studio.sessions import Session
 
@@ -102,3 +108,46 @@ def make(job: Opened, session: Session, progress: ProgressCallback) -> Made:
     seconds, folder = perf_counter() - start, any(one.folder for one in job.materials)
     recipe = cast("Recipe", job.recipe)
     return Made(recipe, result, job.materials[0].name, folder, job.pictures, seconds)
+
+
+_LARGEST = 1024  # pixels a side of a window
+_FAR = 2**40  # pixels from the middle of a plane
+
+
+@dataclass(frozen=True)
+class Plane:
+    """A fitted method that makes windows."""
+
+    model: Model
+    main: str  # the name of its picture among the maps
+    seed: int
+
+
+def begin_plane(given: Any, session: Session) -> dict[str, Any]:
+    """Fit the method of a recipe to its material; return the plane as JSON for the page."""
+    recipe = Recipe.from_json(given)
+    job = open_job(recipe.changed(size=None, tileable=False), session)
+    name = id_of({"plane": job.recipe.as_json()})
+
+    def fit() -> tuple[Plane, int]:
+        return Plane(fitted(job, session, job.sample), next(iter(job.pictures)), recipe.seed), 2**20
+
+    plane: Plane = session.find(fit, "plane", name)
+    return {"id": name, "maps": maps_of(plane.model.exemplar, plane.main)}
+
+
+def plane_window(name: str, query: Mapping[str, str], session: Session) -> NDArray[np.uint8]:
+    """Return a window of a plane as a screen shows it, or raise `Refusal`."""
+    plane: Plane | None = session.recall("plane", name)
+    if plane is None:
+        raise Refusal(410, "this plane is not in memory any more; begin it again")
+    top, left = (whole_number(query, side, 0, -_FAR, _FAR) for side in ("top", "left"))
+    height, width = (whole_number(query, side, 256, 1, _LARGEST) for side in ("height", "width"))
+    like = map_of(plane.model.exemplar, plane.main, query.get("map"))
+
+    def make() -> tuple[Any, int]:
+        made = plane.model.window(top, left, height, width, seed=plane.seed, threads=1)
+        return made, 2 * made.image.nbytes + sum(array.nbytes for array in made.arrays().values())
+
+    made = session.find(make, "window", name, top, left, height, width)
+    return shown(like, made.image if like is plane.model.exemplar else made.render(like))
