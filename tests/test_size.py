@@ -15,9 +15,9 @@ TESTS = Path(__file__).parent
 READ = ("methods", "repeats", "search", "seams")
 #: Lower a ceiling when the code has become smaller; a feature that needs room removes something.
 CEILINGS = {
-    "lines of Python in src": 47_507,
-    "of these code": 33_313,
-    "modules": 314,
+    "lines of Python in src": 47_381,
+    "of these code": 33_237,
+    "modules": 304,
     "kernel classes": 24,
     "names that several kernel classes have": 0,
     "lines of tests": 25_365,
