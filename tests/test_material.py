@@ -71,7 +71,7 @@ def test_folders_of_every_convention(tmp_path, which):
     assert set(sample.maps) == set(roles.values()) - {"color"}
     assert sample.roles == {name: ROLES[name] for name in sample.maps}
     told = material.told()
-    assert len([line for line in told if "left out: a preview" in line]) == sum(
+    assert len([line for line in told if "preview, and ignored" in line]) == sum(
         role is None and file.endswith(("g",)) for file, role in FOLDERS[which].items()
     )
     assert sum(line.endswith("is color, the picture") for line in told) == 1
@@ -88,10 +88,10 @@ def test_the_deeper_of_two_is_taken(tmp_path):
     assert np.array_equal(material.pictures["height"].pixels, height)
     assert material.pictures["ao"].pixels.dtype == np.uint16
     assert [*material.notes] == [
-        "ao.png is left out: ao.exr is deeper",
-        "ao.exr is left out: ao.tif is deeper",
-        "height.png is left out: height.exr is deeper",
-        "normal.jpg is left out: normal.png is no JPEG",
+        "ao.png is ignored: ao.exr has more bits",
+        "ao.exr is ignored: ao.tif has more bits",
+        "height.png is ignored: height.exr has more bits",
+        "normal.jpg is ignored: normal.png is not a JPEG",
     ]
     write_image(folder / "color.bmp", noise((24, 24, 3)))
     with pytest.raises(weftex.FileError, match="two pictures named 'color'; keep one"):
@@ -102,7 +102,7 @@ def test_the_bare_name_is_the_color_where_no_map_is(tmp_path):
     files = ["rock.png", "rock_normal.png", "rock_height.png", "rock_preview.png"]
     material = read_material(folder_of(tmp_path / "rock", files))
     assert material.main == "color" and [*material.roles] == ["color", "height", "normal"]
-    assert [*material.notes] == ["rock_preview.png is left out: a preview"]
+    assert [*material.notes] == ["rock_preview.png is a preview, and ignored"]
     with pytest.raises(weftex.InvalidInputError, match=r"of no map \(moss\)"):
         read_material(folder_of(tmp_path / "both", ["rock.png", "moss.png", "rock_ao.png"]))
     alone = read_material(folder_of(tmp_path / "one", ["rock_preview.png"]))
@@ -121,8 +121,8 @@ def test_maps_in_a_folder_of_textures(tmp_path):
 def test_pictures_that_are_not_read_are_named(tmp_path):
     folder = folder_of(tmp_path / "rock", ["color.png", "normal.tga", "notes.psd", "a.txt"])
     assert [*read_material(folder).notes] == [
-        "normal.tga is left out: weftex does not read .tga",
-        "notes.psd is left out: weftex does not read .psd",
+        "normal.tga is ignored: weftex does not read .tga",
+        "notes.psd is ignored: weftex does not read .psd",
     ]
 
 

@@ -57,7 +57,7 @@ def test_synth_keeps_names_sizes_and_depths(sets, capsys):
         assert np.array_equal(out[f"Rock01_1K_{stem}"].pixels, made.maps[name])
     err = capsys.readouterr().err
     assert "map: Rock01_1K_Displacement.png is height\n" in err
-    assert "map: Rock01.png is left out: a preview\n" in err
+    assert "map: Rock01.png is a preview, and ignored\n" in err
     message = fails(capsys, sets, "synth", "rock", "-o", "odd", "--size", "61x52")
     assert "map 'roughness' has a pixel for 2x2" in message and "61x52 must be multiples" in message
 
@@ -88,7 +88,7 @@ def test_fuse_pairs_maps_by_role(sets, capsys):
     assert weft_run(*words, "-o", "both", "--save-source", "both.npz") == 0
     err = capsys.readouterr().err
     assert "map of moss: moss_normal_dx.png is normal_dx (y down)\n" in err
-    assert "note: roughness is left out: moss has none\n" in err
+    assert "note: roughness is ignored: moss has none\n" in err
     out = read_maps("both")
     assert {stem: one.pixels.shape[:2] for stem, one in out.items()} == {
         "Rock01_1K_Color": (40, 40), "Rock01_1K_Displacement": (40, 40),

@@ -96,7 +96,7 @@ def test_sliders_do_not_wait_for_long_work(client, page):
 
 def test_the_queue_is_bounded(client, page, other):
     own = [page.post("jobs", {"recipe": LONG})["id"] for _ in range(5)]
-    assert "jobs wait already" in page.refused("jobs", {"recipe": QUICK}, 429)["error"]
+    assert "jobs are waiting" in page.refused("jobs", {"recipe": QUICK}, 429)["error"]
     other.post("jobs", {"recipe": LONG})
     assert other.refused("jobs", {"recipe": QUICK}, 429)
     states = [page.get(f"jobs/{one}") for one in own]

@@ -224,7 +224,7 @@ def test_all_uploads_together_are_bounded(client, page, other):
 def test_half_a_character_is_refused(page, field):
     """JSON can name a surrogate by itself, which no answer can hold."""
     line = page.refused("jobs", {"recipe": QUICK, field: "\ud800"}, 400)["error"]
-    assert line.startswith("the request is no JSON")
+    assert line.startswith("the request is not JSON")
 
 
 def test_an_upload_whose_file_is_gone_is_not_there(client, page):

@@ -57,7 +57,7 @@ def test_bytes_are_counted_while_they_come(client, page):
     answer = page.ask("POST", "uploads", content=b"", headers={"content-length": str(most + 1)})
     assert answer.status_code in (400, 413)
     line = page.upload(b"\x89PNG" + b"x" * most, status=(413,))["error"]
-    assert line == "photo.png has more than 1 MiB, the most for one file"
+    assert line == "photo.png is larger than 1 MiB, the limit for one file"
     assert client.studio.store.bytes == before
     assert left_over(client) == []
 
@@ -66,7 +66,7 @@ def test_bytes_are_counted_while_they_come(client, page):
 def test_pixels_are_counted_before_they_are_decoded(client, page, shape):
     before = client.studio.store.bytes
     line = page.upload(png_of(*shape), "bomb.png", status=(413,))["error"]
-    assert line == "bomb.png has more than 0.25 megapixels, the most for one file"
+    assert line == "bomb.png has more than 0.25 megapixels, the limit for one file"
     assert client.studio.store.bytes == before
     assert left_over(client) == []
 
@@ -111,7 +111,7 @@ def test_what_is_dropped_together_is_sorted():
     assert specs == [*named, {"maps": {"color": "leaves.png"}}]
     both = [*uploads, {"id": "b", "name": "Moss_diffuse.png"}]
     specs, notes = sets_of(both)
-    assert notes == ["Moss_diffuse.png is left out: Moss_albedo.png is color too"]
+    assert notes == ["Moss_diffuse.png is ignored: Moss_albedo.png is also color"]
     own = [{"id": k, "name": k} for k in ("Wall.png", "Wall_normal.png")]
     maps = {"color": "Wall.png", "normal": "Wall_normal.png"}
     assert sets_of(own)[0] == [{"name": "wall", "maps": maps}]

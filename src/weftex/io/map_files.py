@@ -72,7 +72,7 @@ def _listed(name: str, given: str) -> tuple[dict[str, str], list[str]]:
         if file.startswith(".") or os.path.isdir(full):
             continue
         if suffix_of(file) in _UNREAD:
-            notes.append(f"{show(file)} is left out: weftex does not read {suffix_of(file)}")
+            notes.append(f"{show(file)} is ignored: weftex does not read {suffix_of(file)}")
         if suffix_of(file) not in READABLE:
             continue
         if stem in paths:
@@ -80,8 +80,8 @@ def _listed(name: str, given: str) -> tuple[dict[str, str], list[str]]:
             if _depth(pair[0]) == _depth(pair[1]):
                 raise file_error(given, f"has two pictures named '{show(stem)}'; keep one")
             left, kept = (show(os.path.basename(path)) for path in pair)
-            why = "is deeper" if _depth(pair[0])[0] < _depth(pair[1])[0] else "is no JPEG"
-            notes.append(f"{left} is left out: {kept} {why}")
+            why = "has more bits" if _depth(pair[0])[0] < _depth(pair[1])[0] else "is not a JPEG"
+            notes.append(f"{left} is ignored: {kept} {why}")
             full = pair[1]
         paths[stem] = full
     return paths, notes

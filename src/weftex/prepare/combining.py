@@ -128,7 +128,7 @@ def paired(
     for slot, keys in wanted.items():
         lacking = [e.name for e, slots in zip(exemplars, owned, strict=True) if slot not in slots]
         if lacking and slot not in values:
-            notes.append(f"{slot} is left out: {' and '.join(lacking)} has none")
+            notes.append(f"{slot} is ignored: {' and '.join(lacking)} has none")
             continue
         value = values.pop(slot) if lacking else 0.0
         for key in keys:

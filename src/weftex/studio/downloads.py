@@ -78,7 +78,7 @@ class Downloads:
         """Return the file of a ticket, or raise `Refusal`."""
         found = self._ready.get(ticket) if _TICKET.fullmatch(ticket) else None
         if found is None or not found.path.is_file():
-            raise Refusal(404, "there is no such file any more; make it again")
+            raise Refusal(404, "this file is no longer there; export it again")
         return found
 
     def forget(self, owner: str) -> None:

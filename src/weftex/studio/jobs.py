@@ -160,7 +160,7 @@ class Jobs:
             busy = [one for one in self._jobs.values() if one.state not in ENDED]
             own = sum(one.session is job.session for one in busy)
             if len(busy) >= self.limits.jobs or own >= self.limits.session_jobs:
-                raise Refusal(429, f"{len(busy)} jobs wait already; let some of them end first")
+                raise Refusal(429, f"{len(busy)} jobs are waiting; let some of them finish first")
             self._forget_old()
             self._jobs[job.id] = job
             self._change.notify_all()

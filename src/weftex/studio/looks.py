@@ -76,7 +76,7 @@ def _quick_look(loaded: Loaded) -> dict[str, Any]:
         "tiles": None,
         "auto": _choice(choice),
         "mending": _mending(loaded.spec, choice, seen.lattice),
-        "text": f"{exemplar.shape[1]}x{exemplar.shape[0]}, looked at by a smaller copy\n{choice}",
+        "text": f"{exemplar.shape[1]}x{exemplar.shape[0]}, analyzed on a smaller copy\n{choice}",
     }
 
 
@@ -86,7 +86,7 @@ def rate(loaded: Loaded, vectors: str, session: Session) -> dict[str, Any]:
         raise InvalidInputError("lattice is missing; give x1,y1,x2,y2")
     exemplar = loaded.exemplar
     if exemplar.shape[0] * exemplar.shape[1] > _LARGEST:
-        raise Refusal(413, "lattice: this sample is too large to be rated while a hand waits")
+        raise Refusal(413, "lattice: this sample is too large to rate lattices while you wait")
 
     def see() -> tuple[LatticeRating, int]:
         return LatticeRating(exemplar), 64 * exemplar.shape[0] * exemplar.shape[1]
@@ -119,7 +119,7 @@ def _mending(
             found.append({"what": "straighten", "why": line, "spec": {"straighten": ""}})
     askew = lattice is not None and "straighten" not in spec and _askew(lattice)
     if askew and not any(one["what"] == "straighten" for one in found):
-        line = "the lattice or the rows stand askew; straighten the photo"
+        line = "the lattice or the rows are tilted; straighten the photo"
         found.append({"what": "straighten", "why": line, "spec": {"straighten": ""}})
     return found
 

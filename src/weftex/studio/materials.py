@@ -65,7 +65,7 @@ def sets_of(uploads: list[dict[str, Any]]) -> tuple[list[dict[str, Any]], list[s
         group = groups.setdefault(name, {})
         if role.name in group:
             notes.append(
-                f"{one['name']} is left out: {group[role.name]['name']} is {role.name} too"
+                f"{one['name']} is ignored: {group[role.name]['name']} is also {role.name}"
             )
         else:
             group[role.name] = one
@@ -75,7 +75,7 @@ def sets_of(uploads: list[dict[str, Any]]) -> tuple[list[dict[str, Any]], list[s
             group[COLOR.name] = own[0]
             singles.remove(own[0])
     previews = [one for one in singles if groups and is_preview(_stem(one))]
-    notes += [f"{one['name']} is left out: a preview" for one in previews]
+    notes += [f"{one['name']} is a preview, and ignored" for one in previews]
     specs = []
     for name, group in groups.items():
         maps = {role: one["id"] for role, one in group.items()}

@@ -33,7 +33,7 @@ def answer_of(error: Exception) -> tuple[int, dict[str, str | None]]:
     elif _disk_is_full(error):
         status, error = 507, Refusal(507, "the disk is full; make room on it, and try again")
     elif not isinstance(error, WeftexError):
-        status, error = 500, Refusal(500, f"a fault of the studio: {type(error).__name__}")
+        status, error = 500, Refusal(500, f"internal error of the studio: {type(error).__name__}")
     line = " ".join(str(error).split())
     return status, {"error": line, "parameter": parameter or parameter_of(line)}
 

@@ -70,9 +70,9 @@ class Call:
             found = json.loads(bytes(text) or b"{}", parse_constant=_no_number)
             json.dumps(found, ensure_ascii=False).encode()  # no surrogate stands by itself
         except (ValueError, RecursionError):
-            raise Refusal(400, "the request is no JSON") from None
+            raise Refusal(400, "the request is not JSON") from None
         if _depth(found) > _MOST_DEEP:
-            raise Refusal(400, "the request is no JSON of ours: it is too deep")
+            raise Refusal(400, "the request is nested too deeply")
         return found
 
     async def object(self, *known: str) -> dict[str, Any]:

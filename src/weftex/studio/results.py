@@ -27,7 +27,7 @@ def result_of(name: str, session: Session) -> Made:
     """Return a result of a session, or raise `Refusal`."""
     made: Made | None = session.recall("result", name)
     if made is None:
-        raise Refusal(410, "this result is not in memory any more; it is made again by its recipe")
+        raise Refusal(410, "this result is no longer in memory; make it again by its recipe")
     return made
 
 

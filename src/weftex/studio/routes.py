@@ -82,7 +82,7 @@ async def upload(call: Call) -> Any:
     length = call.request.headers.get("content-length", "0")
     most = call.studio.limits.upload_bytes
     if not length.isdigit() or int(length) > most:
-        line = f"{name} has more than {most / 2**20:g} MiB, the most for one file"
+        line = f"{name} is larger than {most / 2**20:g} MiB, the limit for one file"
         # Not raised, which closes: browsers show no answer from a line that closes while they send.
         return JSONResponse(answer_of(Refusal(413, line))[1], 413)
     body = call.request.stream()
@@ -137,7 +137,7 @@ async def _loaded(call: Call) -> Loaded:
     """The material of an address."""
     spec = call.session.recall("spec", call.id)
     if spec is None:
-        raise Refusal(404, "this material is not here; describe it again")
+        raise Refusal(404, "this material is no longer in memory; open it again")
     return await call.work(materials.load, spec, call.session)
 
 

@@ -93,13 +93,13 @@ class Session:
         """Return the description of an upload, or raise `Refusal` if its file is not there."""
         about = self.uploads.get(name) if isinstance(name, str) else None
         if about is None or not self.path(about).is_file():
-            raise Refusal(404, "a picture of this is not here; drop it again")
+            raise Refusal(404, "a picture of this material is missing; drop it again")
         return about
 
     def check_room(self) -> None:
         """Raise `Refusal` if the session has as many uploads as it may."""
         if len(self.uploads) >= self.limits.uploads:
-            line = f"this tab has {self.limits.uploads} pictures, the most; go on in a new tab"
+            line = f"this tab has {self.limits.uploads} pictures, the most; continue in a new tab"
             raise Refusal(413, line)
 
     def take(self, file: Path, about: dict[str, Any]) -> bool:
@@ -126,7 +126,7 @@ class Session:
         with self._lock:
             kept = [*(one for one in self.kept if one["result"] != entry["result"]), entry]
             if len(kept) > _MOST_KEPT:
-                line = f"this tab keeps {_MOST_KEPT} results, the most; go on in a new tab"
+                line = f"this tab keeps {_MOST_KEPT} results, the most; continue in a new tab"
                 raise Refusal(413, line)
             self.folder.mkdir(mode=0o700, exist_ok=True)
             write_text(self.folder / KEPT, json.dumps(kept))

@@ -63,7 +63,7 @@ class Coming:
         """Append a piece, or raise `Refusal` if the limit is reached."""
         most = self.session.limits.upload_bytes
         if self.count + len(chunk) > most:
-            line = f"{self.name} has more than {most / 2**20:g} MiB, the most for one file"
+            line = f"{self.name} is larger than {most / 2**20:g} MiB, the limit for one file"
             raise Refusal(413, line)
         self.session.store.reserve(len(chunk))
         self.count += len(chunk)
@@ -110,7 +110,7 @@ def _read(path: Path, name: str, session: Session) -> Picture:
     except (FileError, InvalidInputError) as error:
         line = str(error).replace(str(path), name).replace(path.name, name)
         if "max_pixels" in line:
-            line = f"{name} has more than {most / 2**20:g} megapixels, the most for one file"
+            line = f"{name} has more than {most / 2**20:g} megapixels, the limit for one file"
             raise Refusal(413, line) from None
         raise FileError(line) from None
 

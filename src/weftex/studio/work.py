@@ -104,9 +104,7 @@ class Batch:
         seeds, keep, specs = (given.get(name) for name in ("seeds", "keep", "materials"))
         seeds = [recipe.seed] if seeds is None else seeds
         if not isinstance(seeds, list) or not seeds or len(set(map(str, seeds))) < len(seeds):
-            raise InvalidInputError(
-                f"seeds is {shown(seeds)}; it must be a list, each of them once"
-            )
+            raise InvalidInputError(f"seeds is {shown(seeds)}; it must be a list without repeats")
         if keep is not None and (type(keep) is not int or not 1 <= keep <= len(seeds)):
             raise InvalidInputError(f"keep is {shown(keep)}; it must be from 1 to {len(seeds)}")
         if specs is not None and not (isinstance(specs, list) and specs):

@@ -67,7 +67,7 @@ def test_the_views_of_a_result(shown: Any) -> None:
     page.select_option(".notebook-foot select", "patches")
     page.hover(".viewer")
     page.wait_for_selector(".notebook-foot output >> text=Source pixel")
-    assert "Place" in page.inner_text(".notebook-foot output")
+    assert "Position" in page.inner_text(".notebook-foot output")
     page.keyboard.press("r")
     assert one.faults == []
     page.evaluate("window.end()")
