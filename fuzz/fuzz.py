@@ -110,8 +110,7 @@ def studio(data: bytes, folder: Path) -> None:
     from weftex.errors import InvalidInputError
     from weftex.recipe import Recipe
     from weftex.studio.limits import Limits, Memory
-    from weftex.studio.sessions import Session, key_of
-    from weftex.studio.store import Store
+    from weftex.studio.sessions import Session, Store, key_of
 
     own = folder / key_of("")
     own.mkdir(exist_ok=True)

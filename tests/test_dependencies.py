@@ -264,7 +264,7 @@ def test_the_graph_sees_every_kind_of_arrow():
 
 #: Where files are opened, and where OpenImageIO is.
 FILE_MODULES = ("io.", "results.files", "planes.")
-FILE_MODULES += ("studio.store", "studio.uploads", "studio.exports")
+FILE_MODULES += ("studio.sessions", "studio.uploads", "studio.exports")
 
 
 def test_only_io_results_and_planes_touch_files():

@@ -17,8 +17,7 @@ from weftex.io.manifest import MANIFEST, Manifest
 from weftex.naming import method_of
 from weftex.planes.definition import Definition
 from weftex.studio.limits import Limits, Memory
-from weftex.studio.sessions import Session, key_of
-from weftex.studio.store import Store
+from weftex.studio.sessions import Session, Store, key_of
 
 FUZZ = Path(__file__).parent.parent / "fuzz"
 DEEP = "[" * 10**5

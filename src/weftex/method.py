@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Self
 import numpy as np
 
 from weftex.canvas import Canvas, as_canvas
-from weftex.endless.boxes import A_BLOCK, Asked, as_period, box_of
+from weftex.endless.boxes import A_BLOCK, PlaneRequest, as_period, box_of
 from weftex.endless.grid import Sizes
 from weftex.errors import InvalidInputError, UnsupportedError, did_you_mean, shown
 from weftex.exemplar import load_exemplar
@@ -190,10 +190,10 @@ class Model(ABC):
             self.method.require_kind("random_access")
         self.require(A_BLOCK)
         canvas = Canvas(height, width, origin=(top, left))
-        asked = Asked(seed_number(seed), as_period(period), thread_count(threads))
+        asked = PlaneRequest(seed_number(seed), as_period(period), thread_count(threads))
         return self.make_window(box_of(*canvas.origin, *canvas.shape), asked, progress)
 
-    def make_window(self, box: Box, asked: Asked, progress: Any = None) -> Synthesis:
+    def make_window(self, box: Box, asked: PlaneRequest, progress: Any = None) -> Synthesis:
         """Make what `window` asks for, in a way of the method's own or as here: by blocks."""
         from weftex.endless.plane import make_window  # threads and futures: only when needed
 
@@ -204,7 +204,7 @@ class Model(ABC):
         belt = 2 * max(self.method.window_for(0), 24)
         return Sizes(pitch=4 * belt, belt=belt)
 
-    def start_of(self, box: Box, asked: Asked) -> NDArray[np.int32] | None:
+    def start_of(self, box: Box, asked: PlaneRequest) -> NDArray[np.int32] | None:
         """Return what blocks of a plane begin with, as flat indices (H, W); None for nothing."""
         return None
 

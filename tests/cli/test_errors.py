@@ -96,7 +96,7 @@ def test_not_enough_memory_is_one_line(here, capsys, monkeypatch):
     def fail(*_, **__):
         raise MemoryError
 
-    monkeypatch.setattr("weftex.recipe.making.Opened.make", fail)
+    monkeypatch.setattr("weftex.recipe.opening.OpenedRecipe.make", fail)
     message = fails(capsys, here, "synth", "sample.png", "-o", "x.png")
     assert "not enough memory" in message
 

@@ -1,4 +1,4 @@
-"""`weftex synth` block by block, killed and in parts; `check`, `replay` and `report` of that."""
+"""`weftex synth` block by block, killed and in parts; `check` of the image."""
 
 from __future__ import annotations
 
@@ -79,28 +79,6 @@ def test_parts_and_check(here, capsys):
     assert "missing or damaged; --repair makes it again" in fails(capsys, here, "check", target)
 
 
-def test_replay_and_report(here, capsys):
-    assert weft_run(*SYNTH, "p.tif", "--size", 200, "--save-source", "p.npz") == 0
-    for source in ("p.tif", "p.npz"):
-        again = here / f"{source}.again.tif"
-        assert weft_run("replay", source, "sample.png", "-o", again.name, "--quiet") == 0
-        assert again.read_bytes() == (here / "p.tif").read_bytes()
-    assert weft_run("report", "sample.png", "p.tif", "-o", "r.html") == 0
-    assert "the worst, at row 0, column 0" in capsys.readouterr().out and (here / "r.html").exists()
-
-
-def test_a_text_from_a_file_is_printed_with_escapes(here, capsys):
-    from dataclasses import replace
-
-    from weftex.planes.definition import Definition
-
-    weft_run(*SYNTH, "p.tif", "--size", 200, "--save-source", "p.npz")
-    replace(Definition.load("p.npz"), reason="\x1b[31mred\x07\u202e").save("p.npz")
-    capsys.readouterr()
-    assert weft_run("replay", "p.npz", "sample.png", "-o", "q.tif") == 0
-    assert "weftex: auto: \\x1b[31mred\\x07\\u202e\n" in capsys.readouterr().err
-
-
 def test_small_tiffs_are_as_ever(here):
     weft_run("synth", "sample.png", "-o", "a.tif", "--size", 100, *HOW[:-2])
     weft_run("synth", "sample.png", "-o", "b.png", "--size", 100, *HOW[:-2])
@@ -118,12 +96,11 @@ def test_large_tiffs_are_planes(here, capsys):
 def test_bad_input_of_others(here, capsys):
     weft_run(*SYNTH, "p.tif", "--size", 200)
     for words, why in [
-        (["tile", "p.tif", "-o", "t.png"], "only replay, report and check work on it"),
-        (["synth", "p.tif", "-o", "t.png"], "only replay, report and check work on it"),
+        (["tile", "p.tif", "-o", "t.png"], "only check works on it"),
+        (["synth", "p.tif", "-o", "t.png"], "only check works on it"),
         (["check", "sample.png"], "there is no plane in sample.png.run beside it"),
-        (["replay", "p.tif", "sample.png", "-o", "t.png"], "a plane is replayed block by block"),
-        (["replay", "p.tif", "other.png", "-o", "t.tif"], "no multiple or fraction"),
-        (["report", "sample.png", "p.tif", "--tileable", "--json"], "--tileable has no effect"),
+        (["report", "sample.png", "p.tif", "--json"], "only check works on it"),
+        ([*SYNTH, "q.tif", "--size", 200, "--save-source", "q.npz"], "--save-source has no effect"),
         (["synth", "sample.png", *HOW[:-4], "--part", "1/2", "-o", "q.tif"], "--part needs --seed"),
     ]:
         assert why in fails(capsys, here, *words)

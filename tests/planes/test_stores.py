@@ -13,10 +13,9 @@ from families import noise
 from weftex.cli.planes import parse_part
 from weftex.errors import FileError, InvalidInputError
 from weftex.io.pictures import read_image
-from weftex.planes.files import open_stores
+from weftex.planes.files import open_stores, remove
 from weftex.planes.layout import Layout
 from weftex.planes.locks import locked
-from weftex.planes.owned import remove
 from weftex.planes.record import Record, Run
 from weftex.raster.mixing import Kind, Mixing
 

@@ -17,7 +17,7 @@ from weftex.errors import InvalidInputError
 from weftex.io.pictures import read_image, write_image
 from weftex.recipe import MATERIAL, TASKS, Recipe
 from weftex.recipe.declared import options_of
-from weftex.recipe.making import opened
+from weftex.recipe.opening import open_recipe
 
 SHARES = st.sampled_from([0.25, 0.5, 0.75])
 COLOR = st.sampled_from([[255, 0, 9], [0, 7, 120], [4]])
@@ -151,7 +151,7 @@ MADE = {
 def test_command_and_python_make_the_bytes_of_the_recipe(pictures, name):
     recipe = Recipe.from_json({"seed": 3, **MADE[name]}, local=True)
     made = recipe.make()
-    assert opened(recipe).shape == made.shape
+    assert open_recipe(recipe).shape == made.shape
     *before, last = (shlex.split(one)[1:] for one in recipe.command("by_command.png").split(" && "))
     for words in (*before, [*last, "--save-source", "source.npz"]):
         assert weft_run(*words, "--quiet") == 0, words

@@ -18,10 +18,10 @@ from processes_of_studio import Process
 
 from weftex.cli import main
 from weftex.io.pictures import write_image
-from weftex.studio import listening, server, store
+from weftex.studio import listening, server
 from weftex.studio.limits import Limits, Memory
 from weftex.studio.refusals import Refusal
-from weftex.studio.sessions import Sessions, key_of
+from weftex.studio.sessions import DAY, Sessions, Store, key_of
 from weftex.studio.studio import Studio
 
 
@@ -175,10 +175,10 @@ def test_what_is_left_over_is_swept(tmp_path):
         (tmp_path / name / ".new-1").write_bytes(b"x" * 100)
         (tmp_path / name / ("kept.json" if k % 2 else "a.json")).write_text("[]")
         for path in (tmp_path / name / ".new-1", tmp_path / name):
-            old = time.time() - (store.DAY * 3 if k < 2 else 0)
+            old = time.time() - (DAY * 3 if k < 2 else 0)
             os.utime(path, (old, old))
     (tmp_path / "others").mkdir()
-    found = store.Store(tmp_path, limits)
+    found = Store(tmp_path, limits)
     assert {one.name for one in tmp_path.iterdir()} == {*names[1:], "others"}
     left = {one.parent.name for one in tmp_path.rglob(".new-*")}
     assert left == set(names[2:])  # those of yesterday are not of a server that runs
@@ -187,7 +187,7 @@ def test_what_is_left_over_is_swept(tmp_path):
 
 def test_pages_that_are_open_are_bounded(tmp_path):
     limits = Limits(sessions=2)
-    sessions = Sessions(store.Store(tmp_path, limits), Memory(1), ended := [].append)
+    sessions = Sessions(Store(tmp_path, limits), Memory(1), ended := [].append)
     one, two = (sessions.open(None)[0] for _ in range(2))
     with pytest.raises(Refusal, match="2 pages are open; close one of them"):
         sessions.open(None)

@@ -8,7 +8,7 @@ out at the border, so only the middle of the area is that of the plane.
 import numpy as np
 
 import weftex
-from weftex.endless.boxes import Asked, Box, Span
+from weftex.endless.boxes import Box, PlaneRequest, Span
 from weftex.endless.plane import kept_of
 from weftex.methods.refinement.output import Output
 from weftex.methods.refinement.start import start_window
@@ -55,7 +55,7 @@ def whole_plane(model, seed, nodes, period=None):
     top = node(first) - half - around
     side = node(last) + half + around - top
     area = Area(top, top, side, side)
-    asked = Asked(seed, None if period is None else (period, period))
+    asked = PlaneRequest(seed, None if period is None else (period, period))
     flat = model.exemplar.pixels.reshape(-1, *model.exemplar.pixels.shape[2:])
     width, pieces = model.exemplar.shape[1], kept_of(model)[1]
 
@@ -122,7 +122,9 @@ def refined_plane(model, window, seed):
     top, left = (-(-at // 64) * 64 - wide for at in window[:2])
     side = 2 * wide + 128
     flat = start_window(
-        prepared.starts, Box(Span(top, top + side), Span(left, left + side)), Asked(seed, None)
+        prepared.starts,
+        Box(Span(top, top + side), Span(left, left + side)),
+        PlaneRequest(seed, None),
     )
     source = np.stack(np.divmod(flat, model.exemplar.shape[1]), axis=-1)
     y, x = source[..., 0], source[..., 1]

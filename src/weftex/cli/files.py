@@ -10,8 +10,14 @@ from typing import TYPE_CHECKING, Any
 
 from weftex.errors import InvalidInputError
 from weftex.exemplar.material import Material, read_material
-from weftex.recipe.making import Loaded, Opened, loaded, opened, pictures_like
-from weftex.recipe.words import material_of, path_of
+from weftex.recipe.opening import (
+    OpenedRecipe,
+    PreparedMaterial,
+    open_recipe,
+    pictures_like,
+    prepare_material,
+)
+from weftex.recipe.words import described_material, path_of
 
 if TYPE_CHECKING:
     import argparse
@@ -42,15 +48,15 @@ def _refuse_plane(path: str) -> None:
 
         if Record(path).begun() or path.endswith(ALWAYS):
             raise InvalidInputError(
-                f"{path} is written block by block, and may be larger than memory: only replay, "
-                "report and check work on it. One that repeats is made so: weftex synth --tileable"
+                f"{path} is written block by block, and may be larger than memory: only "
+                "check works on it. Use a window of it: weftex synth --window"
             )
 
 
-def _load(spec: dict[str, Any], args: argparse.Namespace) -> Loaded:
+def _load(spec: dict[str, Any], args: argparse.Namespace) -> PreparedMaterial:
     """Read a material, and do to it what its description says."""
     material = read(path_of(spec, {}), args, spec.get("maps"))
-    return loaded(spec, material, partial(_read_picture, args))
+    return prepare_material(spec, material, partial(_read_picture, args))
 
 
 def _read_picture(args: argparse.Namespace, path: str) -> Picture:
@@ -59,17 +65,19 @@ def _read_picture(args: argparse.Namespace, path: str) -> Picture:
     return read_image(path, max_pixels=None if args.allow_huge else MAX_PIXELS)
 
 
-def open_materials(recipe: Recipe, args: argparse.Namespace) -> Opened:
+def open_materials(recipe: Recipe, args: argparse.Namespace) -> OpenedRecipe:
     """Open the materials of a recipe, in files."""
-    return opened(recipe, partial(_load, args=args), partial(_read_picture, args))
+    return open_recipe(recipe, partial(_load, args=args), partial(_read_picture, args))
 
 
 def load(path: str, args: argparse.Namespace, *options: str) -> Exemplar:
     """Read a sample, with what some options of `MATERIAL` say about it."""
-    return _load(material_of(path, vars(args), options), args).sample
+    return _load(described_material(path, vars(args), options), args).sample
 
 
-def open_job(recipe: Recipe, args: argparse.Namespace, outputs: Outputs) -> tuple[Opened, Plan]:
+def open_job(
+    recipe: Recipe, args: argparse.Namespace, outputs: Outputs
+) -> tuple[OpenedRecipe, Plan]:
     """Open materials, and say where each picture goes; all is checked before any work."""
     check_beside(args)
     paths = [path_of(spec, {}) for spec in recipe.materials]
@@ -230,8 +238,8 @@ def write(result: Synthesis, planned: Plan, args: argparse.Namespace, outputs: O
     if args.save_source is not None:
         result.save(outputs.add(args.save_source))
     if args.preview is not None:
+        from weftex.io.display import small_bytes
         from weftex.io.pictures import write_image
-        from weftex.io.shown import small_bytes
 
         shown = small_bytes(result.image, result.sample.alpha)
         write_image(outputs.add(args.preview), shown[..., : 3 if shown.shape[2] > 2 else 1])

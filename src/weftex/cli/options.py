@@ -75,13 +75,13 @@ def _named(argv: list[str]) -> str:
 def _add_parameters(parser: Parser, argv: list[str], name: str) -> list[str]:
     """Add the parameters of a method, if the arguments have an option that may be one."""
     unknown = parser.unknown(argv)
-    if not (unknown or parser.only_built or {"-h", "--help"} & {*argv}):
+    if not (unknown or parser.build_only or {"-h", "--help"} & {*argv}):
         return []
     if name == "auto":
         for option in unknown:
             if option != "--effort":  # finding owners imports all methods
                 _refuse_parameter(option)
-        if not (parser.only_built or {"-h", "--help", "--effort"} & {*argv, *unknown}):
+        if not (parser.build_only or {"-h", "--help", "--effort"} & {*argv, *unknown}):
             return []
     from weftex.naming import kind_of
     from weftex.tasks.method_names import method_class

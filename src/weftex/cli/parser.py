@@ -85,7 +85,7 @@ SYNONYMS = {
 }
 
 
-class Built(Exception):
+class ParserBuilt(Exception):
     """A parser is whole; only raised where parsers are wanted and nothing is to be run."""
 
     def __init__(self, parser: Parser) -> None:
@@ -96,8 +96,8 @@ class Built(Exception):
 class Parser(argparse.ArgumentParser):
     """An ArgumentParser whose errors are one line."""
 
-    #: Whether to raise `Built` in place of parsing.
-    only_built: ClassVar[bool] = False
+    #: Whether to raise `ParserBuilt` in place of parsing.
+    build_only: ClassVar[bool] = False
 
     def __init__(self, command: str, description: str, examples: str = "") -> None:
         # By itself argparse looks for the terminal's width with every option that is added.
@@ -184,8 +184,8 @@ class Parser(argparse.ArgumentParser):
 
     def parse(self, argv: list[str]) -> argparse.Namespace:
         """Parse all arguments; an error about an unknown option suggests a known one."""
-        if Parser.only_built:
-            raise Built(self)
+        if Parser.build_only:
+            raise ParserBuilt(self)
         found, left = self.parse_known_args(self.filled(argv))
         for word in left:
             if word.startswith("-"):

@@ -13,7 +13,8 @@ from weftex.cli.options import given_blocks
 from weftex.cli.parser import HUGE
 from weftex.cli.terminal import finish, say
 from weftex.errors import InvalidInputError
-from weftex.planes.files import ALWAYS, SUFFIXES, check_target, suffix_of
+from weftex.io.formats import suffix_of
+from weftex.planes.files import ALWAYS, SUFFIXES, check_target
 
 if TYPE_CHECKING:
     import argparse
@@ -30,12 +31,8 @@ _WHOLE = {
     "debug": "its pictures are of the whole size",
     "preview": "it is written while it is made",
     "mtlx": "MaterialX names pictures that are loaded whole",
+    "save_source": "its sources are made again with each block",
 }
-
-
-def takes_any_size(output: str) -> bool:
-    """Whether an output of this name may be larger than memory."""
-    return suffix_of(output) in SUFFIXES
 
 
 def wants_plane(args: argparse.Namespace, size: tuple[int, int] | None) -> bool:
@@ -65,9 +62,9 @@ def check_options(args: argparse.Namespace) -> None:
 
     for name, why in _WHOLE.items():
         if getattr(args, name, None):
-            option = name if name.startswith("--") else f"--{name}"
+            option = name if name.startswith("--") else f"--{name.replace('_', '-')}"
             raise InvalidInputError(f"{option} has no effect on {args.output}: {why}")
-    if getattr(args, "--best-of", None) not in (None, "1"):
+    if getattr(args, "--best-of") not in (None, "1"):
         raise InvalidInputError("--best-of makes whole pictures; name a method and a seed")
     given = [name for name in ("part", "workers", "cluster") if getattr(args, name) is not None]
     if len(given) > 1:
@@ -76,11 +73,11 @@ def check_options(args: argparse.Namespace) -> None:
         args.part = parse_part(args.part)
         if args.restart:
             raise InvalidInputError("--restart has no effect with --part; restart without it")
-        if getattr(args, "--seed", "0") is None:
+        if getattr(args, "--seed") is None:
             raise InvalidInputError("--part needs --seed, the same for all parts")
     if args.workers is not None and args.workers < 1:
         raise InvalidInputError(f"--workers is {args.workers}; it must be 1 or more")
-    if given and given[0] != "part" and getattr(args, "threads", None) is not None:
+    if given and given[0] != "part" and args.threads is not None:
         raise InvalidInputError("--threads has no effect: a worker makes one block at a time")
     if args.block is not None:
         check_block(args.block)
@@ -130,14 +127,12 @@ def synthesize(recipe: Recipe, args: argparse.Namespace, start: float) -> None:
         how: dict[str, Any] = {"seed": seed, "tileable": recipe.options["tileable"]}
         how |= {"block": args.block or BLOCK, "stems": stems_of(args, job.materials[0])}
         plane = define(job.sample, job.shape, recipe.method, {}, **how)
-        return write(args, plane, bar, outputs, start)
+        return _write(args, plane, bar, start)
 
     finish(work, args.quiet, verbose=args.verbose)
 
 
-def write(
-    args: argparse.Namespace, definition: Definition, bar: Bar, outputs: Outputs, start: float
-) -> str:
+def _write(args: argparse.Namespace, definition: Definition, bar: Bar, start: float) -> str:
     """Write a plane, and return the line about it."""
     from weftex.planes.beginning import done_before
     from weftex.planes.plane_file import PlaneFile
@@ -153,7 +148,7 @@ def write(
         )
     bar.left = "blocks that are done are kept; the same command continues"
     how: dict[str, Any] = {"restart": args.restart, "progress": bar}
-    how |= {"threads": getattr(args, "threads", None), "check_disk": not args.allow_huge}
+    how |= {"threads": args.threads, "check_disk": not args.allow_huge}
     with ExitStack() as stack:
         if args.workers is not None:
             from weftex.planes.runners import block_maker, in_processes
@@ -167,8 +162,6 @@ def write(
 
             how["runner"] = in_cluster(stack.enter_context(connected(args.cluster)), plane)
         written = write_plane(plane, **how)
-    if getattr(args, "save_source", None) is not None:
-        definition.save(outputs.add(args.save_source))
     took = perf_counter() - start
     speed = f" ({written.pixels / took / 1e6:.3g} megapixels/s)" if written.pixels else ""
     line = (
@@ -179,31 +172,3 @@ def write(
     if args.part:
         line += "\nwhen all parts are there, the same command without --part makes what is left"
     return (f"auto: {definition.reason}\n" if definition.reason else "") + line
-
-
-def definition_of_replay(args: argparse.Namespace, materials: list[Material]) -> Definition:
-    """What `weftex replay` makes of a plane, or of what --save-source kept of one."""
-    from weftex.planes.definition import Definition
-    from weftex.planes.plane_file import open_plane
-    from weftex.planes.record import Record
-
-    if len(materials) > 1:
-        raise InvalidInputError(f"{args.source} is a plane of one sample; give one map, or folder")
-    if args.background is not None:
-        raise InvalidInputError("--background has no effect on a plane: it has no known pixels")
-    if not takes_any_size(args.output):
-        raise InvalidInputError(
-            f"{args.output}: a plane is replayed block by block, to {', '.join(SUFFIXES)}"
-        )
-    check_options(args)
-    begun = Record(args.source).begun()
-    found = open_plane(args.source).definition if begun else Definition.load(args.source)
-    return found.replayed(materials[0].maps, stems_of(args, materials[0]), args.block)
-
-
-def is_source(path: str) -> bool:
-    """Whether a path is that of a plane, or of what --save-source kept of one."""
-    from weftex.planes.definition import is_saved
-    from weftex.planes.record import Record
-
-    return Record(path).begun() is not None or is_saved(path)

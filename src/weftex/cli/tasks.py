@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
     from weftex.cli.terminal import Bar, Outputs
     from weftex.recipe import Recipe
-    from weftex.recipe.making import Opened
+    from weftex.recipe.opening import OpenedRecipe
     from weftex.results.synthesis import Synthesis
 
 
@@ -148,12 +148,12 @@ def run_task(task: str, argv: list[str]) -> None:
     finish(work, args.quiet, preview=args.preview, verbose=args.verbose)
 
 
-def _done(job: Opened, result: Synthesis) -> str:
+def _done(job: OpenedRecipe, result: Synthesis) -> str:
     """What was done, in words that the name of the output follows."""
     if job.recipe.task == "fill":
         return f"filled {int(job.hole.sum())} pixels of"
     if job.recipe.task == "fuse":
-        return f"fused {len(job.loaded)} samples in"
+        return f"fused {len(job.prepared)} samples in"
     made = f"made {result.shape[1]}x{result.shape[0]}"
     return {"synth": made, "tile": "made tileable:"}[job.recipe.task]
 

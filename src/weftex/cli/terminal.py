@@ -102,8 +102,8 @@ class Bar(progress.Bar):
         return not self.stopped
 
     def _write(self, preview: Callable[[], Any]) -> None:
+        from weftex.io.display import small_bytes
         from weftex.io.pictures import write_image
-        from weftex.io.shown import small_bytes
 
         start, picture = perf_counter(), preview()
         if self._preview is not None and picture is not None:

@@ -55,7 +55,7 @@ class Box(NamedTuple):
         return rows, columns
 
 
-class Asked(NamedTuple):
+class PlaneRequest(NamedTuple):
     """Which plane, and how it is made."""
 
     seed: int

@@ -20,7 +20,7 @@ _TRIES = 16  # places that are drawn until one lies right
 _ROWS = 0.6  # confidence from which rows are kept
 
 
-class Pieces:
+class SamplePieces:
     """Sample positions for the nodes of a plane; neighbors come from different quarters.
 
     `usable` marks allowed top left corners. `vectors` is the sample's lattice x1, y1, x2, y2, or

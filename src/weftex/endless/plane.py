@@ -18,7 +18,7 @@ import numpy as np
 
 from weftex.canvas import Canvas
 from weftex.endless.boxes import Box, around, canvas_of, check_period
-from weftex.endless.corners import Pieces
+from weftex.endless.corners import SamplePieces
 from weftex.endless.grid import ACROSS, CORNER, DOWN, Axis, Block, Grid, Sizes
 from weftex.progress import Progress
 from weftex.random import draw
@@ -29,7 +29,7 @@ from weftex.threads import thread_map
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from weftex.endless.boxes import Asked
+    from weftex.endless.boxes import PlaneRequest
     from weftex.exemplar import Exemplar
     from weftex.progress import ProgressCallback
     from weftex.results.synthesis import Synthesis
@@ -88,17 +88,17 @@ class Filler(Protocol):
     def block_sizes(self) -> Sizes:
         """Return the sizes of its blocks."""
 
-    def start_of(self, box: Box, asked: Asked) -> NDArray[np.int32] | None:
+    def start_of(self, box: Box, asked: PlaneRequest) -> NDArray[np.int32] | None:
         """Return what blocks are made from, as flat indices (H, W) of the sample, if anything."""
 
     def sample(self, size: Canvas, *, seed: int, threads: int) -> Synthesis:
         """Fill a canvas."""
 
 
-_KEPT: WeakKeyDictionary[Any, tuple[BlockCache, Pieces | None]] = WeakKeyDictionary()
+_KEPT: WeakKeyDictionary[Any, tuple[BlockCache, SamplePieces | None]] = WeakKeyDictionary()
 
 
-def kept_of(model: Filler) -> tuple[BlockCache, Pieces | None]:
+def kept_of(model: Filler) -> tuple[BlockCache, SamplePieces | None]:
     """The cache of a model, and where its corners are cut from, if the sample is large enough."""
     found = _KEPT.get(model)
     if found is None:
@@ -108,7 +108,7 @@ def kept_of(model: Filler) -> tuple[BlockCache, Pieces | None]:
             mask = np.pad(mask, (0, last), mode="wrap")
         height, width = exemplar.shape
         usable = whole_windows(mask, (0, last, 0, last))[:height, :width]
-        pieces = Pieces(exemplar, usable) if usable.any() else None
+        pieces = SamplePieces(exemplar, usable) if usable.any() else None
         found = _KEPT.setdefault(model, (BlockCache(MOST_BYTES), pieces))
     return found
 
@@ -116,7 +116,7 @@ def kept_of(model: Filler) -> tuple[BlockCache, Pieces | None]:
 def make_window(
     model: Filler,
     box: Box,
-    asked: Asked,
+    asked: PlaneRequest,
     about: dict[str, Any],
     callback: ProgressCallback | None = None,
 ) -> PixelSynthesis:
@@ -138,7 +138,7 @@ def make_window(
 class Plane:
     """One plane: a model, a seed and a period."""
 
-    def __init__(self, model: Filler, asked: Asked) -> None:
+    def __init__(self, model: Filler, asked: PlaneRequest) -> None:
         self.model, self.asked = model, asked
         sizes = model.block_sizes()
         self.grid = Grid(sizes, *axes_of(sizes, asked.period))
@@ -214,7 +214,7 @@ class Plane:
         result[~(free | hole_of(own, reached))] = -1
         return result
 
-    def _piece(self, block: Block, pieces: Pieces) -> NDArray[np.int32]:
+    def _piece(self, block: Block, pieces: SamplePieces) -> NDArray[np.int32]:
         """A corner: a piece of the sample, as it is."""
         own = self.grid.own(block)
         at = own.rows.first, own.columns.first

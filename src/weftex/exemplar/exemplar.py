@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from weftex.errors import InvalidInputError, shown
-from weftex.io.shown import Shown, size_text
+from weftex.io.display import Displayable, size_text
 from weftex.raster.arrays import (
     as_mask,
     check_guide,
@@ -32,7 +32,7 @@ _MADE_OF = ("pieces", "turn", "copy_shape")
 _LABELS = 32  # a sample's guide with at most so many colors is a map of labels
 
 
-class Exemplar(Shown):
+class Exemplar(Displayable):
     """A sample: its pixels, maps, mask and guide.
 
     Parameters
@@ -151,7 +151,7 @@ class Exemplar(Shown):
         maps = f", maps: {', '.join(self.maps)}" if self.maps else ""
         return f"<Exemplar {self.name!r}: {size_text(self.pixels)}{maps}>"
 
-    def _picture_shown(self) -> tuple[NDArray[Any], bool]:
+    def _displayed_picture(self) -> tuple[NDArray[Any], bool]:
         return self.pixels, self.alpha
 
     def changed(self, **parts: Any) -> Exemplar:

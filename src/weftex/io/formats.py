@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
     StrPath = str | os.PathLike[str]
 
-__all__ = ["FORMATS", "kind_of", "written_as"]
+__all__ = ["FORMATS", "kind_of", "suffix_of", "written_as"]
 
 SIGNATURES = {
     "png": (SIGNATURE,),

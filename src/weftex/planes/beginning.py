@@ -8,8 +8,8 @@ from contextlib import contextmanager, suppress
 from typing import TYPE_CHECKING
 
 from weftex.errors import FileError, InvalidInputError, shown
-from weftex.planes.files import suffix_of
-from weftex.planes.owned import remove, sweep
+from weftex.io.formats import suffix_of
+from weftex.planes.files import remove, sweep
 from weftex.planes.record import Record, Run
 from weftex.planes.store import REPAIR, synced
 

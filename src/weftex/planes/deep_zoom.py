@@ -12,7 +12,7 @@ import numpy as np
 
 from weftex.errors import InvalidInputError
 from weftex.io.pictures import read_image, write_image
-from weftex.planes.store import Piece, Store, synced
+from weftex.planes.store import FilePart, Store, synced
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -45,11 +45,11 @@ class DeepZoomStore(Store):
                 f"pixels of {colors} channels; use .zarr or .tif"
             )
 
-    def frame(self) -> Iterator[Piece]:
+    def frame(self) -> Iterator[FilePart]:
         """Give the file about the tiles."""
         layout = self.layout
         data = _TEXT.format(tile=layout.tile, width=layout.width, height=layout.height).encode()
-        yield Piece(self.path, 0, data, len(data))
+        yield FilePart(self.path, 0, data, len(data))
 
     def files(self, place: Place) -> list[str]:
         """Give the tiles of a block."""

@@ -100,21 +100,12 @@ def load(path: str) -> tuple[dict[str, Any], dict[str, NDArray[Any]]]:
         raise FileError(f"{path} is not a saved plane of weftex") from None
 
 
-def is_saved(path: str) -> bool:
-    """Whether a file is one that `save` wrote."""
-    try:
-        with opened(path) as file:
-            return bool(file.facts["format"] == _FORMAT)
-    except Exception:  # as above
-        return False
-
-
 @dataclass(frozen=True, eq=False)
 class Definition:
     """All that the pixels of a plane depend on, and the blocks that its files are made of.
 
-    `others` are maps that are rendered instead of the sample and its own. `stems` are the names of
-    files of maps, see `open_stores`. `reason` says why "auto" chose the method.
+    `stems` are the names of files of maps, see `open_stores`. `reason` says why "auto" chose the
+    method.
     """
 
     exemplar: Exemplar
@@ -124,7 +115,6 @@ class Definition:
     width: int
     wrap: tuple[bool, bool] = (False, False)
     block: int = BLOCK
-    others: Mapping[str, Exemplar] = field(default_factory=dict)
     stems: Mapping[str, str] = field(default_factory=dict)
     reason: str = ""
 
@@ -147,8 +137,6 @@ class Definition:
     @cached_property
     def pictures(self) -> dict[str, Exemplar]:
         """What is rendered, by the names of maps; the sample's own picture first."""
-        if self.others:
-            return dict(self.others)
         own = self.exemplar
         return {own.role.name: own} | {name: own.map(name) for name in own.maps}
 
@@ -196,18 +184,12 @@ class Definition:
         about = {"seed": self.seed, "method": self.method.describe()}
         return open_stores(target, self.layouts, self.stems, about)
 
-    def replayed(
-        self, maps: Mapping[str, Exemplar], stems: Mapping[str, str], block: int | None = None
-    ) -> Definition:
-        """Return the same plane of other maps of its sample."""
-        return replace(self, others=dict(maps), stems=dict(stems), block=block or self.block)
-
     def _packed(self) -> tuple[dict[str, Any], dict[str, NDArray[Any]]]:
         """Plain values and arrays of the samples and the method."""
         own = self.exemplar
         maps = [own.map(name) for name in own.maps]
-        samples, arrays = packed([own, *maps, *self.others.values()])
-        about = {"maps": [*own.maps], "others": [*self.others], "weights": own.weights}
+        samples, arrays = packed([own, *maps])
+        about = {"maps": [*own.maps], "weights": own.weights}
         return {"method": self.method.slug, "samples": samples, **about}, arrays
 
     @cached_property
@@ -246,10 +228,9 @@ class Definition:
             if run is not None and header["run"] != run:
                 raise ValueError("it belongs to another run")
             about, facts = header["about"], header["facts"]
-            _check_plain(about, [*facts["maps"], *facts["others"], *about["stems"].values()])
+            _check_plain(about, [*facts["maps"], *about["stems"].values()])
             own, *samples = unpacked(facts["samples"], arrays)
-            count = len(facts["maps"])
-            maps = dict(zip(facts["maps"], samples[:count], strict=True))
+            maps = dict(zip(facts["maps"], samples, strict=True))
             return cls(
                 own.changed(maps=maps, weights=facts["weights"]),
                 _method(facts["method"], about),
@@ -258,7 +239,6 @@ class Definition:
                 about["width"],
                 tuple(about["wrap"]),
                 about["block"],
-                dict(zip(facts["others"], samples[count:], strict=True)),
                 about["stems"],
                 header["reason"],
             )

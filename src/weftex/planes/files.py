@@ -1,16 +1,19 @@
-"""The stores of a plane by the suffix of its file: one, or one for each map of a set."""
+"""The files of a plane: the stores that write them, and the removal of no other files."""
 
 from __future__ import annotations
 
 import os
+import re
+from contextlib import suppress
 from typing import TYPE_CHECKING, Any
 
 from weftex.errors import FileError
+from weftex.io.formats import suffix_of
+from weftex.planes.layout import Layout
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Mapping, Sequence
 
-    from weftex.planes.layout import Layout
     from weftex.planes.store import Store
 
 #: Suffixes of files that are always written block by block.
@@ -19,9 +22,13 @@ ALWAYS = (".zarr", ".dzi")
 SUFFIXES = (*ALWAYS, ".tif", ".tiff")
 
 
-def suffix_of(target: str) -> str:
-    """The suffix in lower case, with its dot."""
-    return os.path.splitext(target)[1].lower()
+#: Files below the folder of a Zarr group, or below the folder of Deep Zoom's tiles.
+_N = r"(0|[1-9]\d{0,12})"
+_FILES = re.compile(rf"{_N}/(?:zarr\.json|c/(?:0/)?{_N}/{_N})")
+_TILES = re.compile(rf"{_N}/{_N}_{_N}\.png")
+_FOLDERS = re.compile(r"\.|\d+|\d+/c(/\d+){0,2}")
+#: What a killed process leaves: of `weftex.io.temporary`, and of Zarr.
+_STALE = re.compile(r"\.weftex-\d+(-[0-9a-f]{8}){2}(\.\w+)?|.*\.[0-9a-f]{32}\.partial")
 
 
 def open_stores(
@@ -69,3 +76,54 @@ def check_target(target: str) -> None:
         raise FileError(f"{target}: the folder {folder} does not exist")
     if not os.access(folder, os.W_OK | os.X_OK):
         raise FileError(f"{target}: the folder {folder} is read-only")
+
+
+def remove(root: str, grid: Sequence[int] | None = None) -> None:
+    """Remove a file, or a folder of a store as far as it has nothing else in it.
+
+    Files of blocks are removed if they lie in the `grid` of `Store.grid`. Links are kept.
+    """
+    if os.path.isdir(root) and not os.path.islink(root):
+        _walk(root, grid, of_store=True)
+    elif not os.path.islink(root):
+        with suppress(FileNotFoundError):
+            os.unlink(root)
+
+
+def sweep(root: str) -> None:
+    """Remove temporary files that nobody writes any more; a file has none."""
+    _walk(root, None, of_store=False)
+
+
+def is_stale(name: str) -> bool:
+    """Whether a file's name is that of a temporary file."""
+    return bool(_STALE.fullmatch(name))
+
+
+def _is_of(grid: Sequence[int] | None, path: str, tiles: bool) -> bool:
+    """Whether a file below the folder of a store is one of its grid, or says what the folder is."""
+    file = (_TILES if tiles else _FILES).fullmatch(path)
+    if file is None or grid is None:
+        return path == "zarr.json" and not tiles
+    levels, height, width, side = grid
+    level, row, column = (int(one or 0) for one in file.groups())
+    if tiles:
+        level, row, column = levels - 1 - level, column, row
+    rows, columns = Layout(height, width, side).grid(max(level, 0))
+    return 0 <= level < levels and row < rows and column < columns
+
+
+def _walk(root: str, grid: Sequence[int] | None, *, of_store: bool) -> None:
+    tiles = root.endswith("_files")  # as Deep Zoom calls the folder
+    for folder, _, names in os.walk(root, topdown=False):
+        where = os.path.relpath(folder, root).replace(os.sep, "/")
+        if not _FOLDERS.fullmatch(where):
+            continue
+        for name in names:
+            path = name if where == "." else f"{where}/{name}"
+            if is_stale(name) or (of_store and _is_of(grid, path, tiles)):
+                with suppress(FileNotFoundError):
+                    os.unlink(os.path.join(folder, name))
+        if of_store:
+            with suppress(OSError):  # there is something else in it
+                os.rmdir(folder)

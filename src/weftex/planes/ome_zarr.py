@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from weftex.errors import FileError, InvalidInputError
-from weftex.planes.store import REPAIR, Piece, Store, synced
+from weftex.planes.store import REPAIR, FilePart, Store, synced
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -40,7 +40,7 @@ class ZarrStore(Store):
                 "'.zarr' needs the extra zarr: pip install 'weftex[zarr]'"
             ) from None
 
-    def frame(self) -> Iterator[Piece]:
+    def frame(self) -> Iterator[FilePart]:
         """Give the metadata of the arrays and of their group."""
         for level in range(self.levels):
             yield self._metadata(level)
@@ -88,7 +88,7 @@ class ZarrStore(Store):
         """The arrays that are open, by level."""
         return {}
 
-    def _metadata(self, level: int) -> Piece:
+    def _metadata(self, level: int) -> FilePart:
         """The metadata of a level's array."""
         layout = self.layout
         little = {"configuration": {"endian": "little"}}
@@ -143,6 +143,6 @@ class ZarrStore(Store):
             ]}  # fmt: skip
         return found
 
-    def _file(self, facts: dict[str, Any], folder: str = "") -> Piece:
+    def _file(self, facts: dict[str, Any], folder: str = "") -> FilePart:
         data = json.dumps(facts, indent=2).encode()
-        return Piece(os.path.join(self.path, folder, "zarr.json"), 0, data, len(data))
+        return FilePart(os.path.join(self.path, folder, "zarr.json"), 0, data, len(data))

@@ -7,13 +7,10 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 from weftex.errors import FileError
 from weftex.planes.definition import Definition
 from weftex.planes.record import Record
 from weftex.planes.store import check_sum
-from weftex.random import draw
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterator, Mapping
@@ -23,8 +20,6 @@ if TYPE_CHECKING:
     from weftex.planes.store import Store
 
     Sums = Mapping[Place, tuple[int, ...]]
-
-_SEEN, _SIDE = 5, 512  # windows of a plane that are looked at, and their sides
 
 
 @dataclass(frozen=True)
@@ -160,16 +155,6 @@ class PlaneFile:
             found[name] = picture.changed(pixels=pixels, maps={}, mask=None, guide=None)
         main, *others = found
         return found[main].changed(maps={name: found[name] for name in others}, name=self.path)
-
-    def windows(self) -> list[Window]:
-        """Return windows here and there, the same ones every time."""
-        sides = (self.definition.height, self.definition.width)
-        height, width = (min(side, _SIDE) for side in sides)
-        places = np.arange(_SEEN)[:, None], np.arange(2)
-        where = draw(self.definition.seed, "windows of a report", *places)
-        room = np.array([sides[0] - height, sides[1] - width], np.uint64) + np.uint64(1)
-        corners = np.unique(where % room // np.uint64(16) * np.uint64(16), axis=0)
-        return [(int(top), int(left), height, width) for top, left in corners]
 
 
 def open_plane(path: str | os.PathLike[str]) -> PlaneFile:

@@ -23,12 +23,12 @@ from dataclasses import asdict, dataclass, field
 from typing import TYPE_CHECKING, Any
 
 from weftex.errors import FileError
+from weftex.io.formats import suffix_of
 from weftex.io.npz import open_regular
 from weftex.io.pictures import write_text
-from weftex.planes.files import suffix_of
+from weftex.planes.files import is_stale, sweep
 from weftex.planes.layout import named
 from weftex.planes.locks import COUNT, locked, shared
-from weftex.planes.owned import is_stale, sweep
 from weftex.planes.store import synced
 
 if TYPE_CHECKING:

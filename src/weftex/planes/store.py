@@ -27,7 +27,7 @@ KEPT = "blocks that are done are kept, and the same command continues"
 REPAIR = "'weftex check --repair' makes it again"
 
 
-class Piece(NamedTuple):
+class FilePart(NamedTuple):
     """Bytes of a file that hold no pixels, such as a header; `size` is the size of the file."""
 
     path: str
@@ -65,7 +65,7 @@ class Store(ABC):
         """Raise `InvalidInputError` unless the format holds such pixels."""
 
     @abstractmethod
-    def frame(self) -> Iterator[Piece]:
+    def frame(self) -> Iterator[FilePart]:
         """Give everything but the pixels, the outermost file last."""
 
     @abstractmethod

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from weftex.errors import InvalidInputError
-from weftex.planes.store import Piece, Store
+from weftex.planes.store import FilePart, Store
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -51,13 +51,13 @@ class TiffStore(Store):
                 f"{self.layout.tile} pixels a side; use a larger --block, or .zarr"
             )
 
-    def frame(self) -> Iterator[Piece]:
+    def frame(self) -> Iterator[FilePart]:
         """Give the header and the directories; the rest of the file is a hole that blocks fill."""
         # Little-endian, version 43, offsets of 8 bytes.
         header = struct.pack("<2sHHHQ", b"II", 43, 8, 0, 16)
-        yield Piece(self.path, 0, header, self.most_bytes)
+        yield FilePart(self.path, 0, header, self.most_bytes)
         for level in range(self.levels):
-            yield Piece(self.path, self._heads[level], self._directory(level), self.most_bytes)
+            yield FilePart(self.path, self._heads[level], self._directory(level), self.most_bytes)
 
     def files(self, place: Place) -> list[str]:
         """Give the file."""

@@ -18,13 +18,13 @@ True
 knows its help, default and range, and how its value is read, checked and written. Parameters of
 methods are declared by the methods, and checked by them.
 
-Pictures have names: paths on the command line, ids of uploads in the studio. Whoever keeps them
-elsewhere than in files opens them: `recipe.make(open_picture=...)`, and, to keep materials too,
-`open_material`, which returns a `Loaded`, as `making.loaded(description, material, open_picture)`.
-To look at what was opened before it is made, its size for one, there is `opened`:
+Images have names: paths on the command line, ids of uploads in the studio. `recipe.make` takes
+`open_picture` to read images that are no files, and `open_material` to reuse materials: it returns
+a `PreparedMaterial`. `open_recipe` opens the materials without making anything, such as to know the
+size of the result:
 
->>> from weftex.recipe.making import opened
->>> job = opened(recipe.changed(size=None))
+>>> from weftex.recipe.opening import open_recipe
+>>> job = open_recipe(recipe.changed(size=None))
 >>> job.shape, list(job.pictures)
 ((512, 512), ['color'])
 
@@ -33,7 +33,7 @@ Who works on this machine may also name paths and windows: `Recipe.from_json(...
 
 from __future__ import annotations
 
-from weftex.recipe.declared import GRADIENT, MATERIAL, MENDING, SEED, TASKS
+from weftex.recipe.declared import GRADIENT, MATERIAL, PREPARATION, SEED, TASKS
 from weftex.recipe.fields import FIELDS, checked_material, pictures_of
 from weftex.recipe.recipe import Recipe
 
@@ -41,7 +41,7 @@ __all__ = [
     "FIELDS",
     "GRADIENT",
     "MATERIAL",
-    "MENDING",
+    "PREPARATION",
     "SEED",
     "TASKS",
     "Recipe",

@@ -72,7 +72,7 @@ MATERIAL = _by_name(
     ),
 )  # fmt: skip
 #: Those of `MATERIAL` that `weftex prepare` does, too.
-MENDING = ("straighten", "even_light")
+PREPARATION = ("straighten", "even_light")
 
 SEED = Option(
     "seed", WHOLE, "random seed; the same seed gives the same output", low=0, high=2**64 - 1,

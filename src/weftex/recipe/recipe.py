@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from weftex.io.pictures import Picture
     from weftex.method import Model
     from weftex.progress import ProgressCallback
-    from weftex.recipe.making import Loaded
+    from weftex.recipe.opening import PreparedMaterial
     from weftex.results.synthesis import Synthesis
 
 
@@ -37,14 +37,14 @@ class Recipe(Fields):
     def make(
         self,
         *,
-        open_material: Callable[[dict[str, Any]], Loaded] | None = None,
+        open_material: Callable[[dict[str, Any]], PreparedMaterial] | None = None,
         open_picture: Callable[[str], Picture] | None = None,
         fit: Callable[[Any], Model] | None = None,
         progress: ProgressCallback | None = None,
         threads: int | None = None,
     ) -> Synthesis:
-        """Make it: `weftex.recipe.making.opened`, then `Opened.make`, which has the arguments."""
-        from weftex.recipe.making import opened
+        """Open the recipe and make it: see `weftex.recipe.opening`."""
+        from weftex.recipe.opening import open_recipe
 
-        found = opened(self, open_material, open_picture)
+        found = open_recipe(self, open_material, open_picture)
         return found.make(fit=fit, progress=progress, threads=threads)

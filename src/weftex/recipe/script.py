@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 from weftex.recipe.declared import TASKS
-from weftex.recipe.making import ways_to_straighten
+from weftex.recipe.opening import straighten_arguments
 from weftex.recipe.options import PICTURE
 from weftex.recipe.words import path_of
 from weftex.tasks.method_names import AUTO
@@ -60,7 +60,7 @@ def _load_lines(variable: str, spec: Mapping[str, Any], names: Names) -> list[st
         mask = f"~hole_of(None, {variable})" if file == "alpha" else f"read_mask({file!r})"
         lines.append(f"{variable} = {variable}.changed(mask={mask})")
     if "straighten" in spec:
-        ways = ways_to_straighten(spec["straighten"])
+        ways = straighten_arguments(spec["straighten"])
         own = "".join(f", {name}={text!r}" for name, text in ways.items())
         lines.append(f"{variable} = weftex.prepare.straighten({variable}{own})")
     if "even_light" in spec:

@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 from weftex.errors import InvalidInputError
-from weftex.recipe.declared import GRADIENT, MATERIAL, MENDING, SEED, TASKS
+from weftex.recipe.declared import GRADIENT, MATERIAL, PREPARATION, SEED, TASKS
 from weftex.recipe.fields import Fields, checked_material
 from weftex.recipe.options import PICTURE, Option, plain
 
@@ -53,7 +53,7 @@ def json_of(
     return found | {"materials": specs}
 
 
-def material_of(path: str, given: Mapping[str, Any], names: Words) -> dict[str, Any]:
+def described_material(path: str, given: Mapping[str, Any], names: Words) -> dict[str, Any]:
     """Return the description of a material, with some options of `MATERIAL`."""
     spec = _spec(path, given.get("--maps") if "maps" in names else None)
     spec |= {name: value_of(MATERIAL[name], given) for name in names}
@@ -100,15 +100,17 @@ def command_of(recipe: Fields, output: str, names: Mapping[str, str]) -> str:
     lines, paths, specs = list[list[str]](), list[str](), list[dict[str, Any]]()
     first = recipe.materials[0]
     together = recipe.task == "synth" and all(
-        spec.get(name) == first.get(name) for spec in recipe.materials for name in MENDING
+        spec.get(name) == first.get(name) for spec in recipe.materials for name in PREPARATION
     )
     for number, spec in enumerate(recipe.materials, 1):
         path, left = path_of(spec, names), dict(spec)
-        mending = {name: left.pop(name) for name in MENDING if name in left and not together}
-        if mending:
+        preparation = {
+            name: left.pop(name) for name in PREPARATION if name in left and not together
+        }
+        if preparation:
             suffix = "/" if path.endswith("/") else os.path.splitext(output)[1]
             lines.append(["weftex", "prepare", path, "-o", path := f"prepared{number}{suffix}"])
-            for name, value in mending.items():
+            for name, value in preparation.items():
                 lines[-1] += MATERIAL[name].words(value)
         paths.append(path)
         specs.append(left)

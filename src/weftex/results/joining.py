@@ -38,7 +38,7 @@ _GRAIN = 64  # of a level, to which shifts are rounded, as machines differ in la
 _LARGEST = 1e30  # whose squares are numbers
 
 
-class Laid(NamedTuple):
+class PastedPieces(NamedTuple):
     """The pasted pieces, read by windows; `pixels` is `scale` times as fine as the output."""
 
     pixels: Callable[[Window], NDArray[Any]]
@@ -62,7 +62,7 @@ def reach_of(given: Exemplar, tones: float, hole: NDArray[np.bool_] | None) -> f
     return 0.0 if has_few_colors(given.pixels.reshape(-1, given.channels)) else tones
 
 
-def join_steps(laid: Laid, given: Exemplar, reach: float, window: Window) -> NDArray[Any]:
+def join_steps(laid: PastedPieces, given: Exemplar, reach: float, window: Window) -> NDArray[Any]:
     """Return a window of the pasted pieces, without the steps where pieces of other tones meet.
 
     `reach` is in pixels of the output; 0 leaves all as it is. Parts are the same bytes as in the
@@ -122,7 +122,7 @@ def _ends(source: NDArray[Any], kind: str) -> tuple[Any, Any]:
 
 
 def _divergence(
-    laid: Laid, sample: NDArray[Any], corner: tuple[int, int], side: int, reach: float
+    laid: PastedPieces, sample: NDArray[Any], corner: tuple[int, int], side: int, reach: float
 ) -> tuple[Floats, list[NDArray[np.int64]], int]:
     """Sum of g - h' over the edges into each pixel minus the edges out of it, an array per channel.
 

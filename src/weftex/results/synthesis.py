@@ -12,12 +12,12 @@ from weftex.canvas import Canvas
 from weftex.errors import InvalidInputError, shown
 from weftex.exemplar import Exemplar
 from weftex.exemplar.turns import as_copies, as_made_from
-from weftex.io.shown import Shown
+from weftex.io.display import Displayable
 from weftex.raster.mixing import Kind
 from weftex.raster.turning import in_first_copy
 from weftex.results import drawing, scales
 from weftex.results.files import ABOUT, Facts, arrays_of, one_line_errors, read_result, write_result
-from weftex.results.joining import Laid, join_steps, reach_of
+from weftex.results.joining import PastedPieces, join_steps, reach_of
 from weftex.results.tone import match_tone
 
 if TYPE_CHECKING:
@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     Place = tuple[int, int]
 
 
-class Synthesis(Shown, ABC):
+class Synthesis(Displayable, ABC):
     """Which pixels of the sample an output is made of.
 
     This is what all results have in common; `PatchSynthesis` keeps patches and `PixelSynthesis`
@@ -106,7 +106,7 @@ class Synthesis(Shown, ABC):
         size = f"{self.shape[1]}x{self.shape[0]}"
         return f"<{type(self).__name__} {size}{of}{': ' if told else ''}{', '.join(told)}>"
 
-    def _picture_shown(self) -> tuple[NDArray[Any], bool] | None:
+    def _displayed_picture(self) -> tuple[NDArray[Any], bool] | None:
         return None if self.exemplar is None else (self.image, self.exemplar.alpha)
 
     @abstractmethod
@@ -303,7 +303,9 @@ class Synthesis(Shown, ABC):
             return out
 
         reach = 0.0 if self.is_window else reach_of(given, self.tone_reach, self.canvas.hole)
-        laid = Laid(lay, self._pictured_layers, self.shape, self.canvas.wrap, scale, self.threads)
+        laid = PastedPieces(
+            lay, self._pictured_layers, self.shape, self.canvas.wrap, scale, self.threads
+        )
         out = join_steps(laid, given, reach, (top, left, height, width))
         if self.canvas.hole is not None and base is not None:  # patches may hang over the hole
             known = ~self.canvas.hole[top : top + height, left : left + width]

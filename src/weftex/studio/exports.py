@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from weftex.studio.downloads import Downloads
-    from weftex.studio.synthesis import Made
+    from weftex.studio.synthesis import Result
 
 #: What may stand beside the pictures.
 BESIDE = ("mtlx", "source", "report", "recipe")
@@ -33,7 +33,7 @@ DATE = (1980, 1, 1, 0, 0, 0)
 
 
 @dataclass(frozen=True)
-class Wanted:
+class ExportOptions:
     """What is to be taken of a result."""
 
     maps: tuple[str, ...]  # all of them if empty
@@ -43,7 +43,7 @@ class Wanted:
     beside: frozenset[str]  # of `BESIDE`
 
     @classmethod
-    def of(cls, given: Mapping[str, Any], usual_name: str) -> Wanted:
+    def of(cls, given: Mapping[str, Any], usual_name: str) -> ExportOptions:
         """Read what the page sent."""
         maps, form, names = (given.get(key) for key in ("maps", "format", "names"))
         if not isinstance(maps or [], list) or not all(isinstance(m, str) for m in maps or ()):
@@ -56,13 +56,13 @@ class Wanted:
         name = str(given.get("name") or usual_name)
         return cls(tuple(maps or ()), form, names, "", beside).named(name)
 
-    def named(self, name: str) -> Wanted:
+    def named(self, name: str) -> ExportOptions:
         """Return the same for files that are called after this."""
         stem = os.path.splitext(label_of(name.replace("%", "_")))[0][:_NAME] or "result"
         return replace(self, name=stem)
 
 
-def export(made: Made, wanted: Wanted, downloads: Downloads, owner: str) -> dict[str, Any]:
+def export(made: Result, wanted: ExportOptions, downloads: Downloads, owner: str) -> dict[str, Any]:
     """Write the wanted parts of a result, one file or a zip; return the page's description."""
     with downloads.new_folder() as folder:
         files = write(made, wanted, folder)
@@ -76,7 +76,7 @@ def export(made: Made, wanted: Wanted, downloads: Downloads, owner: str) -> dict
         return downloads.add(target, f"{wanted.name}.zip", owner)
 
 
-def write(made: Made, wanted: Wanted, folder: Path) -> list[Path]:
+def write(made: Result, wanted: ExportOptions, folder: Path) -> list[Path]:
     """Write what is wanted of a result into a folder; the files."""
     files, written = [], _files(made, wanted)
     for name, file in written.items():
@@ -98,7 +98,7 @@ def write(made: Made, wanted: Wanted, folder: Path) -> list[Path]:
     return files
 
 
-def _files(made: Made, wanted: Wanted) -> dict[str, str]:
+def _files(made: Result, wanted: ExportOptions) -> dict[str, str]:
     """Names of files by maps, each of them once."""
     maps = wanted.maps or tuple(made.pictures)
     files: dict[str, str] = {}
@@ -118,7 +118,7 @@ def _files(made: Made, wanted: Wanted) -> dict[str, str]:
     return files
 
 
-def _suffix(made: Made, wanted: Wanted, name: str) -> str:
+def _suffix(made: Result, wanted: ExportOptions, name: str) -> str:
     """The suffix that is asked for, or that of the material's file, if the pixels fit."""
     like = made.pictures[name]
     able, floats = formats_of(like), like.pixels.dtype.kind == "f"
@@ -133,7 +133,9 @@ def _suffix(made: Made, wanted: Wanted, name: str) -> str:
     return wanted.format
 
 
-def _material_file(made: Made, wanted: Wanted, files: dict[str, str], folder: Path) -> Path:
+def _material_file(
+    made: Result, wanted: ExportOptions, files: dict[str, str], folder: Path
+) -> Path:
     roles = {name: made.map(name).role for name in files}
     linear = [name for name in files if made.pictures[name].pixels.dtype.kind == "f"]
     text, _ = materialx_document(wanted.name, files, roles, linear)

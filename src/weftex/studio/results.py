@@ -18,20 +18,20 @@ if TYPE_CHECKING:
     from weftex import Exemplar
     from weftex.io.pictures import Picture
     from weftex.studio.sessions import Session
-    from weftex.studio.synthesis import Made
+    from weftex.studio.synthesis import Result
 
     Bytes = np.ndarray[Any, np.dtype[np.uint8]]
 
 
-def result_of(name: str, session: Session) -> Made:
+def result_of(name: str, session: Session) -> Result:
     """Return a result of a session, or raise `Refusal`."""
-    made: Made | None = session.recall("result", name)
+    made: Result | None = session.recall("result", name)
     if made is None:
         raise Refusal(410, "this result is no longer in memory; make it again by its recipe")
     return made
 
 
-def described(made: Made, session: Session) -> dict[str, Any]:
+def described(made: Result, session: Session) -> dict[str, Any]:
     """Return a result as JSON for the page."""
     result, used = made.result, made.result.provenance
     names = {id_: session.upload(id_)["name"] for id_ in made.recipe.pictures}
@@ -64,7 +64,7 @@ def formats_of(picture: Picture) -> list[str]:
     ]
 
 
-def picture_of(made: Made, map_name: str | None, drawing: str | None, session: Session) -> Bytes:
+def picture_of(made: Result, map_name: str | None, drawing: str | None, session: Session) -> Bytes:
     """Return a map of a result, or a drawing of it, as a screen shows it."""
     like = made.map(map_name)
     if drawing is not None and drawing not in DRAWINGS:
@@ -81,7 +81,7 @@ def picture_of(made: Made, map_name: str | None, drawing: str | None, session: S
     return picture
 
 
-def figures_of(made: Made, session: Session) -> dict[str, Any]:
+def figures_of(made: Result, session: Session) -> dict[str, Any]:
     """Return the quality of a result as JSON for the page."""
 
     def measure() -> tuple[dict[str, Any], int]:
@@ -95,7 +95,7 @@ def figures_of(made: Made, session: Session) -> dict[str, Any]:
     return found
 
 
-def seams_of(made: Made, session: Session) -> Bytes:
+def seams_of(made: Result, session: Session) -> Bytes:
     """Return a picture of where a result has seams that show, as its report has it."""
 
     def look() -> tuple[Bytes, int]:

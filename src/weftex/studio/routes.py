@@ -12,7 +12,7 @@ import weftex
 from weftex.errors import InvalidInputError, shown
 from weftex.io.pictures import sample_names
 from weftex.recipe import Recipe
-from weftex.studio import exports, looks, materials, results
+from weftex.studio import exports, materials, results
 from weftex.studio.about import about
 from weftex.studio.jobs import ENDED, Job
 from weftex.studio.materials import id_of, map_of
@@ -20,7 +20,7 @@ from weftex.studio.pictures import shown_smaller, smaller, source_of, times_smal
 from weftex.studio.refusals import Refusal, answer_of
 from weftex.studio.requests import route
 from weftex.studio.synthesis import begin_plane, open_job, plane_window
-from weftex.studio.uploads import Coming, label_of
+from weftex.studio.uploads import IncomingUpload, label_of
 from weftex.studio.work import Batch, compared, plain, several
 
 if TYPE_CHECKING:
@@ -31,9 +31,9 @@ if TYPE_CHECKING:
     from starlette.responses import Response
 
     from weftex import Exemplar
-    from weftex.recipe.making import Loaded
+    from weftex.recipe.opening import PreparedMaterial
     from weftex.studio.requests import Call
-    from weftex.studio.synthesis import Made
+    from weftex.studio.synthesis import Result
 
 
 @route("POST", "/session")
@@ -87,7 +87,7 @@ async def upload(call: Call) -> Any:
         return JSONResponse(answer_of(Refusal(413, line))[1], 413)
     body = call.request.stream()
     try:
-        with Coming(name, call.session) as coming:
+        with IncomingUpload(name, call.session) as coming:
             async for chunk in body:
                 coming.write(chunk)
             found = await call.decode(coming.finish)
@@ -133,7 +133,7 @@ async def material(call: Call) -> Any:
     return materials.described(loaded)
 
 
-async def _loaded(call: Call) -> Loaded:
+async def _loaded(call: Call) -> PreparedMaterial:
     """The material of an address."""
     spec = call.session.recall("spec", call.id)
     if spec is None:
@@ -156,14 +156,14 @@ async def _shown(call: Call, sample: Exemplar) -> Response:
 @route("GET", "/materials/{id}/look")
 async def look(call: Call) -> Any:
     """Say what a material is like."""
-    return await call.work(looks.look, await _loaded(call), call.session)
+    return await call.work(materials.analysis_of, await _loaded(call), call.session)
 
 
 @route("GET", "/materials/{id}/lattice")
 async def lattice(call: Call) -> Any:
     """Say how good a lattice is that somebody drew."""
     vectors = call.query.get("vectors", "")[:200]
-    return await call.work(looks.rate, await _loaded(call), vectors, call.session)
+    return await call.work(materials.rate_lattice, await _loaded(call), vectors, call.session)
 
 
 @route("POST", "/planes")
@@ -272,7 +272,7 @@ async def end_job(call: Call) -> Any:
     return job.as_json(0)
 
 
-def _made(call: Call) -> Made:
+def _made(call: Call) -> Result:
     return results.result_of(call.id, call.session)
 
 
@@ -314,7 +314,7 @@ async def export(call: Call) -> Any:
     """Write files of a result, ready to be downloaded."""
     given = await call.object(*exports.FIELDS)
     made = _made(call)
-    wanted = exports.Wanted.of(given, made.name)
+    wanted = exports.ExportOptions.of(given, made.name)
     return await call.work(exports.export, made, wanted, call.studio.downloads, call.session.key)
 
 

@@ -10,13 +10,12 @@ from anyio import CapacityLimiter
 from weftex.studio.downloads import Downloads
 from weftex.studio.jobs import Jobs
 from weftex.studio.limits import Limits, Memory
-from weftex.studio.sessions import Session, Sessions
-from weftex.studio.store import Store
+from weftex.studio.sessions import Session, Sessions, Store
 
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from weftex.studio.uploads import Opened
+    from weftex.studio.uploads import StartMaterial
 
 _AT_A_TIME = 4  # pieces of short work, such as pictures to be packed
 
@@ -24,7 +23,7 @@ _AT_A_TIME = 4  # pieces of short work, such as pictures to be packed
 class Studio:
     """One start of the studio."""
 
-    def __init__(self, folder: Path, limits: Limits, opened: Opened | None = None) -> None:
+    def __init__(self, folder: Path, limits: Limits, opened: StartMaterial | None = None) -> None:
         self.limits, self.opened = limits, opened
         self.token = secrets.token_urlsafe(32)
         self.store = Store(folder, limits)

@@ -9,7 +9,7 @@ from time import perf_counter
 from typing import TYPE_CHECKING, Any, cast
 
 from weftex.recipe import Recipe
-from weftex.recipe.making import opened
+from weftex.recipe.opening import open_recipe
 from weftex.studio.materials import id_of, load, map_of, maps_of, size_of
 from weftex.studio.pictures import shown, whole_number
 from weftex.studio.refusals import Refusal
@@ -25,12 +25,12 @@ if TYPE_CHECKING:
     from weftex.io.pictures import Picture
     from weftex.method import Model
     from weftex.progress import ProgressCallback
-    from weftex.recipe.making import Opened
+    from weftex.recipe.opening import OpenedRecipe
     from weftex.studio.sessions import Session
 
 
 @dataclass(frozen=True)
-class Made:
+class Result:
     """A result, and how its pictures are stored."""
 
     recipe: Recipe  # with its size
@@ -73,12 +73,12 @@ class Made:
         return int(self.result.image.nbytes + arrays)
 
 
-def open_job(recipe: Recipe, session: Session) -> Opened:
+def open_job(recipe: Recipe, session: Session) -> OpenedRecipe:
     """Read what a recipe needs, and fill its size in; raise `Refusal` if that is too large."""
     for upload in recipe.pictures:
         session.upload(upload)
     picture = partial(picture_of, session=session)
-    job = opened(recipe, partial(load, session=session), picture)
+    job = open_recipe(recipe, partial(load, session=session), picture)
     height, width = job.shape
     if recipe.task == "synth":
         job = replace(job, recipe=recipe.changed(size=[height, width]))
@@ -89,7 +89,7 @@ def open_job(recipe: Recipe, session: Session) -> Opened:
     return job
 
 
-def fitted(job: Opened, session: Session, sample: Exemplar) -> Model:
+def fitted(job: OpenedRecipe, session: Session, sample: Exemplar) -> Model:
     """Return a recipe's method, fitted to its sample."""
     method, names = job.recipe.method, [id_of(spec) for spec in job.recipe.materials]
 
@@ -100,14 +100,14 @@ def fitted(job: Opened, session: Session, sample: Exemplar) -> Model:
     return model
 
 
-def make(job: Opened, session: Session, progress: ProgressCallback) -> Made:
+def make(job: OpenedRecipe, session: Session, progress: ProgressCallback) -> Result:
     """Make what a recipe says."""
     start = perf_counter()
     result = job.make(fit=partial(fitted, job, session), progress=progress)
     result.image  # rendering is part of the work  # noqa: B018
     seconds, folder = perf_counter() - start, any(one.folder for one in job.materials)
     recipe = cast("Recipe", job.recipe)
-    return Made(recipe, result, job.materials[0].name, folder, job.pictures, seconds)
+    return Result(recipe, result, job.materials[0].name, folder, job.pictures, seconds)
 
 
 _LARGEST = 1024  # pixels a side of a window

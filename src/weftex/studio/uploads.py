@@ -40,13 +40,13 @@ def label_of(given: str | None) -> str:
 
 def file_in(path: Path, session: Session) -> dict[str, Any]:
     """Return the description of a file of this machine, which the command named."""
-    with Coming(label_of(path.name), session) as coming, path.open("rb") as file:
+    with IncomingUpload(label_of(path.name), session) as coming, path.open("rb") as file:
         while chunk := file.read(2**20):
             coming.write(chunk)
         return coming.finish()
 
 
-class Coming:
+class IncomingUpload:
     """An upload that is coming in; nothing of it is left unless it is finished."""
 
     def __init__(self, name: str, session: Session) -> None:
@@ -56,7 +56,7 @@ class Coming:
         self.count, self.taken = 0, False
         self.out = self.path.open("wb", buffering=0)  # closing it must not write
 
-    def __enter__(self) -> Coming:
+    def __enter__(self) -> IncomingUpload:
         return self
 
     def write(self, chunk: bytes) -> None:
@@ -116,14 +116,14 @@ def _read(path: Path, name: str, session: Session) -> Picture:
 
 
 @dataclass(frozen=True)
-class Opened:
+class StartMaterial:
     """What a page begins with: the description of a material, and the files of its maps."""
 
     spec: dict[str, Any]
     files: dict[str, Path]
 
     @classmethod
-    def of(cls, path: str, limits: Limits) -> Opened:
+    def of(cls, path: str, limits: Limits) -> StartMaterial:
         """Look at what the command was given."""
         if path.startswith("sample:") and "/" not in path:
             return cls(checked_material({"sample": path}), {})

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import weftex
 from weftex.errors import CancelledError, InvalidInputError, WeftexError, shown
 from weftex.studio import results
-from weftex.studio.exports import DATE, Wanted, pack, write
+from weftex.studio.exports import DATE, ExportOptions, pack, write
 from weftex.studio.materials import id_of
 from weftex.studio.refusals import answer_of
 from weftex.studio.synthesis import make, open_job
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from weftex.recipe import Recipe
     from weftex.studio.downloads import Downloads
     from weftex.studio.jobs import Job
-    from weftex.studio.synthesis import Made
+    from weftex.studio.synthesis import Result
 
 MOST_SEEDS = 16
 _MOST_IN_BATCH = 1000
@@ -62,17 +62,17 @@ def compared(recipes: list[Recipe]) -> Callable[[Job], None]:
     return work
 
 
-def made_of(recipe: Recipe, job: Job) -> Made:
+def made_of(recipe: Recipe, job: Job) -> Result:
     """Make a recipe, or remember it; progress goes to the job."""
     session = job.session
     ready = open_job(recipe, session)
-    job.to_show = results.preview_of(ready.loaded[0].exemplar)
+    job.to_show = results.preview_of(ready.prepared[0].exemplar)
 
-    def make_it() -> tuple[Made, int]:
+    def make_it() -> tuple[Result, int]:
         made = make(ready, session, job)
         return made, 2 * made.bytes
 
-    found: Made = session.find(make_it, "result", id_of(ready.recipe.as_json()))
+    found: Result = session.find(make_it, "result", id_of(ready.recipe.as_json()))
     return found
 
 
@@ -96,7 +96,7 @@ class Batch:
 
     recipes: list[list[Recipe]]  # a list for each material, with its seeds
     keep: int | None  # so many of each, those with the best scores; all if None
-    wanted: Wanted
+    wanted: ExportOptions
 
     @classmethod
     def of(cls, recipe: Recipe, given: dict[str, Any]) -> Batch:
@@ -116,7 +116,7 @@ class Batch:
             [recipe.changed(materials=whole, seed=seed) for seed in seeds] for whole in wholes
         ]
         files = {name: given.get(name) for name in ("format", "names", "mtlx")}
-        return cls(recipes, keep, Wanted.of(files, "batch"))
+        return cls(recipes, keep, ExportOptions.of(files, "batch"))
 
     def work(self, downloads: Downloads) -> Callable[[Job], None]:
         """Return what makes it; the page gets one file."""
@@ -138,7 +138,7 @@ class Batch:
             return job(done, total, "outputs", preview)
 
         for number, recipes in enumerate(self.recipes, 1):
-            best: list[tuple[float, Made]] = []
+            best: list[tuple[float, Result]] = []
             for recipe in recipes:
                 made = make(open_job(recipe, job.session), job.session, within)
                 done += 1
@@ -153,7 +153,7 @@ class Batch:
                 lines += self._pack(packed, made, number, folder)
         packed.writestr(zipfile.ZipInfo("manifest.jsonl", DATE), "".join(lines))
 
-    def _pack(self, packed: zipfile.ZipFile, made: Made, number: int, folder: Path) -> list[str]:
+    def _pack(self, packed: zipfile.ZipFile, made: Result, number: int, folder: Path) -> list[str]:
         """Put the files of one output into the zip; its line of the manifest."""
         own = folder / "one"
         own.mkdir()
@@ -168,6 +168,6 @@ class Batch:
         return [json.dumps({"files": names, "recipe": made.recipe.as_json()}) + "\n"]
 
 
-def _score(made: Made) -> float:
+def _score(made: Result) -> float:
     score = weftex.assess(made.result.sample, made.result).score
     return float("inf") if score is None else score

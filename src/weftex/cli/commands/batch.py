@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from weftex.cli.terminal import Bar
     from weftex.method import Model
     from weftex.recipe import Recipe
-    from weftex.recipe.making import Opened
+    from weftex.recipe.opening import OpenedRecipe
     from weftex.results.synthesis import Synthesis
 
 _ABOUT = """\
@@ -274,7 +274,7 @@ class Maker:
     def __init__(self, recipe: Recipe, threads: int, args: argparse.Namespace) -> None:
         self.recipe, self.threads, self.args = recipe, threads, args
         self._path, self._cancelled = "", False
-        self._opened: Opened
+        self._opened: OpenedRecipe
         self._model: Model
         self._scorer: MapsScorer | None = None
 

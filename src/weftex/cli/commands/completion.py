@@ -6,7 +6,7 @@ import argparse
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from weftex.cli.parser import Built, Parser
+from weftex.cli.parser import Parser, ParserBuilt
 from weftex.errors import WeftexError
 
 _EXAMPLES = """\
@@ -28,13 +28,13 @@ def run(argv: list[str], commands: Mapping[str, str], run_command: Run) -> None:
     """Run the command; `argv` is what follows its name, `commands` are all, and what they do."""
 
     def built(command: str, argv: list[str]) -> Parser:
-        Parser.only_built = True
+        Parser.build_only = True
         try:
             run_command(command, argv)
-        except Built as whole:
+        except ParserBuilt as whole:
             return whole.parser
         finally:
-            Parser.only_built = False
+            Parser.build_only = False
         raise AssertionError(f"{command} parses nothing")
 
     parser = Parser(

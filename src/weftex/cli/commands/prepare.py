@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 from weftex.cli.parser import Parser
 from weftex.cli.terminal import finish
 from weftex.errors import InvalidInputError
-from weftex.recipe import MATERIAL, MENDING
-from weftex.recipe.words import material_of
+from weftex.recipe import MATERIAL, PREPARATION
+from weftex.recipe.words import described_material
 
 if TYPE_CHECKING:
     from weftex.cli.terminal import Bar, Outputs
@@ -34,20 +34,20 @@ def run(argv: list[str]) -> None:
     parser = Parser("prepare", _ABOUT, _EXAMPLES)
     parser.add_argument("sample", metavar="PHOTO", help="image, folder of maps, or sample:NAME")
     parser.share("--output", "--names", "--mtlx", "--quiet", "--allow-huge")
-    names = ("maps", *MENDING)
+    names = ("maps", *PREPARATION)
     parser.take(*(MATERIAL[name] for name in names))
     args = parser.parse(argv)
-    spec = material_of(args.sample, vars(args), names)
-    if not spec.keys() & MENDING:
+    spec = described_material(args.sample, vars(args), names)
+    if not spec.keys() & PREPARATION:
         raise InvalidInputError("nothing to do; give --straighten, --even-light, or both")
 
     def work(bar: Bar, outputs: Outputs) -> str:
         from weftex.cli.files import make_room, plan, read
-        from weftex.recipe.making import mended
+        from weftex.recipe.opening import prepared
 
         make_room([args.sample], args, outputs)
         material = read(args.sample, args, spec.get("maps"))
-        made = mended(material.exemplar(), spec)
+        made = prepared(material.exemplar(), spec)
         plans = plan([material], made, args)
         plans.write(lambda name: plans.pictures[name].pixels, outputs)
         height, width = made.shape

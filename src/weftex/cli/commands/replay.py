@@ -7,7 +7,7 @@ from dataclasses import replace
 from time import perf_counter
 from typing import TYPE_CHECKING
 
-from weftex.cli.parser import BLOCKS, Parser
+from weftex.cli.parser import Parser
 from weftex.cli.terminal import finish
 from weftex.roles import role_of
 
@@ -20,7 +20,6 @@ _EXAMPLES = """\
 examples:
   weftex replay wall.npz normal_16bit.png -o wall_normal.png
   weftex replay wall.npz stone_wall/ -o wall/          a folder of maps
-  weftex replay plane.zarr normal_16bit.png -o plane_normal.zarr
   weftex replay filled.npz height.exr -o filled_height.exr --background photo_height.exr
   weftex replay field.npz clover_height.png grape_height.png plum_height.png -o field_height.png
 """
@@ -31,28 +30,15 @@ def run(argv: list[str]) -> None:
     start = perf_counter()
     parser = Parser("replay", "Render a saved result with other maps of its sample.", _EXAMPLES)
     add = parser.add_argument
-    text = "file from --save-source, or an image written block by block"
-    add("source", metavar="F.npz", help=text)
+    add("source", metavar="F.npz", help="file from --save-source")
     text = "image of the sample's size, or of an integer multiple or fraction of it; or a folder "
     text += "of such maps; for 'weftex fuse', one for each sample"
     add("maps", metavar="MAP", nargs="+", help=text)
     text = "same map, or folder of maps, of the photo, if it was filled from another sample"
     add("--background", metavar="PHOTO", help=text)
-    parser.share("--output", "--names", "--mtlx", "--quiet", "--allow-huge", *BLOCKS)
+    parser.share("--output", "--names", "--mtlx", "--quiet", "--allow-huge")
     args = parser.parse(argv)
     from weftex.cli.files import make_room, plan, read
-    from weftex.cli.planes import definition_of_replay, is_source, refuse_options
-    from weftex.cli.planes import write as write_plane
-
-    if is_source(args.source):
-
-        def stream(bar: Bar, outputs: Outputs) -> str:
-            maps = [_as_map(read(one, args)) for one in args.maps]
-            return write_plane(args, definition_of_replay(args, maps), bar, outputs, start)
-
-        finish(stream, args.quiet)
-        return
-    refuse_options(args)
 
     def work(bar: Bar, outputs: Outputs) -> str:
         from weftex.prepare.combining import combined, of_one_kind, paired

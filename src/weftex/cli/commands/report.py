@@ -2,17 +2,12 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 from weftex.cli.files import load
 from weftex.cli.parser import Parser
 from weftex.cli.terminal import print_json
 from weftex.errors import InvalidInputError
 from weftex.recipe import MATERIAL
 from weftex.recipe.declared import TILEABLE
-
-if TYPE_CHECKING:
-    import argparse
 
 _ABOUT = """\
 Measure how well a result matches its sample, and write a page with images, maps of the flaws, and
@@ -24,7 +19,6 @@ examples:
   weftex report brick.png wall.png -o report.html
   weftex report brick.png wall.png --source wall.npz -o report.html
   weftex report brick.png tile.png --tileable --json
-  weftex report brick.png plane.zarr -o report.html  windows of an image written block by block
   weftex report stone_wall/ big/ -o report.html      a folder of maps and the result from it
 """
 
@@ -48,13 +42,9 @@ def run(argv: list[str]) -> None:
         raise InvalidInputError("nothing to do; give -o report.html, --json, or both")
     from weftex.io.pictures import check_output
     from weftex.pages.reports import report as measure
-    from weftex.planes.record import Record
 
     if args.output is not None:
         check_output(args.output, suffixes=(".html",))
-    if Record(args.result).begun():
-        _report_plane(args)
-        return
     sample, result = load(args.sample, args, "maps"), load(args.result, args)
     axes = None if args.tileable is None else TILEABLE.read(args.tileable)
     wrap = None if axes is None else (axes in (True, "y"), axes in (True, "x"))
@@ -65,27 +55,3 @@ def run(argv: list[str]) -> None:
         print_json(found.as_dict())
     else:
         print(found.verdict())
-
-
-def _report_plane(args: argparse.Namespace) -> None:
-    """Windows here and there, and the page of the worst of them."""
-    from weftex.pages.reports import report as measure
-    from weftex.planes import open_plane
-
-    for name in ("source", "tileable"):
-        if getattr(args, name) is not None:
-            raise InvalidInputError(f"--{name} has no effect: of a plane some windows are measured")
-    plane = open_plane(args.result)
-    sample = load(args.sample, args, "maps")
-    found = {window: measure(sample, plane.read(window)) for window in plane.windows()}
-    scores = {window: one.assessment.score or 0.0 for window, one in found.items()}
-    worst = max(scores, key=lambda window: scores[window])
-    if args.output is not None:
-        found[worst].save(args.output)
-    if args.json:
-        print_json([{"window": window, **one.as_dict()} for window, one in found.items()])
-        return
-    for top, left, height, width in found:
-        score = scores[top, left, height, width]
-        print(f"{width}x{height} at row {top}, column {left}: score {score:.2f}")
-    print(f"the worst, at row {worst[0]}, column {worst[1]}: {found[worst].verdict()}")

@@ -66,14 +66,14 @@ def run(argv: list[str]) -> None:
 
     from weftex.studio.limits import usual_limits
     from weftex.studio.listening import LOOPBACK, address_of, listen
-    from weftex.studio.store import default_folder
+    from weftex.studio.sessions import default_folder
     from weftex.studio.studio import Studio
-    from weftex.studio.uploads import Opened
+    from weftex.studio.uploads import StartMaterial
 
     limits = usual_limits()
     if args.memory is not None:
         limits = replace(limits, memory_bytes=args.memory * 2**20)
-    opened = None if args.sample is None else Opened.of(args.sample, limits)
+    opened = None if args.sample is None else StartMaterial.of(args.sample, limits)
     listener = listen(args.host, args.port)
     if args.host not in LOOPBACK:
         say("warning: " + _WARNING.format(host=args.host))

@@ -14,7 +14,7 @@ from weftex.methods.lattices.mean_tile import MeanTile
 from weftex.random import seed_number
 
 if TYPE_CHECKING:
-    from weftex.endless.boxes import Asked, Box
+    from weftex.endless.boxes import Box, PlaneRequest
     from weftex.exemplar import Exemplar
     from weftex.progress import ProgressCallback
     from weftex.random import Seed
@@ -74,7 +74,7 @@ class LatticeModel(Model):
         return self.make(canvas, origin, seed_number(seed), threads, progress)
 
     def make_window(
-        self, box: Box, asked: Asked, progress: ProgressCallback | None = None
+        self, box: Box, asked: PlaneRequest, progress: ProgressCallback | None = None
     ) -> Synthesis:
         """See `Model.make_window`; a period stretches the lattice as a tileable picture does."""
         corner = box.rows.first, box.columns.first

@@ -41,8 +41,8 @@ from weftex.threads import thread_count
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from weftex.endless.boxes import Asked, Box
-    from weftex.endless.corners import Pieces
+    from weftex.endless.boxes import Box, PlaneRequest
+    from weftex.endless.corners import SamplePieces
     from weftex.random import Seed
     from weftex.results.synthesis import Synthesis
 
@@ -63,7 +63,7 @@ class PatchModel(Model):
         self.method = method.resolved(exemplar)
         smaller = method.resolved_on(Canvas(1, 1), self.method) != self.method
         self.analysis = PatchAnalysis(self.method, exemplar, ahead=not smaller)
-        self._pieces: Pieces | None = None
+        self._pieces: SamplePieces | None = None
 
     def sample(
         self,
@@ -117,7 +117,7 @@ class PatchModel(Model):
         return Sizes(pitch=step * axis.nodes.period, belt=step)
 
     def make_window(
-        self, box: Box, asked: Asked, progress: ProgressCallback | None = None
+        self, box: Box, asked: PlaneRequest, progress: ProgressCallback | None = None
     ) -> Synthesis:
         """See `Model.make_window`: patches of a plane have an order of their own."""
         if self.method.pixelwise:
@@ -129,9 +129,9 @@ class PatchModel(Model):
         axes = PatchAxis.of(side, width, down), PatchAxis.of(side, width, across)
         plan = PlaneOrder(axes, box)
         if self._pieces is None:
-            from weftex.endless.corners import Pieces  # looks for lattices: only when needed
+            from weftex.endless.corners import SamplePieces  # looks for lattices: only when needed
 
-            self._pieces = Pieces(self.exemplar, analysis.windows(side, side)[0])
+            self._pieces = SamplePieces(self.exemplar, analysis.windows(side, side)[0])
         order = partial(plan.order, seed=asked.seed, pieces=self._pieces)
         canvas = Canvas(*plan.frame_shape)
         output = Output(analysis, canvas, asked.seed, asked.threads, progress, order)

@@ -33,7 +33,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from weftex.endless.boxes import Box, Span
-    from weftex.endless.corners import Pieces
+    from weftex.endless.corners import SamplePieces
     from weftex.methods.patches.analysis import Zones
 
     Ints = NDArray[np.int64]
@@ -160,7 +160,7 @@ class PlaneOrder:
                 flat[(own + steps[:, None])[depends[:, own]]] = True
         return needed
 
-    def order(self, zones: Zones, seed: int, pieces: Pieces) -> Order:
+    def order(self, zones: Zones, seed: int, pieces: SamplePieces) -> Order:
         """Return the patches in their order, on a frame that begins with the first of them.
 
         `zones` numbers the boundary zones, `seed` is the plane's, and `pieces` are sources for
@@ -203,7 +203,7 @@ class PlaneOrder:
             parallel=len(y) >= _THREADS_FROM,
         )
 
-    def _bits(self, y: Ints, x: Ints, seed: int, pieces: Pieces) -> NDArray[np.uint64]:
+    def _bits(self, y: Ints, x: Ints, seed: int, pieces: SamplePieces) -> NDArray[np.uint64]:
         """Bits by which the kernel draws the places that patches at nodes are to show."""
         names, at = [], []  # the same for every time around
         for axis, blocks, line, k in zip(

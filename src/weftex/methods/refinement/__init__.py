@@ -43,7 +43,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from weftex.canvas import Canvas
-    from weftex.endless.boxes import Asked, Box
+    from weftex.endless.boxes import Box, PlaneRequest
     from weftex.exemplar import Exemplar
     from weftex.methods.pixels.growth import Growth
     from weftex.progress import ProgressCallback
@@ -233,7 +233,7 @@ class RefinementModel(PixelModel):
     """A sample prepared for iterative refinement."""
 
     def make_window(
-        self, box: Box, asked: Asked, progress: ProgressCallback | None = None
+        self, box: Box, asked: PlaneRequest, progress: ProgressCallback | None = None
     ) -> Synthesis:
         """See `Model.make_window`: a plane of the start is refined level by level, where it may."""
         prepared: Prepared = self.prepared
@@ -256,7 +256,7 @@ class RefinementModel(PixelModel):
         belt = 2 * max(width, 16)
         return Sizes(pitch=max(4 * belt, _PITCH), belt=belt, around=width)
 
-    def start_of(self, box: Box, asked: Asked) -> NDArray[np.int32] | None:
+    def start_of(self, box: Box, asked: PlaneRequest) -> NDArray[np.int32] | None:
         """See `Model.start_of`: what the start's own plane shows."""
         return start_window(self.prepared.starts, box, asked)
 

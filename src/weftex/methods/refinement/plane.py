@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from weftex.endless.boxes import Asked
+    from weftex.endless.boxes import PlaneRequest
     from weftex.endless.grid import Block
     from weftex.exemplar import Exemplar
     from weftex.methods.refinement.levels import Level, Prepared
@@ -49,7 +49,7 @@ def refined_window(
     prepared: Prepared,
     exemplar: Exemplar,
     box: Box,
-    asked: Asked,
+    asked: PlaneRequest,
     callback: ProgressCallback | None = None,
 ) -> NDArray[np.int32]:
     """Return flat indices (H, W) of the sample's pixels in a window of the refined plane."""
@@ -94,7 +94,7 @@ def refined_window(
     return made
 
 
-def parts_of(levels: Sequence[Level], box: Box, asked: Asked) -> list[Part]:
+def parts_of(levels: Sequence[Level], box: Box, asked: PlaneRequest) -> list[Part]:
     """What a window depends on at each level, the finest first."""
     parts = list[Part]()
     for number, level in enumerate(levels):

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from weftex.canvas import Canvas
-    from weftex.endless.boxes import Asked, Box
+    from weftex.endless.boxes import Box, PlaneRequest
     from weftex.exemplar import Exemplar
     from weftex.method import Model
     from weftex.methods.pixels.growth import Growth
@@ -95,7 +95,7 @@ def result_of(prepared: Prepared, growth: Growth) -> tuple[str, NDArray[np.int32
 
 
 def start_window(
-    starts: dict[str, Model], box: Box, asked: Asked, step: int = 1
+    starts: dict[str, Model], box: Box, asked: PlaneRequest, step: int = 1
 ) -> NDArray[np.int32] | None:
     """Return flat indices of the sources of a box of the start's plane, None without a start.
 

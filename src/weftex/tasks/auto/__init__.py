@@ -30,7 +30,7 @@ from weftex.tasks.auto.trial import (
 )
 
 if TYPE_CHECKING:
-    from weftex.endless.boxes import Asked, Box
+    from weftex.endless.boxes import Box, PlaneRequest
     from weftex.progress import ProgressCallback
     from weftex.random import Seed
     from weftex.results.synthesis import Synthesis
@@ -163,7 +163,7 @@ class AutoModel(Model):
         return made
 
     def make_window(
-        self, box: Box, asked: Asked, progress: ProgressCallback | None = None
+        self, box: Box, asked: PlaneRequest, progress: ProgressCallback | None = None
     ) -> Synthesis:
         """See `Model.make_window`: the rule's choice for a picture as large as there can be.
 

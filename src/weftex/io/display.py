@@ -15,15 +15,15 @@ if TYPE_CHECKING:
 LARGEST = 1024  # pixels a side; of a larger picture every second, third, ... pixel is shown
 
 
-class Shown:
+class Displayable:
     """What has a picture: an array to NumPy, the picture itself in a notebook."""
 
     @abstractmethod
-    def _picture_shown(self) -> tuple[NDArray[Any], bool] | None:
+    def _displayed_picture(self) -> tuple[NDArray[Any], bool] | None:
         """The pixels, and whether the last channel is alpha; None where there are none yet."""
 
     def __array__(self, dtype: Any = None, copy: bool | None = None) -> NDArray[Any]:
-        found = self._picture_shown()
+        found = self._displayed_picture()
         if found is None:
             raise ValueError("this result was loaded without its sample; render a map of it")
         return np.array(found[0], dtype=dtype, copy=copy)
@@ -31,7 +31,7 @@ class Shown:
     def _repr_png_(self) -> bytes | None:
         from weftex.io.png import png_bytes  # takes its time, and few pictures are looked at
 
-        found = self._picture_shown()
+        found = self._displayed_picture()
         return None if found is None else png_bytes(small_bytes(*found))
 
     def _repr_html_(self) -> str | None:

@@ -26,10 +26,10 @@ if TYPE_CHECKING:
 
     OpenPicture = Callable[[str], Picture]
 
-__all__ = ["Loaded", "Opened", "loaded", "material_of", "opened"]
+__all__ = ["OpenedRecipe", "PreparedMaterial", "open_recipe", "prepare_material", "read_described"]
 
 
-class Loaded(NamedTuple):
+class PreparedMaterial(NamedTuple):
     """A material in memory."""
 
     spec: Mapping[str, Any]  # its description in the recipe
@@ -42,7 +42,7 @@ class Loaded(NamedTuple):
         return with_turns(self.exemplar, self.spec)
 
 
-def material_of(spec: Mapping[str, Any], open_picture: OpenPicture) -> Material:
+def read_described(spec: Mapping[str, Any], open_picture: OpenPicture) -> Material:
     """Read what a description says that a material is; a single picture is called by its role."""
     if "path" in spec:
         return read_material(spec["path"], spec.get("maps"))
@@ -64,22 +64,24 @@ def material_of(spec: Mapping[str, Any], open_picture: OpenPicture) -> Material:
     return Material(spec.get("name") or "material", pictures, roles, folder=True)
 
 
-def loaded(spec: Mapping[str, Any], material: Material, open_picture: OpenPicture) -> Loaded:
+def prepare_material(
+    spec: Mapping[str, Any], material: Material, open_picture: OpenPicture
+) -> PreparedMaterial:
     """Do to a material what its description says, in the order of `MATERIAL`."""
     exemplar = material.exemplar(tileable=spec.get("repeats", False))
     if "map_weights" in spec:
         exemplar = exemplar.changed(weights=spec["map_weights"])
     if "mask" in spec:
         exemplar = exemplar.changed(mask=_usable(exemplar, spec["mask"], open_picture))
-    return Loaded(spec, material, mended(exemplar, spec))
+    return PreparedMaterial(spec, material, prepared(exemplar, spec))
 
 
-def mended(exemplar: Exemplar, spec: Mapping[str, Any]) -> Exemplar:
+def prepared(exemplar: Exemplar, spec: Mapping[str, Any]) -> Exemplar:
     """Straighten a sample, and even its light, where its description says so."""
     if spec.get("straighten") is not None:
         from weftex.prepare.straightening import straighten
 
-        exemplar = straighten(exemplar, **ways_to_straighten(spec["straighten"]))
+        exemplar = straighten(exemplar, **straighten_arguments(spec["straighten"]))
     if spec.get("even_light") is not None:
         from weftex.prepare.lighting import even_light
 
@@ -96,7 +98,7 @@ def with_turns(exemplar: Exemplar, spec: Mapping[str, Any]) -> Exemplar:
     return turned(exemplar, spec["turn"])
 
 
-def ways_to_straighten(text: str) -> dict[str, str]:
+def straighten_arguments(text: str) -> dict[str, str]:
     """Return the arguments of `straighten`: vectors, corners, or nothing."""
     return {{4: "lattice", 8: "corners"}[text.count(",") + 1]: text} if text else {}
 
@@ -113,32 +115,29 @@ def _usable(exemplar: Exemplar, mask: str, open_picture: OpenPicture) -> NDArray
     return mask_of(picture.pixels, alpha=picture.alpha)
 
 
-def opened(
+def open_recipe(
     recipe: Fields,
-    open_material: Callable[[dict[str, Any]], Loaded] | None = None,
+    open_material: Callable[[dict[str, Any]], PreparedMaterial] | None = None,
     open_picture: OpenPicture | None = None,
-) -> Opened:
-    """Open the materials of a recipe, in files unless somebody opens them elsewhere.
-
-    `open_material` returns the `Loaded` of a description, `open_picture` the picture of a name.
-    """
+) -> OpenedRecipe:
+    """Open the materials of a recipe; without `open_material` and `open_picture`, from files."""
     from weftex.io.pictures import read_image
 
-    look = open_picture or read_image
+    read_picture = open_picture or read_image
 
-    def read(spec: dict[str, Any]) -> Loaded:
-        return loaded(spec, material_of(spec, look), look)
+    def read(spec: dict[str, Any]) -> PreparedMaterial:
+        return prepare_material(spec, read_described(spec, read_picture), read_picture)
 
     open_one = open_material or read
-    return Opened(recipe, tuple(open_one(spec) for spec in recipe.materials), look)
+    return OpenedRecipe(recipe, tuple(open_one(spec) for spec in recipe.materials), read_picture)
 
 
 @dataclass(frozen=True)
-class Opened:
+class OpenedRecipe:
     """A recipe whose materials are in memory."""
 
     recipe: Fields
-    loaded: tuple[Loaded, ...]
+    prepared: tuple[PreparedMaterial, ...]
     open_picture: OpenPicture
 
     @cached_property
@@ -146,17 +145,17 @@ class Opened:
         """The samples with the maps that all have, and notes about maps that are left out."""
         from weftex.prepare.combining import of_one_kind, paired
 
-        samples = of_one_kind([one.exemplar for one in self.loaded])
+        samples = of_one_kind([one.exemplar for one in self.prepared])
         return paired(samples, self.recipe.options.get("missing"))
 
     @property
     def _is_one(self) -> bool:
-        return len(self.loaded) == 1 or self.recipe.task in ("tile", "fill")
+        return len(self.prepared) == 1 or self.recipe.task in ("tile", "fill")
 
     @property
     def like(self) -> Exemplar:
         """The sample whose picture and maps the result has."""
-        return self.loaded[0].exemplar if self._is_one else self._pairs[0][0]
+        return self.prepared[0].exemplar if self._is_one else self._pairs[0][0]
 
     @property
     def notes(self) -> list[str]:
@@ -166,7 +165,7 @@ class Opened:
     @property
     def materials(self) -> tuple[Material, ...]:
         """The materials whose pictures the result has."""
-        return tuple(one.material for one in self.loaded)[: 1 if self._is_one else None]
+        return tuple(one.material for one in self.prepared)[: 1 if self._is_one else None]
 
     @cached_property
     def pictures(self) -> dict[str, Picture]:
@@ -192,14 +191,14 @@ class Opened:
 
         mask = self.recipe.options["mask"]
         picture = None if mask == "alpha" else self.open_picture(mask)
-        return hole_of(picture, self.loaded[0].exemplar)
+        return hole_of(picture, self.prepared[0].exemplar)
 
     @cached_property
     def shape(self) -> tuple[int, int]:
         """Height and width of the result."""
         options = self.recipe.options
         if self.recipe.task in ("tile", "fill"):
-            return self.loaded[0].exemplar.shape
+            return self.prepared[0].exemplar.shape
         if options.get("window") is not None:
             return tuple(options["window"][2:])
         if options["size"] is not None:
@@ -246,7 +245,7 @@ class Opened:
         method = self.recipe.method.slug
         how |= {"method": method, **self.recipe.parameters}  # tasks see which were given
         options = dict(self.recipe.options)
-        photo = self.loaded[0].exemplar
+        photo = self.prepared[0].exemplar
         if self.recipe.task == "tile":
             from weftex.tasks.tile import tile
 
@@ -255,12 +254,12 @@ class Opened:
             from weftex.tasks.fill import fill
 
             del options["mask"]
-            sample = self.loaded[1].sample if len(self.loaded) > 1 else None
+            sample = self.prepared[1].sample if len(self.prepared) > 1 else None
             return fill(photo, self.hole, sample=sample, **options, **how)
         from weftex.tasks.fuse import fuse
 
         del options["map"]
-        samples = [one.sample for one in self.loaded]
+        samples = [one.sample for one in self.prepared]
         return fuse(samples, self._label_map, options.pop("size"), **options, **how)
 
     def _synth(self, how: dict[str, Any], fit: Callable[[Exemplar], Model]) -> Synthesis:
