@@ -79,24 +79,22 @@ class Gradient:
                 "a gradient has a direction or a center, not both; leave one out"
             )
         if self.direction is not None:
-            _numbers("direction", [self.direction], -360, 360)
+            _check_numbers("direction", [self.direction], -360, 360)
         if self.center is not None:
-            if len(_several("center", self.center)) != 2:
+            _check_numbers("center", self.center, 0, 1)
+            if len(self.center) != 2:
                 raise InvalidInputError(
                     f"center is {self.center!r}; it must be two numbers, row and column"
                 )
-            _numbers("center", self.center, 0, 1)
         if self.radii is not None:
-            values = _several("radii", self.radii)
-            _numbers("radii", values, 0, 1)
-            if any(a >= b for a, b in itertools.pairwise(values)):
+            _check_numbers("radii", self.radii, 0, 1)
+            if any(a >= b for a, b in itertools.pairwise(self.radii)):
                 raise InvalidInputError(f"radii is {self.radii!r}; they must rise")
         if self.width is not None:
-            _numbers("width", [self.width], 0, 1, above=True)
+            _check_numbers("width", [self.width], 0, 1, above=True)
         if self.circles is not None:
             single = isinstance(self.circles, numbers.Real)
-            values = [self.circles] if single else _several("circles", self.circles)
-            _numbers("circles", values, 0, 1, above=True)
+            _check_numbers("circles", [self.circles] if single else self.circles, 0, 1, above=True)
 
     def label_map(
         self, size: tuple[int, int], scales: Sequence[int], seed: int
@@ -149,12 +147,12 @@ class Gradient:
         if self.circles is None:
             return [max(1, scale) for scale in scales]
         single = isinstance(self.circles, numbers.Real)
-        shares = [self.circles] * len(scales) if single else _several("circles", self.circles)
+        shares: Any = [self.circles] * len(scales) if single else self.circles
         if len(shares) != len(scales):
             raise InvalidInputError(
                 f"{len(shares)} circles for {len(scales)} samples; give one number, or one each"
             )
-        return [max(1, round(float(share) * min(size))) for share in shares]  # type: ignore[arg-type]
+        return [max(1, round(float(share) * min(size))) for share in shares]
 
     def _transitions(self, count: int) -> tuple[list[float], float]:
         """Return the position at which each transition begins, and its sigma."""
@@ -183,15 +181,10 @@ class Gradient:
         return ((v - height / 2) * down + (u - width / 2) * right) / length + 0.5
 
 
-def _several(name: str, values: Any) -> list[Any]:
+def _check_numbers(name: str, values: Any, low: float, high: float, *, above: bool = False) -> None:
+    """Raise `InvalidInputError` unless these are numbers from `low`, or `above` it, to `high`."""
     if isinstance(values, str) or not hasattr(values, "__len__"):
         raise InvalidInputError(f"{name} is {values!r}; it must be numbers")
-    return list(values)
-
-
-def _numbers(
-    name: str, values: Sequence[Any], low: float, high: float, *, above: bool = False
-) -> None:
     reach = f"above {low:g} and at most {high:g}" if above else f"from {low:g} to {high:g}"
     for value in values:
         number = isinstance(value, numbers.Real) and not isinstance(value, bool)
@@ -210,43 +203,50 @@ def labels_of(
         raise InvalidInputError(f"the map has shape {picture.shape}; it must be (H, W[, C])")
     flat = picture.reshape(picture.shape[0] * picture.shape[1], -1)
     if colors is None:
-        found, first, inverse = np.unique(flat, axis=0, return_index=True, return_inverse=True)
-        order = np.argsort(first)
-        if len(found) != count:
-            shown = ", ".join(_text(c) for c in found[order][:_SHOWN])
-            more = ", ..." if len(found) > _SHOWN else ""
-            raise InvalidInputError(
-                f"the map has {len(found)} colors ({shown}{more}) for {count} samples; there must "
-                "be one for each sample, or say which to take: colors=[...], or --colors"
-            )
-        rank = np.empty(count, np.int32)
-        rank[order] = np.arange(count, dtype=np.int32)
-        labels, wanted = rank[inverse.ravel()], found[order]
+        labels, wanted = _by_appearance(flat, count)
     else:
-        if len(colors) != count:
-            raise InvalidInputError(
-                f"{len(colors)} colors for {count} samples or mixed regions; give one each"
-            )
-        try:
-            wanted = np.array([np.ravel(c) for c in colors])
-            wanted = wanted if wanted.dtype.kind in "biuf" else np.zeros((0, 0))
-        except (TypeError, ValueError, OverflowError):
-            wanted = np.zeros((0, 0))
-        if wanted.shape == (count, flat.shape[1] - 1) and (flat[:, -1] == flat[0, -1]).all():
-            flat = flat[:, :-1]  # what was painted on a canvas has an alpha, which says nothing
-        if wanted.shape != (count, flat.shape[1]):
-            raise InvalidInputError(f"each color must have {flat.shape[1]} numbers, as in the map")
-        for k in range(1, count):
-            if (wanted[:k] == wanted[k]).all(axis=1).any():
-                raise InvalidInputError(
-                    f"the color {_text(wanted[k])} is given twice; give one each"
-                )
-        distance = np.stack([((flat - c.astype(np.float64)) ** 2).sum(axis=1) for c in wanted])
-        labels = distance.argmin(axis=0).astype(np.int32)
-        for k in range(count):
-            if not (distance[k] == 0).any():
-                raise InvalidInputError(f"the map has no pixel of the color {_text(wanted[k])}")
+        labels, wanted = _by_nearest(flat, count, colors)
     return labels.reshape(picture.shape[:2]), [tuple(c.tolist()) for c in wanted]
+
+
+def _by_appearance(flat: NDArray[Any], count: int) -> tuple[NDArray[np.int32], NDArray[Any]]:
+    """Label the colors (N, C) of a map in the order in which they appear."""
+    found, first, inverse = np.unique(flat, axis=0, return_index=True, return_inverse=True)
+    order = np.argsort(first)
+    if len(found) != count:
+        listed = ", ".join(map(_text, found[order][:_SHOWN])) + ", ..." * (len(found) > _SHOWN)
+        raise InvalidInputError(
+            f"the map has {len(found)} colors ({listed}) for {count} samples; there must be one "
+            "for each sample, or say which to take: colors=[...], or --colors"
+        )
+    return np.argsort(order).astype(np.int32)[inverse.ravel()], found[order]
+
+
+def _by_nearest(
+    flat: NDArray[Any], count: int, colors: Sequence[Any]
+) -> tuple[NDArray[np.int32], NDArray[Any]]:
+    """Label each color (N, C) of a map by the nearest of the given ones."""
+    if len(colors) != count:
+        raise InvalidInputError(
+            f"{len(colors)} colors for {count} samples or mixed regions; give one each"
+        )
+    try:
+        wanted = np.array([np.ravel(c) for c in colors])
+        wanted = wanted if wanted.dtype.kind in "biuf" else np.zeros((0, 0))
+    except (TypeError, ValueError, OverflowError):
+        wanted = np.zeros((0, 0))
+    if wanted.shape == (count, flat.shape[1] - 1) and (flat[:, -1] == flat[0, -1]).all():
+        flat = flat[:, :-1]  # the alpha of a canvas that was painted on
+    if wanted.shape != (count, flat.shape[1]):
+        raise InvalidInputError(f"each color must have {flat.shape[1]} numbers, as in the map")
+    distance = np.stack([((flat - c.astype(np.float64)) ** 2).sum(axis=1) for c in wanted])
+    for k, color in enumerate(wanted):
+        if (wanted[:k] == color).all(axis=1).any():
+            raise InvalidInputError(f"the color {_text(color)} is given twice; give one each")
+    for k, color in enumerate(wanted):
+        if not (distance[k] == 0).any():
+            raise InvalidInputError(f"the map has no pixel of the color {_text(color)}")
+    return distance.argmin(axis=0).astype(np.int32), wanted
 
 
 def map_picture(label_map: Any) -> NDArray[Any]:

@@ -113,43 +113,43 @@ def of_one_kind(exemplars: Sequence[Exemplar], what: str = "sample") -> list[Exe
 def paired(
     exemplars: Sequence[Exemplar], missing: Mapping[str, float | str] | None = None
 ) -> tuple[list[Exemplar], list[str]]:
-    """Give all samples the same maps, by role.
+    """Give all samples the same maps, by role; return them, and notes about maps left out.
 
-    Normal maps are one role, whichever way their y points, and are turned as those of the first
-    sample that has one.
+    Normal maps of both conventions are one role, in the convention of the first sample with one.
     """
     values = _checked(missing)
     owned = [_slots(exemplar) for exemplar in exemplars]
-    wanted: dict[str, list[str]] = {}
+    wanted: dict[str, list[str]] = {}  # map names by slot, of the first sample that has it
     for slots in owned:
-        wanted |= {slot: keys for slot, keys in slots.items() if slot not in wanted}
+        wanted |= {slot: names for slot, names in slots.items() if slot not in wanted}
     maps: list[dict[str, Exemplar]] = [{} for _ in exemplars]
     notes = []
-    for slot, keys in wanted.items():
+    for slot, names in wanted.items():
         lacking = [e.name for e, slots in zip(exemplars, owned, strict=True) if slot not in slots]
         if lacking and slot not in values:
             notes.append(f"{slot} is ignored: {' and '.join(lacking)} has none")
             continue
         value = values.pop(slot) if lacking else 0.0
-        for key in keys:
-            like = next(e for e in exemplars if key in e.maps)
-            found = [
-                _constant(e, like, key, value)
-                if slot not in slots
-                else _turned(e, slots[slot], key)
-                for e, slots in zip(exemplars, owned, strict=True)
-            ]
-            _check_scales(exemplars, found, like, key)
-            notes += [
-                f"the {slots[slot][0]} of {e.name} is taken for {key}, which its name does not say"
-                for e, slots in zip(exemplars, owned, strict=True)
-                if slot in slots and key not in slots[slot] and "normal" in (key, slots[slot][0])
-            ]
-            for one, own in zip(of_one_kind(found, f"the {key} of sample"), maps, strict=True):
-                own[key] = one
-    for name in values:
-        near = "; all samples have it" if name in wanted else did_you_mean(name, wanted)
-        raise InvalidInputError(f"missing has '{name}', which no sample lacks{near}")
+        for name in names:
+            like = next(e for e in exemplars if name in e.maps)
+            found = []
+            for exemplar, slots in zip(exemplars, owned, strict=True):
+                if slot not in slots:
+                    found.append(_constant(exemplar, like, name, value))
+                    continue
+                found.append(_turned(exemplar, slots[slot], name))
+                own = slots[slot][0]
+                if name not in slots[slot] and "normal" in (name, own):
+                    notes.append(
+                        f"the {own} of {exemplar.name} is taken for {name}, which its name does "
+                        "not say"
+                    )
+            _check_scales(exemplars, found, like, name)
+            for one, given in zip(of_one_kind(found, f"the {name} of sample"), maps, strict=True):
+                given[name] = one
+    for slot in values:
+        near = "; all samples have it" if slot in wanted else did_you_mean(slot, wanted)
+        raise InvalidInputError(f"missing has '{slot}', which no sample lacks{near}")
     return [e.changed(maps=own) for e, own in zip(exemplars, maps, strict=True)], notes
 
 

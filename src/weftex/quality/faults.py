@@ -9,6 +9,7 @@ import numpy as np
 from weftex.quality.pair import LARGEST_MEASURED, pair_of
 from weftex.quality.seams import StepModel, seam_map
 from weftex.quality.view import middle, views
+from weftex.results.drawing import draw_sources
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -42,11 +43,7 @@ def fault_maps(
     if source is not None:
         source = middle(source, made.shape)
         known = source[..., 0] >= 0
-        scale = 255 / np.maximum(np.array(pictured.shape) - 1, 1)
-        color = np.full((*made.shape, 3), 96, np.uint8)
-        color[..., 1::-1] = np.rint(np.maximum(source, 0) * scale)
-        color[~known] = 0
-        maps["source"] = color
+        maps["source"] = draw_sources(source, pictured.shape)
         count = np.zeros(pictured.shape)
         np.add.at(count, (source[known][:, 0], source[known][:, 1]), 1)
         usual = max(float(count.mean()), 1e-9)
