@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 from dataclasses import dataclass
 from functools import partial
-from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
 from weftex.errors import InvalidInputError
@@ -153,10 +152,9 @@ def plan(
     args: argparse.Namespace,
     notes: Sequence[str] = (),
 ) -> Plan:
-    """Say where everything goes; whatever can be wrong with it is found here, before any work.
+    """Return where everything goes, checked before any work; `notes` are further lines to print.
 
     `made` is a sample with the maps to write; each is stored as the first material that has it.
-    `notes` are further lines to print.
     """
     from weftex.io.pictures import check_output
 
@@ -259,9 +257,9 @@ def write_debug(result: Synthesis, folder: str, outputs: Outputs) -> None:
         write_image(outputs.add(os.path.join(folder, f"{name}.png")), result.draw(what))
 
 
-def report(args: argparse.Namespace, result: Synthesis, what: str, start: float, told: str) -> str:
+def report(args: argparse.Namespace, result: Synthesis, what: str, took: float, told: str) -> str:
     """Print what was made, how and how fast, after the maps and the reasons if weftex chose."""
-    used, took = result.provenance, perf_counter() - start
+    used = result.provenance
     if args.verbose:
         told += f"sample: {result.sample!r}\n"
         told += "".join(f"used: {name} {value}\n" for name, value in used.items())

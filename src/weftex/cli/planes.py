@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 from contextlib import ExitStack
 from functools import partial
-from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
 from weftex.canvas import MAX_PIXELS
@@ -111,7 +110,7 @@ def stems_of(args: argparse.Namespace, material: Material) -> dict[str, str]:
     return {name: file_stem(args.names, own, role) for name, role in material.roles.items()}
 
 
-def synthesize(recipe: Recipe, args: argparse.Namespace, start: float) -> None:
+def synthesize(recipe: Recipe, args: argparse.Namespace) -> None:
     """Do what `weftex synth` does where it writes block by block."""
     check_options(args)
 
@@ -127,12 +126,12 @@ def synthesize(recipe: Recipe, args: argparse.Namespace, start: float) -> None:
         how: dict[str, Any] = {"seed": seed, "tileable": recipe.options["tileable"]}
         how |= {"block": args.block or BLOCK, "stems": stems_of(args, job.materials[0])}
         plane = define(job.sample, job.shape, recipe.method, {}, **how)
-        return _write(args, plane, bar, start)
+        return _write(args, plane, bar)
 
     finish(work, args.quiet, verbose=args.verbose)
 
 
-def _write(args: argparse.Namespace, definition: Definition, bar: Bar, start: float) -> str:
+def _write(args: argparse.Namespace, definition: Definition, bar: Bar) -> str:
     """Write a plane, and return the line about it."""
     from weftex.planes.beginning import done_before
     from weftex.planes.plane_file import PlaneFile
@@ -162,7 +161,7 @@ def _write(args: argparse.Namespace, definition: Definition, bar: Bar, start: fl
 
             how["runner"] = in_cluster(stack.enter_context(connected(args.cluster)), plane)
         written = write_plane(plane, **how)
-    took = perf_counter() - start
+    took = bar.took
     speed = f" ({written.pixels / took / 1e6:.3g} megapixels/s)" if written.pixels else ""
     line = (
         f"made {part}{definition.width}x{definition.height} {args.output} with "

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from time import perf_counter
 from typing import TYPE_CHECKING, NamedTuple
 
 from weftex.cli.options import given_blocks, parse_task
@@ -110,7 +109,6 @@ examples:
 
 def run_task(task: str, argv: list[str]) -> None:
     """Run the command of a task; `argv` is what follows its name."""
-    start = perf_counter()
     said = _HELP[task]
     parser = Parser(task, said.about, said.examples)
     count = "+" if task in ("synth", "fuse") else None
@@ -127,7 +125,7 @@ def run_task(task: str, argv: list[str]) -> None:
     if task == "synth" and _is_plane(recipe, args):
         from weftex.cli.planes import synthesize
 
-        synthesize(recipe, args, start)
+        synthesize(recipe, args)
         return
     debug = getattr(args, "debug", None)
 
@@ -143,7 +141,7 @@ def run_task(task: str, argv: list[str]) -> None:
             write_debug(result, debug, outputs)
         if task == "fill" and not job.hole.any():
             return f"the mask covers nothing; {args.output} is the photo unchanged"
-        return report(args, result, _done(job, result), start, plan.told)
+        return report(args, result, _done(job, result), bar.took, plan.told)
 
     finish(work, args.quiet, preview=args.preview, verbose=args.verbose)
 

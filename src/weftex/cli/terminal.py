@@ -62,10 +62,9 @@ def remove_temporary_files() -> None:
 
 
 def open_closed_streams() -> None:
-    """Open the null device for each standard stream that is closed.
+    """Open the null device for closed standard streams, so that no other file gets their numbers.
 
-    Otherwise files that are opened later get its number, and what is printed. Reading standard
-    input and writing standard output still fail; standard error is not needed.
+    Reading standard input and writing standard output still fail.
     """
     how = {"stdin": ("r", os.O_WRONLY), "stdout": ("w", os.O_RDONLY), "stderr": ("w", os.O_WRONLY)}
     for number, (name, (mode, flags)) in enumerate(how.items()):
@@ -111,6 +110,11 @@ class Bar(progress.Bar):
             self._wrote = True
         end = perf_counter()
         self._due = end + max(_PREVIEW_AFTER, 20 * (end - start))
+
+    @property
+    def took(self) -> float:
+        """Seconds since the work began."""
+        return perf_counter() - self._start
 
     def show(self) -> None:
         """Draw, if it is time."""
@@ -183,12 +187,10 @@ class Outputs:
 def run(
     work: Callable[[Bar, Outputs], Result], quiet: bool, preview: str | None = None
 ) -> tuple[Result, Bar]:
-    """Do `work` so that signals end it within a second, whatever it is in the middle of.
+    """Do `work` in a thread, so that a signal ends it within a second; return its result and bar.
 
-    Python delivers signals between two steps of the main thread, and a step of the compiled part
-    may take long; so the work is done beside it. Its outputs appear when it ends well; a signal
-    that comes then or later is ignored. Returns what `work` returned, and the bar with the times of
-    its stages; raises `Stopped`, or ends the process if the work does not stop.
+    The main thread gets signals while compiled code runs. Outputs appear when the work ends well; a
+    signal after that is ignored. Raises `Stopped`, or ends the process if the work does not stop.
     """
     outputs = Outputs()
     bar, ended = Bar(quiet, preview), threading.Event()

@@ -167,11 +167,10 @@ def gradient(given: Mapping[str, Any]) -> Any:
 
 
 def checked_material(given: Any, *, local: bool = False) -> dict[str, Any]:
-    """Return a checked description of a material; nothing is read.
+    """Return a checked description of a material: its source and options of `MATERIAL`.
 
-    It has "sample", the name of one that ships with weftex; or "maps", pictures by what they show,
-    and "name"; or, if `local`, "path" of a file or folder, where "maps" are files in it. It may
-    have any other option of `MATERIAL`.
+    The source is "sample", the name of a bundled one; or "maps", images by what they show, and
+    "name"; or, if `local`, "path" of a file, or of a folder with "maps", its files.
     """
     if not isinstance(given, Mapping):
         raise InvalidInputError(f"materials has {shown(given)}; it must be a description")

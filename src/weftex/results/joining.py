@@ -76,13 +76,14 @@ def join_steps(laid: PastedPieces, given: Exemplar, reach: float, window: Window
     least, most = (np.array(ends, np.float64) for ends in _ends(source, given.role.kind))
     top, left, height, width = window
     side = max(1, _BLOCK // laid.scale)
+    margin = int(_MARGIN * reach)
     corners = product(
         range(top // side * side, top + height, side),
         range(left // side * side, left + width, side),
     )
 
     def join(corner: tuple[int, int]) -> None:
-        steps, lines, margin = _divergence(laid, source, corner, side, reach)
+        steps, lines = _divergence(laid, source, corner, side, margin)
         ends = [
             (max(at, start), min(at + side, start + n))
             for at, start, n in zip(corner, window[:2], window[2:], strict=True)
@@ -121,53 +122,60 @@ def _ends(source: NDArray[Any], kind: str) -> tuple[Any, Any]:
     return least, most
 
 
-def _divergence(
-    laid: PastedPieces, sample: NDArray[Any], corner: tuple[int, int], side: int, reach: float
-) -> tuple[Floats, list[NDArray[np.int64]], int]:
-    """Sum of g - h' over the edges into each pixel minus the edges out of it, an array per channel.
+class _Lines(NamedTuple):
+    """A block with its margin along one axis."""
 
-    Also returns the rows and columns of the block with its margin, and the margin; they are
-    mirrored outside a border that does not wrap.
+    runs: list[tuple[int, int]]  # first and number of the output's lines to read
+    around: bool  # whether all lines are read and the first one follows the last
+    inside: NDArray[np.int64]  # places among the lines read, at the map's scale; mirrored outside
+
+
+def _lines(first: int, side: int, n: int, wraps: bool, margin: int, scale: int) -> _Lines:
+    """Return the lines of a block that begins at `first` of `n` lines, and of its margin."""
+    last = min(first + side, n)
+    low, high = first - margin - 1, last + margin + 1  # a line more, for edges that lead there
+    inside = np.arange((first - margin) * scale, (last + margin) * scale)
+    if wraps and high - low >= n:
+        return _Lines([(0, n)], True, inside % (n * scale))
+    if wraps:
+        start, before = low % n, min(high - low, n - low % n)
+        runs = [(start, before), (0, high - low - before)][: 1 + (before < high - low)]
+        return _Lines(runs, False, inside - low * scale)
+    start = max(low, 0)
+    inside %= 2 * n * scale
+    inside = np.minimum(inside, 2 * n * scale - 1 - inside) - start * scale
+    return _Lines([(start, min(high, n) - start)], False, inside)
+
+
+def _divergence(
+    laid: PastedPieces, sample: NDArray[Any], corner: tuple[int, int], side: int, margin: int
+) -> tuple[Floats, list[NDArray[np.int64]]]:
+    """Return the sum of g - h' over the edges into each pixel minus the edges out of it (C, H, W).
+
+    Also returns the rows and columns of it that are the block and its margin.
     """
-    margin, scale = int(_MARGIN * reach), laid.scale
-    runs: list[list[tuple[int, int]]] = []  # first and length of what is looked up along each axis
-    around, inside = [], []
-    for first, n, wraps in zip(corner, laid.shape, laid.wrap, strict=True):
-        last = min(first + side, n)
-        low, high = first - margin - 1, last + margin + 1  # a line more, for edges that lead there
-        around.append(wraps and high - low >= n)
-        line = np.arange((first - margin) * scale, (last + margin) * scale)
-        if around[-1]:
-            runs.append([(0, n)])
-            inside.append(line % (n * scale))
-        elif wraps:
-            start, before = low % n, min(high - low, n - low % n)
-            runs.append([(start, before), (0, high - low - before)][: 1 + (before < high - low)])
-            inside.append(line - low * scale)
-        else:
-            start = max(low, 0)
-            runs.append([(start, min(high, n) - start)])
-            line %= 2 * n * scale
-            inside.append(np.minimum(line, 2 * n * scale - 1 - line) - start * scale)
-    windows = [[(top, left, high, wide) for left, wide in runs[1]] for top, high in runs[0]]
+    rows, columns = (
+        _lines(first, side, n, wraps, margin, laid.scale)
+        for first, n, wraps in zip(corner, laid.shape, laid.wrap, strict=True)
+    )
+    windows = [[(top, left, high, wide) for left, wide in columns.runs] for top, high in rows.runs]
     layers_of = [[laid.layers(window) for window in row] for row in windows]
     made = _as_one([[laid.pixels(window) for window in row] for row in windows])
     made = made.reshape(*made.shape[:2], -1)
     coordinates, shares = (_as_one([[one[k] for one in row] for row in layers_of]) for k in (0, 1))
     layers = int((shares > 0).any(axis=(0, 1)).sum()) or 1  # the heaviest first
-    coordinates, shares = _finer(coordinates[:, :, :layers], shares[:, :, :layers], scale)
-    rows = len(made)
-    if around[0]:  # the first line again, below the last one
+    coordinates, shares = _finer(coordinates[:, :, :layers], shares[:, :, :layers], laid.scale)
+    height = len(made)
+    if rows.around:  # the first line again, below the last one
         made, coordinates, shares = (
             np.concatenate([a, a[:1]]) for a in (made, coordinates, shares)
         )
     steps = np.zeros((made.shape[2], *made.shape[:2]))
-    kernels.compare_slopes(
-        steps, made, sample, coordinates, shares, rows, around[1], np.zeros(made.shape[2])
-    )
-    if around[0]:
-        steps[:, 0] += steps[:, rows]
-    return steps, inside, margin
+    zeros = np.zeros(made.shape[2])
+    kernels.compare_slopes(steps, made, sample, coordinates, shares, height, columns.around, zeros)
+    if rows.around:
+        steps[:, 0] += steps[:, height]
+    return steps, [rows.inside, columns.inside]
 
 
 def _as_one(pieces: list[list[NDArray[Any]]]) -> NDArray[Any]:

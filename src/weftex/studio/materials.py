@@ -37,14 +37,12 @@ def load(given: Any, session: Session) -> PreparedMaterial:
     """Read a material, or remember it."""
     spec, open_picture = checked_material(given), partial(picture_of, session=session)
 
-    def read() -> tuple[PreparedMaterial, int]:
-        found = prepare_material(spec, read_described(spec, open_picture), open_picture)
-        return found, 2 * size_of(found.exemplar)
+    def read() -> PreparedMaterial:
+        return prepare_material(spec, read_described(spec, open_picture), open_picture)
 
     for upload in pictures_of(spec):
         session.upload(upload)
-    found: PreparedMaterial = session.find(read, "material", id_of(spec))
-    return found
+    return session.find(read, lambda found: 2 * size_of(found.exemplar), "material", id_of(spec))
 
 
 def size_of(exemplar: Exemplar) -> int:
@@ -133,10 +131,8 @@ _DEGREE = 2  # of the light that the button takes off
 
 def analysis_of(loaded: PreparedMaterial, session: Session) -> dict[str, Any]:
     """Return what a material is like; larger ones are analyzed by a smaller copy."""
-    found: dict[str, Any] = session.find(
-        lambda: (_analysis(loaded), 2**14), "look", id_of(loaded.spec)
-    )
-    return found
+    key = "analysis", id_of(loaded.spec)
+    return session.find(lambda: _analysis(loaded), lambda _: 2**14, *key)
 
 
 def _analysis(loaded: PreparedMaterial) -> dict[str, Any]:
@@ -192,9 +188,8 @@ def rate_lattice(loaded: PreparedMaterial, vectors: str, session: Session) -> di
     if exemplar.shape[0] * exemplar.shape[1] > _LARGEST:
         raise Refusal(413, "lattice: this sample is too large to rate lattices while you wait")
     size = 64 * exemplar.shape[0] * exemplar.shape[1]
-    rating: LatticeRating = session.find(
-        lambda: (LatticeRating(exemplar), size), "rating", id_of(loaded.spec)
-    )
+    key = "rating", id_of(loaded.spec)
+    rating = session.find(lambda: LatticeRating(exemplar), lambda _: size, *key)
     return vars(rating.rate(vectors))
 
 

@@ -70,42 +70,41 @@ def picture_of(made: Result, map_name: str | None, drawing: str | None, session:
     if drawing is not None and drawing not in DRAWINGS:
         raise Refusal(404, f"there is no such drawing; known: {', '.join(DRAWINGS)}", "draw")
 
-    def draw() -> tuple[Bytes, int]:
-        if drawing is not None:
-            found = np.atleast_3d(made.result.draw(drawing))
-        else:
-            found = shown(like, made.pixels(map_name))
-        return found, found.nbytes
+    def draw() -> Bytes:
+        if drawing is None:
+            return shown(like, made.pixels(map_name))
+        return np.atleast_3d(made.result.draw(drawing))
 
-    picture: Bytes = session.find(draw, "picture", made.id, map_name, drawing)
-    return picture
+    return session.find(draw, _size, "picture", made.id, map_name, drawing)
 
 
 def figures_of(made: Result, session: Session) -> dict[str, Any]:
     """Return the quality of a result as JSON for the page."""
 
-    def measure() -> tuple[dict[str, Any], int]:
+    def measure() -> dict[str, Any]:
         found = weftex.assess(made.result.sample, made.result)
         plain = found.as_dict()
         figures = {name: plain.get(name) for name in FIGURES}
         about = {"score": found.score, "flags": list(found.flags), "verdict": found.verdict()}
-        return {**about, "figures": figures}, 4096
+        return {**about, "figures": figures}
 
-    found: dict[str, Any] = session.find(measure, "figures", made.id)
-    return found
+    return session.find(measure, lambda _: 4096, "figures", made.id)
 
 
 def seams_of(made: Result, session: Session) -> Bytes:
     """Return a picture of where a result has seams that show, as its report has it."""
 
-    def look() -> tuple[Bytes, int]:
+    def draw() -> Bytes:
         found = fault_maps(made.result.sample, made.result.image, None).get("seams")
         if found is None:
             raise Refusal(422, "the result is too small for a map of its seams")
-        return found, found.nbytes
+        return found
 
-    found: Bytes = session.find(look, "seams", made.id)
-    return found
+    return session.find(draw, _size, "seams", made.id)
+
+
+def _size(picture: Bytes) -> int:
+    return picture.nbytes
 
 
 def preview_of(sample: Exemplar) -> Any:

@@ -14,7 +14,7 @@ import threading
 import time
 from contextlib import suppress
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from weftex.errors import FileError
 from weftex.io.pictures import write_text
@@ -25,6 +25,7 @@ if TYPE_CHECKING:
 
     from weftex.studio.limits import Limits, Memory
 
+Value = TypeVar("Value")
 
 DAY = 86400.0
 _DAYS, _DAYS_KEPT = 2, 60  # that a session outlives its last use, without and with kept recipes
@@ -167,12 +168,12 @@ class Session:
         """Keep a value of `size` bytes in memory, within the limit."""
         self.memory.put((self.key, *key), value, size)
 
-    def find(self, make: Callable[[], tuple[Any, int]], *key: Any) -> Any:
-        """Return what is in memory, or make and remember it: a value and its bytes."""
-        found = self.recall(*key)
+    def find(self, make: Callable[[], Value], size: Callable[[Value], int], *key: Any) -> Value:
+        """Return what is in memory, or make and remember it; `size` returns its bytes."""
+        found: Value | None = self.recall(*key)
         if found is None:
-            found, size = make()
-            self.remember(found, size, *key)
+            found = make()
+            self.remember(found, size(found), *key)
         return found
 
     def path(self, about: Mapping[str, Any]) -> Path:

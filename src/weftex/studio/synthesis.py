@@ -69,8 +69,12 @@ class Result:
     @property
     def bytes(self) -> int:
         """What it takes in memory."""
-        arrays = sum(array.nbytes for array in self.result.arrays().values())
-        return int(self.result.image.nbytes + arrays)
+        return _bytes(self.result)
+
+
+def _bytes(result: Synthesis) -> int:
+    """Return what a result takes in memory."""
+    return int(result.image.nbytes + sum(array.nbytes for array in result.arrays().values()))
 
 
 def open_job(recipe: Recipe, session: Session) -> OpenedRecipe:
@@ -92,12 +96,8 @@ def open_job(recipe: Recipe, session: Session) -> OpenedRecipe:
 def fitted(job: OpenedRecipe, session: Session, sample: Exemplar) -> Model:
     """Return a recipe's method, fitted to its sample."""
     method, names = job.recipe.method, [id_of(spec) for spec in job.recipe.materials]
-
-    def fit() -> tuple[Model, int]:
-        return method.fit(sample), 8 * size_of(sample)
-
-    model: Model = session.find(fit, "model", *names, method)
-    return model
+    key = "model", *names, method
+    return session.find(lambda: method.fit(sample), lambda _: 8 * size_of(sample), *key)
 
 
 def make(job: OpenedRecipe, session: Session, progress: ProgressCallback) -> Result:
@@ -129,10 +129,10 @@ def begin_plane(given: Any, session: Session) -> dict[str, Any]:
     job = open_job(recipe.changed(size=None, tileable=False), session)
     name = id_of({"plane": job.recipe.as_json()})
 
-    def fit() -> tuple[Plane, int]:
-        return Plane(fitted(job, session, job.sample), next(iter(job.pictures)), recipe.seed), 2**20
+    def fit() -> Plane:
+        return Plane(fitted(job, session, job.sample), next(iter(job.pictures)), recipe.seed)
 
-    plane: Plane = session.find(fit, "plane", name)
+    plane = session.find(fit, lambda _: 2**20, "plane", name)
     return {"id": name, "maps": maps_of(plane.model.exemplar, plane.main)}
 
 
@@ -144,10 +144,8 @@ def plane_window(name: str, query: Mapping[str, str], session: Session) -> NDArr
     top, left = (whole_number(query, side, 0, -_FAR, _FAR) for side in ("top", "left"))
     height, width = (whole_number(query, side, 256, 1, _LARGEST) for side in ("height", "width"))
     like = map_of(plane.model.exemplar, plane.main, query.get("map"))
-
-    def make() -> tuple[Any, int]:
-        made = plane.model.window(top, left, height, width, seed=plane.seed, threads=1)
-        return made, 2 * made.image.nbytes + sum(array.nbytes for array in made.arrays().values())
-
-    made = session.find(make, "window", name, top, left, height, width)
+    box = top, left, height, width
+    made = session.find(
+        lambda: plane.model.window(*box, seed=plane.seed, threads=1), _bytes, "window", name, *box
+    )
     return shown(like, made.image if like is plane.model.exemplar else made.render(like))

@@ -67,13 +67,8 @@ def made_of(recipe: Recipe, job: Job) -> Result:
     session = job.session
     ready = open_job(recipe, session)
     job.to_show = results.preview_of(ready.prepared[0].exemplar)
-
-    def make_it() -> tuple[Result, int]:
-        made = make(ready, session, job)
-        return made, 2 * made.bytes
-
-    found: Result = session.find(make_it, "result", id_of(ready.recipe.as_json()))
-    return found
+    key = "result", id_of(ready.recipe.as_json())
+    return session.find(lambda: make(ready, session, job), lambda made: 2 * made.bytes, *key)
 
 
 def several(recipe: Recipe, count: Any, methods: Any) -> list[Recipe]:

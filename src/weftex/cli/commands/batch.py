@@ -50,7 +50,6 @@ _LONGEST = 255  # bytes of a file's name
 
 def run(argv: list[str]) -> None:
     """Run the command; `argv` is what follows its name."""
-    start = perf_counter()
     parser = Parser("batch", _ABOUT, _EXAMPLES)
     add = parser.add_argument
     add("materials", metavar="IN", help="folder of images and of folders of maps")
@@ -92,13 +91,12 @@ def run(argv: list[str]) -> None:
             failures = _do(left, manifest, recipe, args, bar)
         finally:
             manifest.sweep()
-        took = perf_counter() - start
         if failures:
             raise InvalidInputError(
                 f"{len(failures)} of {len(left)} jobs failed, the first: {failures[0]}"
             )
         skipped = f", {len(jobs) - len(left)} were there" if len(left) < len(jobs) else ""
-        return f"did {len(left)} jobs of {len(entries)} samples{skipped}, in {took:.2f} s"
+        return f"did {len(left)} jobs of {len(entries)} samples{skipped}, in {bar.took:.2f} s"
 
     finish(work, args.quiet)
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from time import perf_counter
 from typing import TYPE_CHECKING
 
 from weftex.cli.options import check_numbers, check_size
@@ -30,7 +29,6 @@ examples:
 
 def run(argv: list[str]) -> None:
     """Run the command; `argv` is what follows its name."""
-    start = perf_counter()
     parser = Parser("compare", _ABOUT, _EXAMPLES)
     add = parser.add_argument
     add("sample", metavar="SAMPLE", help="image, folder of maps, or sample:NAME")
@@ -68,8 +66,8 @@ def run(argv: list[str]) -> None:
             found.save(outputs.add(args.output))
         if args.json:
             print_json(found.as_dict())
-        best, took = found.entries[0], perf_counter() - start
-        said = f"compared {len(found.entries)} methods in {took:.1f} s"
+        best = found.entries[0]
+        said = f"compared {len(found.entries)} methods in {bar.took:.1f} s"
         said += f"; the best score has {best.method}" if best.assessment is not None else ""
         return said + (f"; {args.output} shows all" if args.output is not None else "")
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-from time import perf_counter
 from typing import TYPE_CHECKING
 
 from weftex.cli.files import read
@@ -27,7 +26,6 @@ examples:
 
 def run(argv: list[str]) -> None:
     """Run the command; `argv` is what follows its name."""
-    start = perf_counter()
     parser = Parser("estimate", _ABOUT, _EXAMPLES)
     add = parser.add_argument
     add("photo", metavar="PHOTO", help="image, or sample:NAME")
@@ -54,7 +52,8 @@ def run(argv: list[str]) -> None:
         for name in ("height", "normal_gl"):
             path = os.path.join(args.output, f"{name}_estimated.png")
             write_image(outputs.add(path), made.maps[name])
-        took = perf_counter() - start
-        return f"estimated height and normals of {args.photo}, in {args.output}, in {took:.2f} s"
+        return (
+            f"estimated height and normals of {args.photo}, in {args.output}, in {bar.took:.2f} s"
+        )
 
     finish(work, args.quiet)

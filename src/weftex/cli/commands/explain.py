@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
 from weftex.cli.options import parse_task
@@ -31,7 +30,6 @@ examples:
 
 def run(argv: list[str]) -> None:
     """Run the command; `argv` is what follows its name."""
-    start = perf_counter()
     parser = Parser("explain", _ABOUT, _EXAMPLES)
     parser.add_argument(
         "materials", metavar="SAMPLE", help="image, or sample:NAME; a small one is enough"
@@ -63,10 +61,9 @@ def run(argv: list[str]) -> None:
             for path in found.save(args.output):
                 outputs.add(str(path))
         y, x = found.pixel
-        took = perf_counter() - start
         return (
             f"{len(found)} steps of {recipe.method.slug} at row {y}, column {x}, in {args.output}, "
-            f"in {took:.2f} s"
+            f"in {bar.took:.2f} s"
         )
 
     finish(work, args.quiet)

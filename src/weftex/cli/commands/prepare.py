@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from time import perf_counter
 from typing import TYPE_CHECKING
 
 from weftex.cli.parser import Parser
@@ -30,7 +29,6 @@ examples:
 
 def run(argv: list[str]) -> None:
     """Run the command; `argv` is what follows its name."""
-    start = perf_counter()
     parser = Parser("prepare", _ABOUT, _EXAMPLES)
     parser.add_argument("sample", metavar="PHOTO", help="image, folder of maps, or sample:NAME")
     parser.share("--output", "--names", "--mtlx", "--quiet", "--allow-huge")
@@ -51,7 +49,6 @@ def run(argv: list[str]) -> None:
         plans = plan([material], made, args)
         plans.write(lambda name: plans.pictures[name].pixels, outputs)
         height, width = made.shape
-        took = perf_counter() - start
-        return f"{plans.told}prepared {width}x{height} {args.output} in {took:.2f} s"
+        return f"{plans.told}prepared {width}x{height} {args.output} in {bar.took:.2f} s"
 
     finish(work, args.quiet)

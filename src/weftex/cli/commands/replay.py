@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 from dataclasses import replace
-from time import perf_counter
 from typing import TYPE_CHECKING
 
 from weftex.cli.parser import Parser
@@ -27,7 +26,6 @@ examples:
 
 def run(argv: list[str]) -> None:
     """Run the command; `argv` is what follows its name."""
-    start = perf_counter()
     parser = Parser("replay", "Render a saved result with other maps of its sample.", _EXAMPLES)
     add = parser.add_argument
     add("source", metavar="F.npz", help="file from --save-source")
@@ -61,9 +59,8 @@ def run(argv: list[str]) -> None:
             around = given.maps if given.folder else {made.main: given.exemplar()}
         kept = {name: around[name].pixels if name in around else None for name in maps}
         made.write(lambda name: result.render(maps[name], background=kept[name]), outputs)
-        took = perf_counter() - start
         size = f"{result.shape[1]}x{result.shape[0]}"
-        return f"{made.told}made {size} {args.output} in {took:.2f} s"
+        return f"{made.told}made {size} {args.output} in {bar.took:.2f} s"
 
     finish(work, args.quiet)
 
