@@ -158,10 +158,6 @@ def test_the_command_prints_json(capsys):
         (["a.png", "--lattice", "9,0,0,2"], "it must be smaller"),
         (["a.png", "--runners-up", "25"], "runners_up is 25; it must be from 0 to 24"),
         (["a.png", "--runners-up", "-1"], "runners_up is -1"),
-        (["a.png", "--runner-up", "1"], "--runner-up has no effect without --overlay"),
-        (["a.png", "--runner-up", "0", "--overlay", "b.png"], "it must be 1 or more"),
-        (["a.png", "--runner-up", "1", "--overlay", "b.png"], "has 0 of them"),
-        (["a.png", "--overlay", "b.png", "--runner-up", "1", "--lattice", "2,0,0,2"], "not both"),
         (["a.png", "b.png"], "unexpected argument 'b.png'"),
     ],
 )
@@ -193,11 +189,6 @@ def test_lattices_are_rated_as_asked(tmp_path, capsys):
     assert np.array_equal(weftex.load_exemplar(drawn[1]).pixels, draw_correlation(gncc(sample)))
     text = str(expected)
     assert "given" in text and "126 x 84 px" in text and "runner-up 2" in text
-    one = ["analyze", "sample:bricks", "--overlay", str(drawn[0]), "--runner-up", "2"]
-    assert cli.main(one) == 0
-    capsys.readouterr()
-    second = Lattice(analyze("sample:bricks", runners_up=2).ratings.runners_up[1].vectors)
-    assert np.array_equal(weftex.load_exemplar(drawn[0]).pixels, draw_lattice(sample, second))
 
 
 def test_a_running_bond_has_courses():

@@ -78,7 +78,10 @@ def open_job(
     recipe: Recipe, args: argparse.Namespace, outputs: Outputs
 ) -> tuple[OpenedRecipe, Plan]:
     """Open materials, and say where each picture goes; all is checked before any work."""
-    check_beside(args)
+    from weftex.io.pictures import check_output
+
+    if args.save_source is not None:
+        check_output(args.save_source, suffixes=(".npz",))
     paths = [path_of(spec, {}) for spec in recipe.materials]
     make_room(paths[:1] if recipe.task == "fill" else paths, args, outputs)
     job = open_materials(recipe, args)
@@ -96,18 +99,6 @@ def make_room(paths: list[str], args: argparse.Namespace, outputs: Outputs) -> N
         outputs.make_folder(args.output)
     else:
         check_output(args.output)
-
-
-def check_beside(args: argparse.Namespace) -> None:
-    """Refuse paths of files beside the output, before any work is done."""
-    import numpy as np
-
-    from weftex.io.pictures import check_output
-
-    if args.save_source is not None:
-        check_output(args.save_source, suffixes=(".npz",))
-    if args.preview is not None:
-        check_output(args.preview, np.zeros((1, 1, 3), np.uint8))
 
 
 @dataclass(frozen=True)
@@ -235,12 +226,6 @@ def write(result: Synthesis, planned: Plan, args: argparse.Namespace, outputs: O
     planned.write(pixels_of(result, planned.main), outputs, args.threads)
     if args.save_source is not None:
         result.save(outputs.add(args.save_source))
-    if args.preview is not None:
-        from weftex.io.display import small_bytes
-        from weftex.io.pictures import write_image
-
-        shown = small_bytes(result.image, result.sample.alpha)
-        write_image(outputs.add(args.preview), shown[..., : 3 if shown.shape[2] > 2 else 1])
 
 
 def pixels_of(result: Synthesis, main: str) -> Callable[[str], NDArray[Any]]:

@@ -30,8 +30,6 @@ SHARED: dict[str, tuple[str, dict[str, Any]]] = {
                                f"{HUGE // 10**6} megapixels"}),
     "--save-source": (_OUTPUT, {"metavar": "F.npz", "help": "save the source of every pixel, for "
                                 "'weftex replay' and 'weftex report'"}),
-    "--preview": (_OUTPUT, {"metavar": "FILE", "help": "image to update during the run: a small "
-                            "preview at first, the result at the end"}),
     "--names": (_SETS, {"choices": _NAMES, "metavar": "STYLE", "help": "how to name the written "
                         f"maps: {', '.join(_NAMES)}; default: as in the sample"}),
     "--mtlx": (_SETS, {"action": "store_true", "help": "also write a MaterialX file (.mtlx), "

@@ -28,7 +28,6 @@ _WHOLE = {
     "--guide": "a guide is a picture of the whole size",
     "--sample-guide": "a guide is a picture of the whole size",
     "debug": "its pictures are of the whole size",
-    "preview": "it is written while it is made",
     "mtlx": "MaterialX names pictures that are loaded whole",
     "save_source": "its sources are made again with each block",
 }

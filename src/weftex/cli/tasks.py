@@ -120,7 +120,7 @@ def run_task(task: str, argv: list[str]) -> None:
         text = "folder for images that show how the result is put together: sources, patches, seams"
         parser.under["output"].add_argument("--debug", metavar="DIR", help=text)
         parser.share(*BLOCKS)
-    parser.share("--output", "--names", "--mtlx", "--verbose", "--save-source", "--preview")
+    parser.share("--output", "--names", "--mtlx", "--verbose", "--save-source")
     args, recipe = parse_task(task, parser, argv, options_of(task), usual=said.usual)
     if task == "synth" and _is_plane(recipe, args):
         from weftex.cli.planes import synthesize
@@ -143,7 +143,7 @@ def run_task(task: str, argv: list[str]) -> None:
             return f"the mask covers nothing; {args.output} is the photo unchanged"
         return report(args, result, _done(job, result), bar.took, plan.told)
 
-    finish(work, args.quiet, preview=args.preview, verbose=args.verbose)
+    finish(work, args.quiet, verbose=args.verbose)
 
 
 def _done(job: OpenedRecipe, result: Synthesis) -> str:

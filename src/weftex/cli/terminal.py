@@ -17,7 +17,6 @@ from weftex.errors import printable
 Result = TypeVar("Result")
 
 _BAR_AFTER = 0.5  # seconds
-_PREVIEW_AFTER = 1.0  # seconds to the first preview, and at least from each to the next
 _PATIENCE = 0.6  # seconds that work in hand has to end by itself
 
 
@@ -77,39 +76,22 @@ def open_closed_streams() -> None:
 
 
 class Bar(progress.Bar):
-    """Progress on a terminal, drawn by the main thread, which has nothing else to do.
-
-    The picture so far is written to `preview`, now and then, in a twentieth of the time at most.
-    """
+    """Progress on a terminal, drawn by the main thread, which has nothing else to do."""
 
     left = "nothing was written"  # what is there if the work is stopped now
 
-    def __init__(self, quiet: bool, preview: str | None = None) -> None:
+    def __init__(self, quiet: bool) -> None:
         super().__init__(_BAR_AFTER)
         self._at_stop: list[Callable[[], None]] = []
         self._shows = not quiet and sys.stderr.isatty()
         self.stopped = False
-        self._preview, self._wrote, self._due = preview, False, perf_counter() + _PREVIEW_AFTER
 
     def __call__(self, done: int, total: int, stage: str, preview: Callable[[], Any]) -> bool:
         """Count; False once `stop` was called. This is all that the work waits for."""
         if stage != self._now[2]:
             self._end_stage(perf_counter())
         self._now = (done, total, stage)
-        if self._preview is not None and perf_counter() >= self._due:
-            self._write(preview)
         return not self.stopped
-
-    def _write(self, preview: Callable[[], Any]) -> None:
-        from weftex.io.display import small_bytes
-        from weftex.io.pictures import write_image
-
-        start, picture = perf_counter(), preview()
-        if self._preview is not None and picture is not None:
-            write_image(self._preview, small_bytes(picture))
-            self._wrote = True
-        end = perf_counter()
-        self._due = end + max(_PREVIEW_AFTER, 20 * (end - start))
 
     @property
     def took(self) -> float:
@@ -130,12 +112,6 @@ class Bar(progress.Bar):
     def at_stop(self, act: Callable[[], None]) -> None:
         """Have this done when the work is stopped."""
         self._at_stop.append(act)
-
-    def sweep(self) -> None:
-        """Remove the preview of work that did not end."""
-        if self._preview is not None and self._wrote:
-            with suppress(OSError):
-                os.unlink(self._preview)
 
 
 class Outputs:
@@ -184,16 +160,14 @@ class Outputs:
                 os.rmdir(folder)
 
 
-def run(
-    work: Callable[[Bar, Outputs], Result], quiet: bool, preview: str | None = None
-) -> tuple[Result, Bar]:
+def run(work: Callable[[Bar, Outputs], Result], quiet: bool) -> tuple[Result, Bar]:
     """Do `work` in a thread, so that a signal ends it within a second; return its result and bar.
 
     The main thread gets signals while compiled code runs. Outputs appear when the work ends well; a
     signal after that is ignored. Raises `Stopped`, or ends the process if the work does not stop.
     """
     outputs = Outputs()
-    bar, ended = Bar(quiet, preview), threading.Event()
+    bar, ended = Bar(quiet), threading.Event()
     outcome: list[tuple[Result | None, BaseException | None]] = []
     stopped: Stopped | None = None
 
@@ -217,7 +191,6 @@ def run(
         stopped = Stopped(error.code if isinstance(error, Stopped) else 130, bar.left)
         bar.stop()
         if not ended.wait(_PATIENCE) and outputs.appearing.acquire(blocking=False):
-            bar.sweep()
             remove_temporary_files()
             outputs.sweep()
             say(f"stopped; {bar.left}")
@@ -227,7 +200,6 @@ def run(
         bar.close()
     result, failure = outcome[0]
     if failure is not None:
-        bar.sweep()
         raise (stopped or failure) from None
     return result, bar  # type: ignore[return-value]
 
@@ -236,11 +208,10 @@ def finish(
     work: Callable[[Bar, Outputs], str],
     quiet: bool,
     *,
-    preview: str | None = None,
     verbose: bool = False,
 ) -> None:
     """`run`, and what `work` returns is said unless `quiet`; what stages took, if `verbose`."""
-    message, bar = run(work, quiet, preview)
+    message, bar = run(work, quiet)
     if verbose:
         for stage, seconds in bar.seconds.items():
             say(f"stage: {stage} {seconds:.2f} s")

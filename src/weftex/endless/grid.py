@@ -4,9 +4,9 @@ Corners lie at the nodes of a square grid, edges between two corners, an interio
 corners and four edges::
 
     +--+--------+--+        c  corner    a copied piece of the sample, or a start of its own
-    |c |   a    |c |        a  across    hangs on the corners at its ends
+    |c |   a    |c |        a  across    depends on the corners at its ends
     +--+--------+--+        d  down      likewise
-    |  |        |  |        i  inside    hangs on the four corners and four edges around it
+    |  |        |  |        i  inside    depends on the four corners and four edges around it
     |d |   i    |d |
     |  |        |  |
     +--+--------+--+
@@ -14,7 +14,7 @@ corners and four edges::
     +--+--------+--+
 
 So a pixel depends on nine blocks at most, whatever was asked for before. Where a method may replace
-pixels that are there, blocks reach a few pixels (`loose`) into those that they hang on.
+pixels that are there, blocks reach a few pixels (`loose`) into those that they depend on.
 """
 
 from __future__ import annotations
@@ -110,7 +110,7 @@ class Grid:
         ]
         return self.own(block).grown(*grow)
 
-    def hangs_on(self, block: Block) -> list[Block]:
+    def dependencies(self, block: Block) -> list[Block]:
         """The blocks that must be there before, in their order."""
         kind, i, j = block
         if kind == CORNER:
@@ -139,7 +139,7 @@ class Grid:
         for kind, i, j in product((CORNER, ACROSS, DOWN, INSIDE), rows, columns):
             block = Block(kind, i, j)
             if _meet(self.shown(block), box):
-                found |= {block, *self.hangs_on(block)}
+                found |= {block, *self.dependencies(block)}
         return sorted(found, key=lambda b: (b.row + (b.kind in (DOWN, INSIDE)), b.kind, b.column))
 
     def shown(self, block: Block) -> Box:

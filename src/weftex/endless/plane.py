@@ -203,7 +203,7 @@ class Plane:
             shown = np.full(seen.shape, -1, np.int32)
         else:
             shown = start
-        for other in self.grid.hangs_on(block):
+        for other in self.grid.dependencies(block):
             paste(shown, seen, self.block(other, threads), self.grid.reached(other))
         hole = hole_of(own, seen)
         loose = hole[reached.within(seen)]

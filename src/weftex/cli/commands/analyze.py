@@ -7,15 +7,10 @@ from typing import TYPE_CHECKING
 from weftex.cli.files import load
 from weftex.cli.parser import Parser
 from weftex.cli.terminal import print_json
-from weftex.errors import InvalidInputError
 from weftex.recipe import MATERIAL
 
 if TYPE_CHECKING:
-    from argparse import Namespace
-
-    from weftex.analysis.lattice import Lattice
-    from weftex.exemplar import Exemplar
-    from weftex.tasks.analyze import Analysis
+    pass
 
 _ABOUT = """\
 Measure the scale, the lattice and the evenness of a sample, and recommend window sizes.\
@@ -41,9 +36,7 @@ def run(argv: list[str]) -> None:
     add("--overlay", metavar="FILE", help="write the sample with its lattice drawn over it")
     text = "also rate and draw these lattice vectors; rows: X1,Y1 and a unit vector along them"
     add("--lattice", metavar="X1,Y1,X2,Y2", help=text)
-    text = "draw the Nth alternative lattice in place of the best one"
-    add("--runner-up", type=int, metavar="N", help=text)
-    text = "number of alternative lattices to list, up to 24; default: 3"
+    text = "number of alternative lattices to list, up to 24; --lattice draws one; default: 3"
     add("--runners-up", type=int, default=3, metavar="N", help=text)
     text = "ranking of lattices: contrast, height (the paper's) or dominance; default: contrast"
     add("--goodness", default="contrast", metavar="NAME", help=text)
@@ -56,9 +49,8 @@ def run(argv: list[str]) -> None:
     parser.share("--allow-huge")
     args = parser.parse(argv)
     from weftex.io.pictures import check_output, write_image
-    from weftex.tasks.analyze import analyze
+    from weftex.tasks.analyze import analyze, given_lattice
 
-    _check(args)
     for path in (args.overlay, args.correlation):
         if path is not None:
             check_output(path)
@@ -68,13 +60,16 @@ def run(argv: list[str]) -> None:
         exemplar,
         goodness=args.goodness,
         lattice=args.lattice,
-        runners_up=max(args.runners_up, args.runner_up or args.runners_up),
+        runners_up=args.runners_up,
         **{name: value for name, value in numbers.items() if value is not None},
     )
     if args.overlay is not None:
         from weftex.analysis.overlay import draw_lattice
 
-        write_image(args.overlay, draw_lattice(exemplar, _drawn(args, exemplar, found)))
+        lattice = found.lattice
+        if args.lattice is not None:
+            lattice = given_lattice(args.lattice, exemplar)
+        write_image(args.overlay, draw_lattice(exemplar, lattice))
     if args.correlation is not None:
         from weftex.analysis.overlay import draw_correlation, gncc
 
@@ -83,31 +78,3 @@ def run(argv: list[str]) -> None:
         print_json(found.as_dict())
     else:
         print(found)
-
-
-def _check(args: Namespace) -> None:
-    """Refuse what would have no effect."""
-    if args.runner_up is not None:
-        if args.overlay is None:
-            raise InvalidInputError("--runner-up has no effect without --overlay")
-        if args.lattice is not None:
-            raise InvalidInputError("--overlay draws --lattice or --runner-up, not both")
-        if args.runner_up < 1:
-            raise InvalidInputError(f"--runner-up is {args.runner_up}; it must be 1 or more")
-
-
-def _drawn(args: Namespace, exemplar: Exemplar, found: Analysis) -> Lattice | None:
-    """The lattice that the overlay shows."""
-    from weftex.analysis.lattice import Lattice
-    from weftex.tasks.analyze import given_lattice
-
-    if args.lattice is not None:
-        return given_lattice(args.lattice, exemplar)
-    if args.runner_up is None:
-        return found.lattice
-    others = found.ratings.runners_up
-    if len(others) < args.runner_up:
-        raise InvalidInputError(
-            f"--runner-up is {args.runner_up}; {exemplar.name} has {len(others)} of them"
-        )
-    return Lattice(others[args.runner_up - 1].vectors)

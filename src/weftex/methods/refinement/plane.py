@@ -3,7 +3,7 @@
 A plane of the start is there, of any size. On the coarsest level its blocks are refined in the
 order of `weftex.endless.grid`, corners first, each with all its sweeps; then those of the next
 level, which are smaller. So a block sees all around it what the coarser level made, and where
-pixels are many a window hangs on little more than itself.
+pixels are many a window depends on little more than itself.
 """
 
 from __future__ import annotations
