@@ -109,7 +109,7 @@ def studio(data: bytes, folder: Path) -> None:
     """A recipe that a page sends, and what a session has on disk."""
     from weftex.errors import InvalidInputError
     from weftex.recipe import Recipe
-    from weftex.studio.limits import Limits, Memory
+    from weftex.studio.limits import Limits, LruCache
     from weftex.studio.sessions import Session, Store, key_of
 
     own = folder / key_of("")
@@ -117,7 +117,7 @@ def studio(data: bytes, folder: Path) -> None:
     for name in ("kept.json", "0" * 64 + ".json"):
         (own / name).write_bytes(data)
     (own / ("0" * 64 + ".png")).touch()
-    Session(Store(folder, Limits()), Memory(1), "")
+    Session(Store(folder, Limits()), LruCache(1), "")
     try:
         given = json.loads(data)
     except (ValueError, RecursionError):  # which the server refuses before, as it does what is deep

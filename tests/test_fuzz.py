@@ -16,7 +16,7 @@ from weftex.errors import FileError, WeftexError
 from weftex.io.manifest import MANIFEST, Manifest
 from weftex.naming import method_of
 from weftex.planes.definition import Definition
-from weftex.studio.limits import Limits, Memory
+from weftex.studio.limits import Limits, LruCache
 from weftex.studio.sessions import Session, Store, key_of
 
 FUZZ = Path(__file__).parent.parent / "fuzz"
@@ -140,7 +140,7 @@ def test_json_that_is_too_deep_or_something_else(tmp_path):
         for file in (f"{name}.json", "kept.json"):
             (folder / file).write_text(text)
         (tmp_path / MANIFEST).write_text(text)
-        kept = Session(Store(tmp_path, Limits()), Memory(1), "")
+        kept = Session(Store(tmp_path, Limits()), LruCache(1), "")
         assert kept.kept == [] and kept.uploads == {}
         Manifest(str(tmp_path)).sweep()
 

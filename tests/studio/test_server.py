@@ -19,7 +19,7 @@ from processes_of_studio import Process
 from weftex.cli import main
 from weftex.io.pictures import write_image
 from weftex.studio import listening, server
-from weftex.studio.limits import Limits, Memory
+from weftex.studio.limits import Limits, LruCache
 from weftex.studio.refusals import Refusal
 from weftex.studio.sessions import DAY, Sessions, Store, key_of
 from weftex.studio.studio import Studio
@@ -187,7 +187,7 @@ def test_what_is_left_over_is_swept(tmp_path):
 
 def test_pages_that_are_open_are_bounded(tmp_path):
     limits = Limits(sessions=2)
-    sessions = Sessions(Store(tmp_path, limits), Memory(1), ended := [].append)
+    sessions = Sessions(Store(tmp_path, limits), LruCache(1), ended := [].append)
     one, two = (sessions.open(None)[0] for _ in range(2))
     with pytest.raises(Refusal, match="2 pages are open; close one of them"):
         sessions.open(None)
@@ -201,7 +201,7 @@ def test_pages_that_are_open_are_bounded(tmp_path):
 
 
 def test_what_is_remembered_is_bounded():
-    memory = Memory(100)
+    memory = LruCache(100)
     for k in range(50):
         memory.put(("tab" if k < 49 else "other", k), object(), 30)
         assert memory.bytes <= 100

@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from weftex.results.synthesis import Synthesis
 
 
-def read(path: str, args: argparse.Namespace, maps: dict[str, str] | None = None) -> Material:
+def read_input(path: str, args: argparse.Namespace, maps: dict[str, str] | None = None) -> Material:
     """Read a picture, or a folder of maps."""
     from weftex.io.pictures import MAX_PIXELS
 
@@ -54,7 +54,7 @@ def _refuse_plane(path: str) -> None:
 
 def _load(spec: dict[str, Any], args: argparse.Namespace) -> PreparedMaterial:
     """Read a material, and do to it what its description says."""
-    material = read(path_of(spec, {}), args, spec.get("maps"))
+    material = read_input(path_of(spec, {}), args, spec.get("maps"))
     return prepare_material(spec, material, partial(_read_picture, args))
 
 
@@ -69,7 +69,7 @@ def open_materials(recipe: Recipe, args: argparse.Namespace) -> OpenedRecipe:
     return open_recipe(recipe, partial(_load, args=args), partial(_read_picture, args))
 
 
-def load(path: str, args: argparse.Namespace, *options: str) -> Exemplar:
+def load_sample(path: str, args: argparse.Namespace, *options: str) -> Exemplar:
     """Read a sample, with what some options of `MATERIAL` say about it."""
     return _load(described_material(path, vars(args), options), args).sample
 

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-__all__ = ["open_regular", "opened"]
+__all__ = ["open_npz", "open_regular"]
 
 _FLAGS = os.O_RDONLY | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_BINARY", 0)
 MOST_FACTS = 2**24  #: bytes: far more than any facts
@@ -67,7 +67,7 @@ class Arrays:
 
 
 @contextmanager
-def opened(path: str | os.PathLike[str]) -> Iterator[Arrays]:
+def open_npz(path: str | os.PathLike[str]) -> Iterator[Arrays]:
     """Open a file; no pickles are read. A damaged file raises errors of many kinds."""
     with open_regular(path) as raw, np.load(raw, allow_pickle=False) as file:
         if isinstance(file, np.ndarray):

@@ -3,9 +3,8 @@
 Nothing of weftex needs this package but the command line and the studio.
 """
 
-from weftex.planes.checking import check, repair
 from weftex.planes.lazy import plane
 from weftex.planes.plane_file import PlaneFile, open_plane
-from weftex.planes.writing import Written, stream
+from weftex.planes.writing import Written, check, repair, stream
 
 __all__ = ["PlaneFile", "Written", "check", "open_plane", "plane", "repair", "stream"]

@@ -15,7 +15,7 @@ import numpy as np
 import weftex
 from weftex import Exemplar
 from weftex.errors import FileError, InvalidInputError, shown
-from weftex.io.npz import opened
+from weftex.io.npz import open_npz
 from weftex.io.pictures import atomic
 from weftex.planes.files import open_stores
 from weftex.planes.layout import Layout, check_block
@@ -90,7 +90,7 @@ def save(path: str, header: dict[str, Any], arrays: Mapping[str, NDArray[Any]]) 
 def load(path: str) -> tuple[dict[str, Any], dict[str, NDArray[Any]]]:
     """Return what was written, or raise `FileError`."""
     try:
-        with opened(path) as file:
+        with open_npz(path) as file:
             if file.facts["format"] != _FORMAT or file.size > _MOST_BYTES:
                 raise ValueError
             return file.facts, file.read()

@@ -14,7 +14,7 @@ import numpy as np
 from weftex.canvas import MAX_PIXELS
 from weftex.errors import FileError
 from weftex.io.formats import path_text, show
-from weftex.io.npz import MOST_FACTS, DamageError, opened
+from weftex.io.npz import MOST_FACTS, DamageError, open_npz
 from weftex.raster.turning import gap_of
 
 if TYPE_CHECKING:
@@ -102,7 +102,7 @@ def write_result(
 
 def read_result(path: str | os.PathLike[str]) -> tuple[Facts, dict[str, NDArray[Any]]]:
     """Return the facts and the arrays that were written."""
-    with opened(path) as file:
+    with open_npz(path) as file:
         about = file.facts
         number = about.pop("format")
         if number != _FORMAT:

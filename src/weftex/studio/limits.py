@@ -1,4 +1,4 @@
-"""How much the studio takes at most, and a memory that forgets what was not asked for longest."""
+"""Limits of the studio, and a cache with a limit of memory."""
 
 from __future__ import annotations
 
@@ -43,8 +43,8 @@ def usual_limits() -> Limits:
     return Limits(memory_bytes=max(2**28, min(2**31, whole // 8)))
 
 
-class Memory:
-    """Values in memory up to a limit: the longest unused goes first.
+class LruCache:
+    """Values in memory up to a limit; the least recently used go first.
 
     Keys are tuples that begin with the key of a session.
     """

@@ -33,7 +33,7 @@ def id_of(spec: Mapping[str, Any]) -> str:
     return hashlib.sha256(text.encode()).hexdigest()[:24]
 
 
-def load(given: Any, session: Session) -> PreparedMaterial:
+def load_material(given: Any, session: Session) -> PreparedMaterial:
     """Read a material, or remember it."""
     spec, open_picture = checked_material(given), partial(picture_of, session=session)
 

@@ -128,7 +128,7 @@ async def sets(call: Call) -> Any:
 async def material(call: Call) -> Any:
     """Read a material, and say what it is."""
     spec, session = await call.json(), call.session
-    loaded = await call.work(materials.load, spec, session)
+    loaded = await call.work(materials.load_material, spec, session)
     session.remember(loaded.spec, 2**10, "spec", id_of(loaded.spec))
     return materials.described(loaded)
 
@@ -138,7 +138,7 @@ async def _loaded(call: Call) -> PreparedMaterial:
     spec = call.session.recall("spec", call.id)
     if spec is None:
         raise Refusal(404, "this material is no longer in memory; open it again")
-    return await call.work(materials.load, spec, call.session)
+    return await call.work(materials.load_material, spec, call.session)
 
 
 @route("GET", "/materials/{id}/picture")

@@ -23,7 +23,7 @@ from weftex.studio.refusals import Refusal
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
-    from weftex.studio.limits import Limits, Memory
+    from weftex.studio.limits import Limits, LruCache
 
 Value = TypeVar("Value")
 
@@ -135,7 +135,7 @@ class Session:
     nothing that a client says becomes a part of a path. A lock makes each change on disk whole.
     """
 
-    def __init__(self, store: Store, memory: Memory, secret: str) -> None:
+    def __init__(self, store: Store, memory: LruCache, secret: str) -> None:
         self.store, self.memory, self.limits = store, memory, store.limits
         self.id, self.key = secret, key_of(secret)
         self.folder = store.folder / self.key
@@ -234,7 +234,7 @@ class Session:
 class Sessions:
     """All sessions of a server; `ended` is called with a session that is closed for another."""
 
-    def __init__(self, store: Store, memory: Memory, ended: Callable[[Session], None]) -> None:
+    def __init__(self, store: Store, memory: LruCache, ended: Callable[[Session], None]) -> None:
         self._store, self._memory, self._ended = store, memory, ended
         self._lock = threading.Lock()
         self._known: dict[str, Session] = {}

@@ -9,7 +9,7 @@ from anyio import CapacityLimiter
 
 from weftex.studio.downloads import Downloads
 from weftex.studio.jobs import Jobs
-from weftex.studio.limits import Limits, Memory
+from weftex.studio.limits import Limits, LruCache
 from weftex.studio.sessions import Session, Sessions, Store
 
 if TYPE_CHECKING:
@@ -27,7 +27,7 @@ class Studio:
         self.limits, self.opened = limits, opened
         self.token = secrets.token_urlsafe(32)
         self.store = Store(folder, limits)
-        self.memory = Memory(limits.memory_bytes)
+        self.memory = LruCache(limits.memory_bytes)
         self.jobs = Jobs(limits)
         self.downloads = Downloads(self.store.folder)
         self.sessions = Sessions(self.store, self.memory, self._ended)

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, cast
 
 from weftex.recipe import Recipe
 from weftex.recipe.opening import open_recipe
-from weftex.studio.materials import id_of, load, map_of, maps_of, size_of
+from weftex.studio.materials import id_of, load_material, map_of, maps_of, size_of
 from weftex.studio.pictures import shown, whole_number
 from weftex.studio.refusals import Refusal
 from weftex.studio.uploads import picture_of
@@ -82,7 +82,7 @@ def open_job(recipe: Recipe, session: Session) -> OpenedRecipe:
     for upload in recipe.pictures:
         session.upload(upload)
     picture = partial(picture_of, session=session)
-    job = open_recipe(recipe, partial(load, session=session), picture)
+    job = open_recipe(recipe, partial(load_material, session=session), picture)
     height, width = job.shape
     if recipe.task == "synth":
         job = replace(job, recipe=recipe.changed(size=[height, width]))

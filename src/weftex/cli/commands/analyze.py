@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from weftex.cli.files import load
+from weftex.cli.files import load_sample
 from weftex.cli.parser import Parser
 from weftex.cli.terminal import print_json
 from weftex.recipe import MATERIAL
@@ -54,7 +54,7 @@ def run(argv: list[str]) -> None:
     for path in (args.overlay, args.correlation):
         if path is not None:
             check_output(path)
-    exemplar = load(args.sample, args, "maps")
+    exemplar = load_sample(args.sample, args, "maps")
     numbers = {name: getattr(args, name) for name in ("alpha", "significant")}
     found = analyze(
         exemplar,

@@ -54,13 +54,13 @@ def run(argv: list[str]) -> None:
     how = {"seed": 1 if values["seed"] is None else values["seed"], "threads": args.threads}
 
     def work(bar: Bar, outputs: Outputs) -> str:
-        from weftex.cli.files import load
+        from weftex.cli.files import load_sample
         from weftex.io.pictures import check_output
         from weftex.pages.comparisons import compare
 
         if args.output is not None:
             check_output(args.output, suffixes=(".html",))
-        exemplar, axes = load(args.sample, args, *own), values["tileable"] or False
+        exemplar, axes = load_sample(args.sample, args, *own), values["tileable"] or False
         found = compare(exemplar, values["size"], tileable=axes, methods=names, progress=bar, **how)
         if args.output is not None:
             found.save(outputs.add(args.output))

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from typing import TYPE_CHECKING
 
-from weftex.cli.files import read
+from weftex.cli.files import read_input
 from weftex.cli.parser import Parser
 from weftex.cli.terminal import finish
 
@@ -42,7 +42,7 @@ def run(argv: list[str]) -> None:
         from weftex.io.pictures import write_image
         from weftex.prepare.estimating import estimate_maps
 
-        material = read(args.photo, args)
+        material = read_input(args.photo, args)
         exemplar = material.exemplar(tileable=args.tileable_sample)
         made = estimate_maps(exemplar, depth=args.depth, invert=args.invert)
         outputs.make_folder(args.output)

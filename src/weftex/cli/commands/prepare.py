@@ -40,11 +40,11 @@ def run(argv: list[str]) -> None:
         raise InvalidInputError("nothing to do; give --straighten, --even-light, or both")
 
     def work(bar: Bar, outputs: Outputs) -> str:
-        from weftex.cli.files import make_room, plan, read
+        from weftex.cli.files import make_room, plan, read_input
         from weftex.recipe.opening import prepared
 
         make_room([args.sample], args, outputs)
-        material = read(args.sample, args, spec.get("maps"))
+        material = read_input(args.sample, args, spec.get("maps"))
         made = prepared(material.exemplar(), spec)
         plans = plan([material], made, args)
         plans.write(lambda name: plans.pictures[name].pixels, outputs)

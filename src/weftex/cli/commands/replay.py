@@ -36,7 +36,7 @@ def run(argv: list[str]) -> None:
     add("--background", metavar="PHOTO", help=text)
     parser.share("--output", "--names", "--mtlx", "--quiet", "--allow-huge")
     args = parser.parse(argv)
-    from weftex.cli.files import make_room, plan, read
+    from weftex.cli.files import make_room, plan, read_input
 
     def work(bar: Bar, outputs: Outputs) -> str:
         from weftex.prepare.combining import combined, of_one_kind, paired
@@ -44,7 +44,7 @@ def run(argv: list[str]) -> None:
         from weftex.results.synthesis import Synthesis
 
         make_room(args.maps, args, outputs)
-        materials = [_as_map(read(one, args)) for one in args.maps]
+        materials = [_as_map(read_input(one, args)) for one in args.maps]
         result = Synthesis.load(args.source)
         pairs, _ = paired(of_one_kind([one.exemplar() for one in materials]))
         made, maps = plan(materials, pairs[0], args), materials[0].maps
@@ -55,7 +55,7 @@ def run(argv: list[str]) -> None:
             maps = {name: whole.map(name) for name in whole.maps} | {made.main: whole}
         around: dict[str, Exemplar] = {}
         if args.background is not None:
-            given = read(args.background, args)
+            given = read_input(args.background, args)
             around = given.maps if given.folder else {made.main: given.exemplar()}
         kept = {name: around[name].pixels if name in around else None for name in maps}
         made.write(lambda name: result.render(maps[name], background=kept[name]), outputs)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from weftex.cli.files import load
+from weftex.cli.files import load_sample
 from weftex.cli.parser import Parser
 from weftex.cli.terminal import print_json
 from weftex.errors import InvalidInputError
@@ -45,7 +45,7 @@ def run(argv: list[str]) -> None:
 
     if args.output is not None:
         check_output(args.output, suffixes=(".html",))
-    sample, result = load(args.sample, args, "maps"), load(args.result, args)
+    sample, result = load_sample(args.sample, args, "maps"), load_sample(args.result, args)
     axes = None if args.tileable is None else TILEABLE.read(args.tileable)
     wrap = None if axes is None else (axes in (True, "y"), axes in (True, "x"))
     found = measure(sample, result, args.source, tileable=wrap)
