@@ -30,6 +30,9 @@ if TYPE_CHECKING:
     from weftex.recipe import Recipe
     from weftex.results.synthesis import Synthesis
 
+    OpenMaterial = Callable[[dict[str, Any]], PreparedMaterial]
+    OpenPicture = Callable[[str], Picture]
+
 
 def read_input(path: str, args: argparse.Namespace, maps: dict[str, str] | None = None) -> Material:
     """Read a picture, or a folder of maps."""
@@ -52,26 +55,28 @@ def _refuse_plane(path: str) -> None:
             )
 
 
-def _load(spec: dict[str, Any], args: argparse.Namespace) -> PreparedMaterial:
-    """Read a material, and do to it what its description says."""
-    material = read_input(path_of(spec, {}), args, spec.get("maps"))
-    return prepare_material(spec, material, partial(_read_picture, args))
-
-
-def _read_picture(args: argparse.Namespace, path: str) -> Picture:
+def _readers(args: argparse.Namespace) -> tuple[OpenMaterial, OpenPicture]:
+    """Return what opens materials and images of a recipe, which are files, within the limits."""
     from weftex.io.pictures import MAX_PIXELS, read_image
 
-    return read_image(path, max_pixels=None if args.allow_huge else MAX_PIXELS)
+    read = partial(read_image, max_pixels=None if args.allow_huge else MAX_PIXELS)
+
+    def prepare(spec: dict[str, Any]) -> PreparedMaterial:
+        material = read_input(path_of(spec, {}), args, spec.get("maps"))
+        return prepare_material(spec, material, read)
+
+    return prepare, read
 
 
 def open_materials(recipe: Recipe, args: argparse.Namespace) -> OpenedRecipe:
     """Open the materials of a recipe, in files."""
-    return open_recipe(recipe, partial(_load, args=args), partial(_read_picture, args))
+    return open_recipe(recipe, *_readers(args))
 
 
 def load_sample(path: str, args: argparse.Namespace, *options: str) -> Exemplar:
     """Read a sample, with what some options of `MATERIAL` say about it."""
-    return _load(described_material(path, vars(args), options), args).sample
+    open_material, _ = _readers(args)
+    return open_material(described_material(path, vars(args), options)).sample
 
 
 def open_job(

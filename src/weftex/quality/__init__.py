@@ -1,9 +1,8 @@
 """How good a result is: one file a measure, `assess`, which takes them all, and faults in color."""
 
-from weftex.quality.assess import Assessment, assess, real_crops
+from weftex.quality.assess import LARGEST_MEASURED, Assessment, assess, real_crops
 from weftex.quality.faults import as_shown, fault_maps
 from weftex.quality.figures import FIGURES, SCORE, Figure
-from weftex.quality.pair import LARGEST_MEASURED
 
 __all__ = [
     "FIGURES",

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from weftex.quality.pair import LARGEST_MEASURED, pair_of
+from weftex.quality.assess import LARGEST_MEASURED, pair_of
 from weftex.quality.seams import StepModel, seam_map
 from weftex.quality.view import middle, views
 from weftex.results.drawing import draw_sources
