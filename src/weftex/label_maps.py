@@ -1,4 +1,4 @@
-"""Label maps of `weftex.fuse`: which sample goes where (section 4 of the paper on texture fusion).
+"""Label maps of `weftex.fuse`, which say which sample goes where (section 4 of the paper).
 
 A map is a painted picture or an array of labels, or a `Gradient`, which makes one.
 """

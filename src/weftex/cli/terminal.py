@@ -1,4 +1,4 @@
-"""What a run from a shell needs: a progress bar, all outputs or none, and a quick end on Ctrl-C."""
+"""Run a command from a shell: progress bar, all outputs or none, a quick end on Ctrl-C."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""From whatever shows a material to an `Exemplar`.
+"""Samples: files, folders of maps and arrays become an `Exemplar`.
 
 Read it in this order: `material` (what can be given, and how files become pixels and maps),
 `exemplar` (what a sample holds); `turns` makes a sample of mirrored and rotated copies.

@@ -1,4 +1,4 @@
-"""Whatever shows a material, as an `Exemplar`: files, folders of maps, arrays, PIL images."""
+"""Load a material: files, folders of maps, arrays and PIL images become an `Exemplar`."""
 
 from __future__ import annotations
 

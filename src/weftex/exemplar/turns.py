@@ -1,4 +1,4 @@
-"""More from less: a sample beside its mirror image, or its quarter turns."""
+"""Mirrored and rotated copies beside a sample."""
 
 from __future__ import annotations
 

@@ -52,10 +52,9 @@ def explain(
 ) -> Explanation:
     """Show how a method makes one pixel of an output.
 
-    The method runs as always and makes the same picture; meanwhile somebody looks over its
-    shoulder. What there is to see depends on the method: neighborhoods, error surfaces and
-    candidates, the cut, the order of growth, the levels of a pyramid, the way down a tree, the
-    lattice.
+    The method runs as usual and makes the same image; its intermediate values are recorded:
+    neighborhoods, error surfaces and candidates, cuts, the order of growth, the levels of a
+    pyramid, the path down a tree, the lattice.
 
     Parameters
     ----------
@@ -84,7 +83,7 @@ def explain(
     InvalidInputError
         If `at` is not in the output.
     UnsupportedError
-        If nothing is known of how the method works.
+        If the method records no steps.
 
     Examples
     --------

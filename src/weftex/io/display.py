@@ -1,4 +1,4 @@
-"""How pictures show themselves in notebooks, and to NumPy."""
+"""Images in notebooks and as NumPy arrays."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ LARGEST = 1024  # pixels a side; of a larger picture every second, third, ... pi
 
 
 class Displayable:
-    """What has a picture: an array to NumPy, the picture itself in a notebook."""
+    """An object with an image: an array for NumPy, the image itself in a notebook."""
 
     @abstractmethod
     def _displayed_picture(self) -> tuple[NDArray[Any], bool] | None:

@@ -1,7 +1,4 @@
-"""What picture formats can hold, and how files of them are checked, decoded and encoded.
-
-Only `weftex.io.pictures` uses this; the work is OpenImageIO's, and this is what it leaves open.
-"""
+"""What image formats can hold, and how files are checked, decoded and encoded by OpenImageIO."""
 
 from __future__ import annotations
 

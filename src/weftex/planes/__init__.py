@@ -1,7 +1,4 @@
-"""Pictures larger than memory: written block by block, on one machine or many, or made when asked.
-
-Nothing of weftex needs this package but the command line and the studio.
-"""
+"""Images larger than memory, written block by block on one machine or many, or computed by Dask."""
 
 from weftex.planes.lazy import plane
 from weftex.planes.plane_file import PlaneFile, open_plane

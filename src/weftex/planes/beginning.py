@@ -1,4 +1,4 @@
-"""The start of a run: it continues the plane that is there, or makes new files, and owns them."""
+"""Begin a run: continue the plane that exists, or create its files and record that we own them."""
 
 from __future__ import annotations
 

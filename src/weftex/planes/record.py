@@ -46,10 +46,10 @@ MOST_PARTS = 2**16
 
 @dataclass(frozen=True)
 class Run:
-    """Who a plane belongs to; the name of a run is new at every start that makes new files.
+    """The run that a plane belongs to; each start that creates files has a new random `name`.
 
-    `files` are the files and folders that weftex made, or is about to make, relative to the folder
-    of the plane, and `grids` those of their stores. `about` is what the definition says of itself.
+    `files` and folders were created by weftex, or are about to be; they are relative to the plane's
+    folder, and `grids` are by file. `about` is `Definition.about`.
     """
 
     name: str

@@ -1,4 +1,4 @@
-"""What a job is made of, in one place: its tasks, their options, and recipes of jobs.
+"""Tasks, their options, and recipes of jobs.
 
 A `Recipe` is all that a result depends on. It is read from JSON, where everything is checked, and
 written as JSON, as a command, or as Python; all of them make the same bytes.

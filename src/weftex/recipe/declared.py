@@ -1,4 +1,4 @@
-"""What jobs are made of: the tasks, what each takes, and what is done to its materials before."""
+"""The tasks, their options, and the options that prepare their materials."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a recipe has, checked, and as JSON."""
+"""The fields of a recipe, checked, from JSON and as JSON."""
 
 from __future__ import annotations
 

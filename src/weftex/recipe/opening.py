@@ -1,4 +1,4 @@
-"""From a recipe to a result: its materials are opened, and then the task is done."""
+"""Open the materials of a recipe, and run its task."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ class PreparedMaterial(NamedTuple):
 
     spec: Mapping[str, Any]  # its description in the recipe
     material: Material  # as its files have it
-    exemplar: Exemplar  # with all done to it that the description says, but no turned copies
+    exemplar: Exemplar  # prepared as described, without mirrored or rotated copies
 
     @property
     def sample(self) -> Exemplar:
@@ -43,7 +43,7 @@ class PreparedMaterial(NamedTuple):
 
 
 def read_described(spec: Mapping[str, Any], open_picture: OpenPicture) -> Material:
-    """Read what a description says that a material is; a single picture is called by its role."""
+    """Read the material of a description; a single image is named by its role."""
     if "path" in spec:
         return read_material(spec["path"], spec.get("maps"))
     if "sample" in spec:
@@ -67,7 +67,7 @@ def read_described(spec: Mapping[str, Any], open_picture: OpenPicture) -> Materi
 def prepare_material(
     spec: Mapping[str, Any], material: Material, open_picture: OpenPicture
 ) -> PreparedMaterial:
-    """Do to a material what its description says, in the order of `MATERIAL`."""
+    """Prepare a material as its description says, in the order of `MATERIAL`."""
     exemplar = material.exemplar(tileable=spec.get("repeats", False))
     if "map_weights" in spec:
         exemplar = exemplar.changed(weights=spec["map_weights"])

@@ -1,8 +1,8 @@
-"""Pieces that join without steps: a picture as its slopes, from which it is built again.
+"""Remove the steps of tone or height between pasted pieces, by a screened Poisson equation.
 
-Of all maps f that one is chosen whose slopes are most like g, the sample's where each pixel comes
-from, and which is near to h, what was laid: with the least sum of (f' - g)^2 + ((f - h) / reach)^2.
-A step is shared by both sides and falls off in a reach. After P. Pérez, M. Gangnet and A. Blake,
+The result f minimizes the sum of (f' - g)^2 + ((f - h) / reach)^2: its slopes are close to g, the
+slopes of the sample at the source of each pixel, and its values to h, the pasted pieces. A step is
+shared by both sides and falls off within a reach. After P. Pérez, M. Gangnet and A. Blake,
 Poisson image editing (2003), doi:10.1145/882262.882269, with the screen of P. Bhat et al., Fourier
 analysis of the 2D screened Poisson equation (2008), doi:10.1007/978-3-540-88688-4_9.
 """

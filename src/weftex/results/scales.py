@@ -1,4 +1,4 @@
-"""What a result is rendered of: maps, which may have more pixels than the sample or fewer."""
+"""Maps that a result is rendered from, with more or fewer pixels than the sample."""
 
 from __future__ import annotations
 

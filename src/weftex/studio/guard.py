@@ -1,4 +1,4 @@
-"""Who may ask: this machine's own page of this start, and nobody else.
+"""Refuse requests that do not come from the page of this start of the studio.
 
 A page of another site can send requests to 127.0.0.1, and by DNS rebinding even under a name of its
 own. So the Host must be one of ours, an Origin must be ours (a frame without one says ``null``),

@@ -1,4 +1,4 @@
-"""What the server does not do, and all errors as the page gets them: a line, a status, a field."""
+"""Errors as the page gets them: one line, an HTTP status and the field at fault."""
 
 from __future__ import annotations
 

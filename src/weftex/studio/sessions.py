@@ -1,4 +1,4 @@
-"""Sessions: a tab of a browser sees its own work only; the folder that all sessions share."""
+"""Sessions, one for each browser tab, and the folder in which all of them store files."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""All that one start of the studio has: sessions, what it remembers, its queue of jobs."""
+"""The state of one studio server: sessions, cache, queue of jobs, downloads."""
 
 from __future__ import annotations
 
