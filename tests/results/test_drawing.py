@@ -74,7 +74,7 @@ def test_it_needs_the_sample_and_a_known_name(tmp_path):
     with pytest.raises(InvalidInputError, match="without its sample"):
         weftex.Synthesis.load(tmp_path / "r.npz").draw("uncertainty")
     assert weftex.Synthesis.load(tmp_path / "r.npz").draw("patches").shape == (30, 30, 3)
-    with pytest.raises(InvalidInputError, match="known: sources, seams, error, patches"):
+    with pytest.raises(InvalidInputError, match="known: sources, seams, patches"):
         made.draw("nothing")
     flat = weftex.synthesize(np.zeros((9, 9), np.uint8), 12, seed=1)
     assert not flat.draw("uncertainty").any()
@@ -83,7 +83,7 @@ def test_it_needs_the_sample_and_a_known_name(tmp_path):
 @pytest.mark.parametrize("blend", BLENDS)
 def test_drawings(blend):
     result = make(blend)
-    for what in ("sources", "seams", "error"):
+    for what in ("sources", "seams"):
         drawing = result.draw(what)
         assert drawing.shape == (40, 45, 3) and drawing.dtype == np.uint8
     sources = result.draw("sources")
@@ -98,14 +98,3 @@ def test_drawings(blend):
     goes_down = (np.diff(result.source, axis=0) == (1, 0)).all(axis=2)
     assert not red[1:, 1:][goes_on[1:] & goes_down[:, 1:]].any()
     assert red[:, 1:][~goes_on].all()
-
-
-def test_error_is_where_patches_overlap():
-    result = make("cut")
-    error = result.draw("error")[..., 0]
-    assert error.max() > 20
-    share = make("feather").layers()[1]
-    alone = share[..., 0] == 1
-    assert alone.any() and error[alone].max() == 0
-    flat = make(sample=np.full((30, 34), 9, np.uint8)).draw("error")
-    assert flat.max() == 0

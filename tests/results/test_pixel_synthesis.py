@@ -51,20 +51,6 @@ def test_damaged_sources_are_refused(tmp_path, text):
             weftex.Synthesis.load(path)
 
 
-def test_error_is_what_the_neighbors_did_not_expect():
-    gray = np.random.default_rng(4).integers(0, 256, (9, 11)).astype(np.uint8)
-    for result in (make(sample=gray), make(sample=gray, size=(1, 5))):
-        error = result.draw("error")[..., 0]
-        for y, x in np.ndindex(result.shape):
-            wanted = [0]
-            for dy, dx in ((1, 0), (0, 1)):
-                if y >= dy and x >= dx:
-                    v, u = result.source[y - dy, x - dx] + (dy, dx)
-                    if v < 9 and u < 11:
-                        wanted.append(abs(int(gray[v, u]) - int(result.image[y, x])))
-            assert error[y, x] == max(wanted)
-
-
 def test_a_part_moves_into_the_whole():
     result = make(known_from=(1, 2))
     large = weftex.Exemplar(np.tile(SAMPLE, (2, 2, 1)))

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 __all__ = ["DRAWINGS"]
 
 #: What `Synthesis.draw` draws.
-DRAWINGS = ("sources", "seams", "error", "patches", "uncertainty")
+DRAWINGS = ("sources", "seams", "patches", "uncertainty")
 _REACH = 2  # pixels around one whose surroundings are compared
 _BAND = 256  # rows
 
@@ -101,12 +101,6 @@ def uncertainty_of(
                 count += there
         found[rows] = np.where(source[..., 0] < 0, 0, total / np.maximum(count, 1))
     return found / random if random > 0 else found
-
-
-def as_gray_picture(values: NDArray[Any]) -> NDArray[np.uint8]:
-    """Values from 0 to 255 as a picture of three equal channels."""
-    gray = np.clip(np.rint(values), 0, 255).astype(np.uint8)
-    return np.repeat(gray[..., None], 3, axis=2)
 
 
 def gray_of(pixels: NDArray[Any]) -> NDArray[np.uint8]:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from copy import copy
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -10,7 +9,6 @@ import numpy as np
 from weftex.canvas import MAX_PIXELS, Canvas
 from weftex.io.npz import DamageError
 from weftex.results import paste_kernels
-from weftex.results.drawing import gray_of
 from weftex.results.synthesis import Synthesis
 
 if TYPE_CHECKING:
@@ -92,17 +90,6 @@ class PatchSynthesis(Synthesis):
         y, x = np.divmod(lookup, width)
         moved = blocks[y, :, x].transpose(0, 2, 1, 3, 4).reshape(pixels.shape)
         return np.ascontiguousarray(moved)
-
-    def _error(self) -> NDArray[np.int16]:
-        """The difference in the overlaps as they were before they were cut."""
-        whole = copy(self)
-        whole.cuts = self.cuts[:0]
-        coordinates, share = whole.layers()
-        gray = gray_of(self.sample.pixels).astype(np.int16)
-        values = gray[coordinates[..., 0], coordinates[..., 1]]
-        both = (share[..., :2] > 0).all(axis=-1)
-        error: NDArray[np.int16] = np.abs(values[..., 0] - values[..., 1]) * both
-        return error
 
     def _moved_arrays(
         self, shape: tuple[int, int], sample: tuple[int, int], to: Place, source_to: Place

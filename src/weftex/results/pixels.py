@@ -9,7 +9,6 @@ import numpy as np
 from weftex.canvas import Canvas
 from weftex.io.npz import DamageError
 from weftex.results import paste_kernels
-from weftex.results.drawing import gray_of
 from weftex.results.synthesis import Synthesis
 
 if TYPE_CHECKING:
@@ -50,24 +49,6 @@ class PixelSynthesis(Synthesis):
         scale = out.shape[0] // height
         lines, sample = (a.view(np.uint8).reshape(len(a), -1) for a in (out, pixels))
         paste_kernels.copy_pixels(lines, sample, index, self.sample_shape[1], scale)
-
-    def _error(self) -> NDArray[np.int16]:
-        """The larger difference from the pixels that continue the upper and the left neighbor."""
-        gray = gray_of(self.sample.pixels).astype(np.int16)
-        source, made = self.pictured_source(), self.index >= 0
-        value = gray[source[..., 0], source[..., 1]]
-        error = np.zeros(self.shape, np.int16)
-        for axis in (0, 1):
-            later = tuple(slice(axis == a, None) for a in (0, 1))
-            earlier = tuple(slice(None, -1 if axis == a else None) for a in (0, 1))
-            goes_on = source[earlier].copy()
-            goes_on[..., axis] += 1
-            inside = (goes_on[..., axis] < self.sample_shape[axis]) & made[earlier] & made[later]
-            goes_on %= self.sample_shape
-            wanted = gray[goes_on[..., 0], goes_on[..., 1]]
-            differs = np.abs(wanted - value[later]) * inside
-            error[later] = np.maximum(error[later], differs)
-        return error
 
     def _moved_arrays(
         self, shape: tuple[int, int], sample: tuple[int, int], to: Place, source_to: Place

@@ -118,10 +118,6 @@ class Synthesis(Displayable, ABC):
         """Paste the pixels of (H, W, C) over `out`, which is a multiple of the window's size."""
 
     @abstractmethod
-    def _error(self) -> NDArray[np.int16]:
-        """How far, in gray values, each pixel is from what its neighbors wanted."""
-
-    @abstractmethod
     def _moved_arrays(
         self, shape: tuple[int, int], sample: tuple[int, int], to: Place, source_to: Place
     ) -> dict[str, NDArray[Any]]:
@@ -324,12 +320,10 @@ class Synthesis(Displayable, ABC):
 
         Parameters
         ----------
-        what : {"sources", "seams", "error", "patches", "uncertainty"}
-            False colors by source position (red to the right, green downwards); the picture's seams
-            in red over its gray version; how much overlapping patches differ, or a copied pixel
-            from what its upper and left neighbors' sources go on with, black for not at all; a
-            color for each piece that was copied as a whole; or `uncertainty`, its root so that
-            faint places show.
+        what : {"sources", "seams", "patches", "uncertainty"}
+            False colors by source position (red to the right, green downwards); the seams in red
+            over the gray image; a color for each piece that was copied as a whole; or the square
+            root of `uncertainty`, white for 1.
 
         Returns
         -------
@@ -338,10 +332,9 @@ class Synthesis(Displayable, ABC):
         if not isinstance(what, str) or what not in drawing.DRAWINGS:
             known = ", ".join(drawing.DRAWINGS)
             raise InvalidInputError(f"cannot draw {shown(what)}; known: {known}")
-        if what == "error":
-            return drawing.as_gray_picture(self._error())
         if what == "uncertainty":
-            return drawing.as_gray_picture(255 * np.sqrt(np.clip(self.uncertainty(), 0, 1)))
+            roots = np.sqrt(np.clip(self.uncertainty(), 0, 1))
+            return np.repeat(np.rint(255 * roots).astype(np.uint8)[..., None], 3, axis=2)
         if what == "sources":
             return drawing.draw_sources(self.source, self.copy_shape or self.sample_shape)
         if what == "seams":

@@ -49,7 +49,7 @@ class View(anywidget.AnyWidget):  # type: ignore[misc]
         if result is not None:
             method = str(result.provenance.get("method", type(result).__name__))
             seen["result"] = {"id": "result", "method": method, **about}
-            seen["drawings"] = [one for one in DRAWINGS if one != "error"]
+            seen["drawings"] = list(DRAWINGS)
         return seen
 
     def _answer(self, _: Any, wanted: dict[str, Any], buffers: Any) -> None:

@@ -40,7 +40,7 @@ export class SeeScreen {
     this.spot = h("dl", { class: "facts" }, h("dd", { class: "hint wide" }, t("see.hover")));
     this.lightBox = h("section", { class: "section", hidden: true });
     this.figures = h("section", { class: "section" }, h("h3", {}, t("see.figures")), h("p", { class: "hint" }, t("see.measuring")));
-    const overlays = [["", t("overlay.none")], ...app.about.drawings.filter((one) => one !== "error" || result.task === "fill").map((one) => [one, t(`overlay.${one}`)]), ["fault", t("fault.seams")]];
+    const overlays = [["", t("overlay.none")], ...app.about.drawings.map((one) => [one, t(`overlay.${one}`)]), ["fault", t("fault.seams")]];
     this.said = h("p", { class: "note error", role: "alert", hidden: true });
     const strength = h("input", { type: "range", min: 0, max: 1, step: 0.05, value: this.opacity, oninput: () => {
       this.opacity = Number(strength.value);
