@@ -19,7 +19,7 @@ from processes import ENVIRONMENT, weftex_process
 from weftex.errors import FileError, InvalidInputError
 from weftex.io.pictures import write_image
 from weftex.planes import runners
-from weftex.planes.lazy import plane
+from weftex.planes.dask_array import plane
 
 pytest.importorskip("distributed")
 TILE = weftex.BestTile(lattice=(20, 0, 0, 20))

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from weftex.errors import InvalidInputError
 from weftex.exemplar.material import Material, read_material
+from weftex.recipe.command_line import described_material, path_of
 from weftex.recipe.opening import (
     OpenedRecipe,
     PreparedMaterial,
@@ -16,7 +17,6 @@ from weftex.recipe.opening import (
     pictures_like,
     prepare_material,
 )
-from weftex.recipe.words import described_material, path_of
 
 if TYPE_CHECKING:
     import argparse

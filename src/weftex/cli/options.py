@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any
 from weftex.cli.parser import BLOCKS, HUGE
 from weftex.errors import InvalidInputError
 from weftex.recipe import TASKS, Recipe
+from weftex.recipe.command_line import json_of
 from weftex.recipe.options import SIZE
-from weftex.recipe.words import json_of
 
 if TYPE_CHECKING:
     import argparse

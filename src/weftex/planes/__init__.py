@@ -1,6 +1,6 @@
 """Images larger than memory, written block by block on one machine or many, or computed by Dask."""
 
-from weftex.planes.lazy import plane
+from weftex.planes.dask_array import plane
 from weftex.planes.plane_file import PlaneFile, open_plane
 from weftex.planes.writing import Written, check, repair, stream
 

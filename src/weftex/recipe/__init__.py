@@ -68,7 +68,7 @@ class Recipe(Fields):
 
         An `output` that ends with a slash is a folder; `names` are other names of the pictures.
         """
-        from weftex.recipe.words import command_of
+        from weftex.recipe.command_line import command_of
 
         return command_of(self, output, names or {})
 

@@ -6,10 +6,10 @@ import os
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
+from weftex.recipe.command_line import path_of
 from weftex.recipe.declared import TASKS
 from weftex.recipe.opening import straighten_arguments
 from weftex.recipe.options import PICTURE
-from weftex.recipe.words import path_of
 from weftex.tasks.method_names import AUTO
 
 if TYPE_CHECKING:

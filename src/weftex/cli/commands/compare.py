@@ -9,8 +9,8 @@ from weftex.cli.parser import Parser
 from weftex.cli.terminal import finish, print_json
 from weftex.errors import InvalidInputError
 from weftex.recipe import MATERIAL, SEED
+from weftex.recipe.command_line import value_of
 from weftex.recipe.declared import OUTPUT_SIZE, TILEABLE
-from weftex.recipe.words import value_of
 
 if TYPE_CHECKING:
     from weftex.cli.terminal import Bar, Outputs

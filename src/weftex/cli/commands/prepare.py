@@ -8,7 +8,7 @@ from weftex.cli.parser import Parser
 from weftex.cli.terminal import finish
 from weftex.errors import InvalidInputError
 from weftex.recipe import MATERIAL, PREPARATION
-from weftex.recipe.words import described_material
+from weftex.recipe.command_line import described_material
 
 if TYPE_CHECKING:
     from weftex.cli.terminal import Bar, Outputs
