@@ -33,25 +33,19 @@ _WHOLE = {
 }
 
 
-def wants_plane(args: argparse.Namespace, size: tuple[int, int] | None) -> bool:
-    """Whether a run writes block by block; raises if an option asks for that in vain."""
-    suffix = suffix_of(args.output)
-    if suffix in ALWAYS:
-        return True
-    if suffix in SUFFIXES:
+def is_plane(recipe: Recipe, args: argparse.Namespace) -> bool:
+    """Whether an image is written block by block; raises if options ask for that in vain."""
+    suffix, size = suffix_of(args.output), recipe.options["size"]
+    if recipe.options["window"] is None and suffix in SUFFIXES:
         pixels = size[0] * size[1] if size else 0
-        return bool(given_blocks(args)) or pixels > (MAX_PIXELS if args.allow_huge else HUGE)
-    refuse_options(args)
-    return False
-
-
-def refuse_options(args: argparse.Namespace) -> None:
-    """Raise `InvalidInputError` if an option asks for blocks where nothing is written so."""
+        large = pixels > (MAX_PIXELS if args.allow_huge else HUGE)
+        return suffix in ALWAYS or large or bool(given_blocks(args))
     for name in given_blocks(args):
         raise InvalidInputError(
             f"--{name} has no effect: only planes are written block by block, to "
             f"{', '.join(SUFFIXES)}"
         )
+    return False
 
 
 def check_options(args: argparse.Namespace) -> None:

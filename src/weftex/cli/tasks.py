@@ -163,9 +163,6 @@ def _is_plane(recipe: Recipe, args: argparse.Namespace) -> bool:
     suffix = suffix_of(args.output)
     if not given_blocks(args) and suffix in FORMATS and suffix not in (".tif", ".tiff"):
         return False
-    from weftex.cli.planes import refuse_options, wants_plane
+    from weftex.cli.planes import is_plane  # planes only where one may be written
 
-    if recipe.options["window"] is not None:
-        refuse_options(args)
-        return False
-    return wants_plane(args, recipe.options["size"])
+    return is_plane(recipe, args)
