@@ -15,12 +15,12 @@ TESTS = Path(__file__).parent
 READ = ("methods", "repeats", "search", "seams")
 #: Lower a ceiling when the code has become smaller; a feature that needs room removes something.
 CEILINGS = {
-    "lines of Python in src": 47_080,
-    "of these code": 33_021,
+    "lines of Python in src": 47_026,
+    "of these code": 32_981,
     "modules": 298,
     "kernel classes": 24,
     "names that several kernel classes have": 0,
-    "lines of tests": 25_317,
+    "lines of tests": 25_292,
     "quilting: files to read": 12,
     "quilting: lines to read": 2_841,
     "graphcut: files to read": 19,
