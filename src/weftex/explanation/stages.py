@@ -2,18 +2,17 @@
 
 from __future__ import annotations
 
-import base64
 import os
 import re
 from dataclasses import dataclass, field
 from html import escape
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, overload
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from weftex.io.pictures import write_image
-from weftex.io.png import png_bytes
+from weftex.io.png import data_url
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -88,11 +87,7 @@ class Explanation:
     def __iter__(self) -> Iterator[Stage]:
         return iter(self.stages)
 
-    @overload
-    def __getitem__(self, which: int | str) -> Stage: ...
-    @overload
-    def __getitem__(self, which: slice) -> tuple[Stage, ...]: ...
-    def __getitem__(self, which: int | str | slice) -> Stage | tuple[Stage, ...]:
+    def __getitem__(self, which: int | str) -> Stage:
         """Return a stage by its number or its title."""
         if isinstance(which, str):
             return {stage.title: stage for stage in self.stages}[which]
@@ -101,7 +96,7 @@ class Explanation:
     def _repr_html_(self) -> str:
         figures = "".join(
             f'<figure style="display:inline-block;vertical-align:top;max-width:17em;margin:0.5em">'
-            f'<img src="data:image/png;base64,{_png_text(s.picture)}" alt="{escape(s.title)}" '
+            f'<img src="{data_url(s.picture)}" alt="{escape(s.title)}" '
             'style="max-width:100%;image-rendering:pixelated">'
             f"<figcaption><b>{escape(s.title)}</b> {escape(s.caption)}</figcaption></figure>"
             for s in self.stages
@@ -132,7 +127,3 @@ class Explanation:
             y, x = (np.arange(n) * m // n for n, m in ((height, rows), (width, columns)))
             row += [stage.picture[np.ix_(y, x)], gap]
         return np.concatenate(row[:-1], axis=1)
-
-
-def _png_text(picture: NDArray[np.uint8]) -> str:
-    return base64.b64encode(png_bytes(picture)).decode("ascii")

@@ -35,15 +35,15 @@ class Displayable:
         return None if found is None else png_bytes(small_bytes(*found))
 
     def _repr_html_(self) -> str | None:
-        picture = self._repr_png_()
-        if picture is None:
-            return None
-        import base64
         from html import escape
 
-        data, text = base64.b64encode(picture).decode("ascii"), escape(repr(self))
-        shown = f'<img alt="" src="data:image/png;base64,{data}">'
-        return f"<figure>{shown}<figcaption>{text}</figcaption></figure>"
+        from weftex.io.png import data_url
+
+        found = self._displayed_picture()
+        if found is None:
+            return None
+        image = f'<img alt="" src="{data_url(small_bytes(*found))}">'
+        return f"<figure>{image}<figcaption>{escape(repr(self))}</figcaption></figure>"
 
 
 def small_bytes(pixels: NDArray[Any], alpha: bool = False) -> NDArray[np.uint8]:

@@ -6,6 +6,7 @@ ends at a whole byte, so the bands of one picture, one after the other, are one 
 
 from __future__ import annotations
 
+import base64
 import io
 import struct
 import zlib
@@ -18,7 +19,7 @@ from weftex.threads import in_turn
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-__all__ = ["png_bytes"]
+__all__ = ["data_url", "png_bytes"]
 
 SIGNATURE = b"\x89PNG\r\n\x1a\n"
 _BAND = 2**20  # bytes, about, of the rows that are compressed together
@@ -71,6 +72,11 @@ def png_bytes(pixels: NDArray[Any], level: int = _SMALLER) -> bytes:
     file = io.BytesIO()
     write_png(file, np.atleast_3d(pixels), level=level)
     return file.getvalue()
+
+
+def data_url(pixels: NDArray[Any]) -> str:
+    """Return a PNG file as a URL, for pages that contain their images."""
+    return "data:image/png;base64," + base64.b64encode(png_bytes(pixels)).decode("ascii")
 
 
 def _filtered(pixels: NDArray[Any], first: int, last: int) -> NDArray[np.uint8]:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import base64
 import json
 import os
 from abc import ABC, abstractmethod
@@ -10,7 +9,7 @@ from html import escape
 from typing import TYPE_CHECKING, Any
 
 from weftex.io.pictures import check_output, write_text
-from weftex.io.png import png_bytes
+from weftex.io.png import data_url
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
@@ -73,10 +72,10 @@ def show(picture: NDArray[np.uint8], title: str, text: str) -> str:
     """Return a figure with the picture embedded; a large one by every second, third, ... pixel."""
     height, width = picture.shape[:2]
     step = -(-max(height, width) // _LARGEST_PICTURE)
-    data = base64.b64encode(png_bytes(picture[::step, ::step])).decode("ascii")
     size = f"{width}x{height} pixels" + (f", shown at 1:{step}" if step > 1 else "")
+    reduced = picture[::step, ::step]
     return (
-        f'<figure><img alt="{escape(f"{title}: {text}")}" src="data:image/png;base64,{data}">'
+        f'<figure><img alt="{escape(f"{title}: {text}")}" src="{data_url(reduced)}">'
         f"<figcaption><strong>{escape(title)}</strong>: {escape(text)} "
         f'<span class="small">({size})</span></figcaption></figure>'
     )
