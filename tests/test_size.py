@@ -15,8 +15,8 @@ TESTS = Path(__file__).parent
 READ = ("methods", "repeats", "search", "seams")
 #: Lower a ceiling when the code has become smaller; a feature that needs room removes something.
 CEILINGS = {
-    "lines of Python in src": 47_026,
-    "of these code": 32_981,
+    "lines of Python in src": 47_022,
+    "of these code": 32_975,
     "modules": 298,
     "kernel classes": 24,
     "names that several kernel classes have": 0,
