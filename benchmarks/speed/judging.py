@@ -139,7 +139,6 @@ SETTINGS = (
     Setting("exact-matching"),
     Setting("exact-matching", {"levels": 1}),
     Setting("exact-matching", {"candidates": 50}),
-    Setting("exact-matching", {"copying": "blocks"}),
     Setting("ashikhmin"),
     Setting("ashikhmin", {"passes": 1}),
     Setting("ashikhmin", {"passes": 5}),

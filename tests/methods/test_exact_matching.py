@@ -12,25 +12,6 @@ def pebbles(side):
     return weftex.Exemplar(weftex.load_exemplar("sample:pebbles").pixels[:side, :side])
 
 
-def test_blocks_go_on_where_all_four_neighbors_say_the_same():
-    """Section 7; and fewer windows are compared than where each pixel is matched."""
-    facts, half = {}, 4
-    for copying in ("pixels", "blocks"):
-        method = weftex.ExactMatching(window_width=9, levels=1, init="random", copying=copying)
-        made = method.fit(pebbles(96)).sample(64, seed=1)
-        facts[copying] = made.provenance["windows_compared"]
-    y, x = np.indices((63, 62)) + np.array([1, 1]).reshape(2, 1, 1)
-    leads = [
-        made.source[y + dy, x + dx] - (dy, dx) for dy, dx in ((0, -1), (-1, -1), (-1, 0), (-1, 1))
-    ]
-    agree = np.all([(lead == leads[0]).all(axis=2) for lead in leads], axis=0)
-    v, u = np.moveaxis(leads[0], 2, 0)
-    whole = agree & (v >= half) & (v < 96) & (u >= half) & (u < 96 - half)  # windows that are
-    assert whole.mean() > 0.2
-    assert np.array_equal(made.source[1:, 1:-1][whole], leads[0][whole])
-    assert facts["blocks"] < 0.8 * facts["pixels"]
-
-
 def test_sources_nearby_keep_their_distance():
     def repeats(distance):
         method = weftex.ExactMatching(window_width=9, levels=1, repeat_distance=distance)

@@ -13,7 +13,7 @@ from families import canvas_of, noise, with_guides
 from twins import refinement as reference
 from weftex.analysis.scale import dominant_scale
 from weftex.canvas import Canvas
-from weftex.methods.refinement.start import starts_for
+from weftex.methods.refinement.start import hole_start, starts_for
 from weftex.methods.refinement.sweeps import cyclic_lines, rows_of
 
 WRAPS = [(False, False), (False, True), (True, False), (True, True)]
@@ -25,6 +25,8 @@ def check_twin(method, exemplar, canvas, seed):
     start, prepared = None, model.prepared
     for name in starts_for(prepared, canvas)[:1]:
         other = prepared.starts[name]
+        if canvas.hole is not None:
+            other = hole_start(name, canvas.hole, exemplar)
         bare = "guide" not in other.method.supports
         follow = dataclasses.replace(canvas, guide=None) if bare else canvas
         start = other.sample(follow, seed=seed).source

@@ -127,7 +127,13 @@ def refinement(method, exemplar, canvas, seed, start=None):
         kept = hole & ~seam_belts(start, method.joints // 2, canvas.wrap, exemplar)
         hole = hole & ~kept
         levels = levels[:1]
-    stack = zip(*pyramid(picture, ~hole, canvas.wrap, len(levels)), strict=True)
+    stack = list(zip(*pyramid(picture, ~hole, canvas.wrap, len(levels)), strict=True))
+    while start is not None and len(levels) > 1:
+        step = 2 ** levels[-1].number
+        shown = [tuple(at) for at in start[::step, ::step][~stack[-1][1]].tolist() if at[0] >= 0]
+        if sum(at not in levels[-1].center_set for at in shown) <= 0.15 * len(shown):
+            break
+        levels, stack = levels[:-1], stack[:-1]
     guide = guides(exemplar, canvas)
     if guide[0] is not None:
         weight = max(1, round(256 * method.guide_weight * picture.shape[2] / guide[0].shape[2]))

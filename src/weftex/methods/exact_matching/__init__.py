@@ -103,12 +103,6 @@ class ExactMatching(WindowedMethod):
         unit="px",
         default_text="half the window width for a random band, 0 for a structured one",
     )
-    copying: str = parameter(
-        "pixels",
-        "search for every pixel (pixels), or not where the four neighbors' sources agree (blocks)",
-        choices=("pixels", "blocks"),
-        idle_canvas="known",
-    )
     levels: int | None = parameter(
         None,
         "number of pyramid levels; more keep larger shapes, 1 is a single resolution",

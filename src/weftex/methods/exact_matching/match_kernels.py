@@ -30,7 +30,6 @@ class Search:
     reach: cython.Py_ssize_t
     coarse_reach: cython.Py_ssize_t
     repeat_distance: cython.Py_ssize_t
-    copies_blocks: cython.bint
     most: cython.longlong  # windows of the lists that are compared; 0 is all
     # The next coarser level at the picture's size, and the places that it leads to.
     guided: cython.bint
@@ -61,8 +60,7 @@ class Search:
     stamp: cython.int
 
     def __init__(self, windows, coarser, queries, neighbors, colors, last, seen):
-        self.causal, self.reach, self.coarse_reach, *rule = windows
-        self.repeat_distance, self.copies_blocks, self.most = rule
+        self.causal, self.reach, self.coarse_reach, self.repeat_distance, self.most = windows
         self.coarse, self.coarse_done, self.suggested = coarser
         self.guided = len(self.suggested) > 0
         self.query, self.coarse_query = queries
@@ -93,11 +91,8 @@ def match_pixels(
             search.y, search.x, search.bits = order[p] // width, order[p] % width, bits[p]
             look_around(lists, picture, search)
             search.chosen = -1
-            if search.copies_blocks:  # section 7
-                search.chosen = next_of_block(picture, search)
-            if search.chosen < 0:
-                gather_windows(picture, search)
-                find_best(lists, picture, search)
+            gather_windows(picture, search)
+            find_best(lists, picture, search)
             if search.chosen < 0:  # no list has anything: any window
                 search.chosen = lists.centers[portion(search.bits, lists.centers.shape[0])]
             copy_chosen(lists, picture, search)
@@ -134,20 +129,6 @@ def look_around(lists: Lists, picture: Picture, search: Search) -> cython.void:
     search.goes_on[lists.offsets.shape[0]] = (
         search.suggested[search.y, search.x] if search.guided else -1
     )
-
-
-@cython.cfunc
-@cython.nogil
-@cython.exceptval(check=False)
-def next_of_block(picture: Picture, search: Search) -> cython.Py_ssize_t:
-    """The pixel that continues the sources of all four causal neighbors, or -1."""
-    cython.declare(d=cython.Py_ssize_t)
-    if search.y == 0 or search.x == 0 or search.x == picture.source.shape[1] - 1:
-        return -1
-    for d in range(1, 4):
-        if search.goes_on[d] != search.goes_on[0]:
-            return -1
-    return search.goes_on[0]
 
 
 @cython.cfunc

@@ -145,7 +145,7 @@ class Matching:
         self._search = kernels.Search(
             (
                 lists.causal, lists.reach, lists.coarse_reach, method.repeat_distance,
-                lists.causal and method.copying == "blocks", method.candidates,
+                method.candidates,
             ),
             (parents.pixels, everywhere, _centers_at(lists, parents.suggested)),
             [new_query(reach, channels) for reach in (lists.reach, lists.coarse_reach)],

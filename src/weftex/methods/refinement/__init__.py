@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, ClassVar, Self
 
 from weftex.endless.boxes import canvas_of
@@ -20,6 +20,7 @@ from weftex.methods.refinement.levels import Prepared, prepare
 from weftex.methods.refinement.output import (
     finish,
     guides_of,
+    levels_that_show,
     output_pyramid,
     show_coarse,
     sources_of_children,
@@ -269,6 +270,10 @@ def texture_synthesis(prepared: Prepared, growth: Growth) -> None:
     """
     levels, windows, rounds = prepared.levels, prepared.windows, prepared.rounds
     start, made = result_of(prepared, growth)
+    if made is not None:  # coarse levels would move it near a hole of the sample
+        count = levels_that_show(made, levels, growth)
+        levels, rounds = levels[:count], (*rounds[: count - 1], rounds[-1])
+        prepared = replace(prepared, levels=levels, rounds=rounds)
     growth.about |= {"init": start, "levels": len(levels)}
     if made is not None and prepared.belt:
         # Section 5, Fig. 13: patches stay, belts along their seams are a hole.

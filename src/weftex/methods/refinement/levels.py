@@ -55,6 +55,13 @@ class Level:
         once: NDArray[np.int32] = flat[self.index[self.places.ravel()[flat]] == flat]
         return once
 
+    def may_center(self, y: NDArray[np.integer], x: NDArray[np.integer]) -> NDArray[np.bool_]:
+        """Whether windows may be centered on pixels of the sample."""
+        result: NDArray[np.bool_] = (
+            self.usable.ravel()[self.index[y * self.nearest.shape[1] + x]] > 0
+        )
+        return result
+
     def at(self, y: NDArray[np.integer], x: NDArray[np.integer]) -> NDArray[np.int32]:
         """Flat indices into `pixels` of the usable places nearest to some of the sample."""
         height, width = self.nearest.shape

@@ -21,6 +21,7 @@ if TYPE_CHECKING:
 
 
 _KIND_BITS = 6  # lower bits of a guide's bytes that do not make another kind of place
+_MOST_MOVED = 0.15  # of a start; more would break patterns that it continues
 
 
 class Output:
@@ -123,6 +124,21 @@ def guides_of(prepared: Prepared, growth: Growth) -> list[Guide]:
         Guide(picture, level.layout.arranged(phases), phases[0], weight)
         for picture, phases, level in zip(pictures, samples, coherent, strict=True)
     ]
+
+
+def levels_that_show(sources: NDArray[np.int32], levels: Sequence[Level], growth: Growth) -> int:
+    """Return the number of levels on which few pixels of a source map (H, W, 2) are moved.
+
+    Windows are wide on coarse levels, and none is centered near a hole of the sample.
+    """
+    known = mask_pyramid(growth.done.astype(bool), len(levels), growth.canvas.wrap)
+    for number in range(len(levels) - 1, 0, -1):
+        y, x = (_every(axis, number) for axis in np.moveaxis(sources, -1, 0))
+        wanted = ~known[number] & (y >= 0)
+        whole = levels[number].may_center(y[wanted], x[wanted])
+        if np.count_nonzero(~whole) <= _MOST_MOVED * whole.size:
+            return number + 1
+    return 1
 
 
 def sources_shown(sources: NDArray[np.int32], number: int, level: Level) -> NDArray[np.int32]:

@@ -86,12 +86,21 @@ def result_of(prepared: Prepared, growth: Growth) -> tuple[str, NDArray[np.int32
         if "guide" not in start.method.supports:
             canvas = dataclasses.replace(canvas, guide=None)
         try:
+            if canvas.hole is not None:
+                start = hole_start(name, canvas.hole, growth.exemplar)
             return name, start.sample(canvas, seed=growth.seed, threads=growth.threads).source
         except InvalidInputError as error:
             failure = failure or error
     if failure is None or (prepared.by_canvas and not prepared.belt):
         return "seeds", None
     raise InvalidInputError(f"init: {failure}")
+
+
+def hole_start(name: str, hole: NDArray[np.bool_], exemplar: Exemplar) -> Model:
+    """Return the start's model, with parameters that suit a hole where `init` leaves them open."""
+    usable = np.ones(exemplar.shape, bool) if exemplar.mask is None else exemplar.mask
+    given = None if " " in name else frozenset[str]()
+    return method_of(name).for_hole(hole, usable, given).fit(exemplar)
 
 
 def start_window(
