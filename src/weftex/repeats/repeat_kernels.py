@@ -108,54 +108,6 @@ def count_squares(
 @cython.cfunc
 @cython.nogil
 @cython.exceptval(check=False)
-def sum_missing(
-    counts: cython.const[cython.int][:, ::1],
-    missing: cython.const[cython.uchar][:, ::1],
-    top: cython.Py_ssize_t,
-    left: cython.Py_ssize_t,
-    sums: cython.p_longlong,
-) -> cython.void:
-    """Sum the counts under missing pixels, whose corner lies on (top, left), and these pixels."""
-    cython.declare(i=cython.Py_ssize_t, j=cython.Py_ssize_t, total=cython.int, area=cython.int)
-    cython.declare(one=cython.p_const_int, other=cython.p_const_uchar)
-    first: cython.Py_ssize_t = max(0, -left)
-    last: cython.Py_ssize_t = min(missing.shape[1], counts.shape[1] - left)
-    sums[0] = 0
-    sums[1] = 0
-    if first >= last:
-        return
-    for i in range(max(0, -top), min(missing.shape[0], counts.shape[0] - top)):
-        one = cython.address(counts[top + i, left + first])
-        other = cython.address(missing[i, first])
-        total = 0
-        area = 0
-        for j in range(last - first):
-            total += one[j] * other[j]
-            area += other[j]
-        sums[0] += total
-        sums[1] += area
-
-
-def sum_where_missing(
-    counts: cython.const[cython.int][:, ::1],
-    missing: cython.const[cython.uchar][:, ::1],
-    allowed: cython.const[cython.uchar][:, ::1],
-    offset: cython.const[cython.int][::1],
-    sums: cython.longlong[:, :, ::1],
-):
-    """Fill in `sum_missing` for each allowed place, less `offset` the corner of `missing`."""
-    cython.declare(y=cython.Py_ssize_t, x=cython.Py_ssize_t)
-    for y in range(allowed.shape[0]):
-        for x in range(allowed.shape[1]):
-            if allowed[y, x]:
-                sum_missing(
-                    counts, missing, y - offset[0], x - offset[1], cython.address(sums[y, x, 0])
-                )
-
-
-@cython.cfunc
-@cython.nogil
-@cython.exceptval(check=False)
 def weight_of(
     distances: cython.const[cython.double][::1], down: cython.double, along: cython.double
 ) -> cython.longlong:

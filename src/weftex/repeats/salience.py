@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -18,7 +18,6 @@ if TYPE_CHECKING:
     from weftex.raster.turning import Box
     from weftex.repeats import Offsets, Output, Repetition
 
-_DIRECT = 2**22  # offsets times pixels up to which sums are faster than transforms
 #: What repeats count for: strength apart, see `Repetition`.
 _CELLS = 16  # of the sample's shorter side, or up to twice as many, are looked at
 _LEVELS = 16  # of salience, so that sums are of whole numbers
@@ -129,21 +128,7 @@ class SaliencePenalty:
             for at, reach in zip(offsets.pixel, self._reach, strict=True)
         )
         missing, offset = missing_at(self.output, *lines), [reach >> k for reach in self._reach]
-        if allowed.sum() * counts.size <= _DIRECT:
-            sums = np.zeros((*allowed.shape, 2), np.int64)
-            kernels.sum_where_missing(
-                counts.astype(np.int32),
-                missing,
-                allowed.view(np.uint8),
-                np.array(offset, np.int32),
-                sums,
-            )
-            shown, area = sums[..., 0], sums[..., 1]
-        else:
-            size = [fast_size(n + m) for n, m in zip(counts.shape, missing.shape, strict=True)]
-            both = correlations(np.stack([counts, np.ones_like(counts)]), missing, tuple(size))
-            both = np.roll(both, offset, (1, 2))
-            shown, area = both[:, : allowed.shape[0], : allowed.shape[1]]
+        shown, area = sums_under(missing, counts, offset, allowed.shape)
         mean = counts.mean()
         result: NDArray[np.float64] = shown / np.maximum(area * mean, mean or 1)
         return result
@@ -152,10 +137,10 @@ class SaliencePenalty:
         """Repeats of what the offsets of some cells would newly show, by salience and distance."""
         sight, count = self.sight, self.sight.count
         missing = sight.missing(pixel, *count)
-        total, sums = np.zeros(count, np.int64), np.zeros((*count, 2), np.int64)
+        total = np.zeros(count, np.int64)
         kernels.sum_pieces(*self._pieces(pixel), missing, cells, sight.distances, total)
-        kernels.sum_where_missing(sight.salience, missing, cells, np.array(count, np.int32), sums)
-        result: NDArray[np.float64] = total / np.maximum(_UNIT * sums[..., 0], 1)
+        salience = sums_under(missing, sight.salience, count, tuple(count))[0]
+        result: NDArray[np.float64] = total / np.maximum(_UNIT * salience, 1)
         return result
 
     def _pieces(
@@ -172,6 +157,15 @@ class SaliencePenalty:
         at = np.array([sight.cell, width], np.int32)
         kernels.show_pieces(source, rows, columns, pieces, at, sight.salience, shown, boxes)
         return shown, boxes, shifts[:count]
+
+
+def sums_under(
+    missing: NDArray[np.uint8], values: NDArray[Any], offset: list[int], shape: tuple[int, ...]
+) -> NDArray[np.int64]:
+    """(2, H, W): sums of the values under missing pixels at each offset, and these pixels."""
+    size = tuple(fast_size(n + m) for n, m in zip(values.shape, missing.shape, strict=True))
+    both = correlations(np.stack([values, np.ones_like(values)]), missing, size)
+    return np.roll(both, offset, (1, 2))[:, : shape[0], : shape[1]]
 
 
 def missing_at(

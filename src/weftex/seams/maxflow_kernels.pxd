@@ -31,4 +31,4 @@ cdef class Grid:
     cdef Py_ssize_t[4] steps
     cdef int now
 
-cdef long long minimum_cut(Grid grid, unsigned char[:, ::1] side, long long most) noexcept nogil
+cdef long long max_flow(Grid grid, unsigned char[:, ::1] side, long long most) noexcept nogil

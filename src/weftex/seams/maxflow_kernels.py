@@ -278,7 +278,7 @@ def plant(grid: Grid) -> cython.longlong:
 @cython.cfunc
 @cython.nogil
 @cython.exceptval(check=False)
-def minimum_cut(grid: Grid, side: cython.uchar[:, ::1], most: cython.longlong) -> cython.longlong:
+def max_flow(grid: Grid, side: cython.uchar[:, ::1], most: cython.longlong) -> cython.longlong:
     """Mark in `side` the nodes that residual capacities reach from the source; return the flow.
 
     Once the flow exceeds `most`, stop and leave `side` as it is.
@@ -312,8 +312,8 @@ def minimum_cut(grid: Grid, side: cython.uchar[:, ::1], most: cython.longlong) -
 
 
 def cut_grid(grid: Grid, side: cython.uchar[:, ::1]):
-    """Call `minimum_cut`, beside other threads."""
+    """Call `max_flow`, beside other threads."""
     cython.declare(flow=cython.longlong)
     with cython.nogil:
-        flow = minimum_cut(grid, side, LLONG_MAX)
+        flow = max_flow(grid, side, LLONG_MAX)
     return flow

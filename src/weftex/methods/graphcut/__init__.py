@@ -12,7 +12,7 @@ from weftex.endless.grid import Sizes
 from weftex.errors import InvalidInputError
 from weftex.exemplar.turns import turned
 from weftex.method import Method
-from weftex.methods.graphcut.cutting import CanvasSeams, Picture
+from weftex.methods.graphcut.cutting import OldSeams, Picture
 from weftex.methods.graphcut.entire import EntirePatchMatching, OrientedMatching
 from weftex.methods.graphcut.placement import draw_offsets
 from weftex.methods.graphcut.sample import PATCH_SHARE, Sample, check_boundary, patch_shape_for
@@ -305,7 +305,10 @@ def placement_of(
 
 
 def cover(method: GraphCut, placement: Placement, sample: Sample, growth: Growth) -> None:
-    """The algorithm; sections are those of the paper."""
+    """The algorithm; sections are those of the paper.
+
+    Old pixels that a patch surrounds (section 3.2) are in its graph as all pixels of its box are.
+    """
     assert method.candidates is not None and method.refinements is not None
     count, tolerance = method.candidates, _given(method.tolerance, 1.0)  # random: all match
     copies = method.placement == "entire" and bool(sample.boxes)
@@ -336,17 +339,17 @@ def cover(method: GraphCut, placement: Placement, sample: Sample, growth: Growth
         more = round(method.refinements * pasted)
         if not more:
             return
-        seams = CanvasSeams(picture, growth.canvas, placement.size)
+        old_seams = OldSeams(picture, growth.canvas, placement.size)
         progress = growth.progress(more, "repairs")
         for number in range(pasted, pasted + more):
-            worst = seams.worst()
+            worst = old_seams.worst()
             # Not in the paper: seams that many patches did not improve cannot be improved.
-            if worst is None or seams.idle > _IDLE * pasted:
+            if worst is None or old_seams.idle > _IDLE * pasted:
                 progress.advance(progress.total - progress.done)
                 break
             best = best_patch(worst, number, centered=True)
             picture.paste(best)
-            seams.update_around(best)
+            old_seams.update_around(best)
             progress.advance(1)
 
 

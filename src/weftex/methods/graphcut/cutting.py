@@ -6,12 +6,12 @@ Sections 3 and 4 of Kwatra et al., 2003.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from weftex.methods.graphcut import cut_kernels, graph_kernels, seam_kernels
+from weftex.methods.graphcut import graph_kernels, seam_kernels
 from weftex.notes import is_asked, note
 from weftex.raster.boxes import box_sums
 from weftex.seams.maxflow import search_trees
@@ -113,7 +113,7 @@ class Picture:
         # A little more, as rounding must not keep the cheapest one from its cost.
         least = max(self._least, 0.0) / patch.factor * (1 + 1e-9)
         graph = self._graph_of(patch, number)
-        more, covered = cut_kernels.cost_in_blocks(graph, self.halvings, least)
+        more, covered = graph_kernels.cost_in_blocks(graph, self.halvings, least)
         each: float = more / max(covered, 1)
         cost = each * patch.factor if each > 0 else each / patch.factor
         self._least = min(self._least, cost)
@@ -125,7 +125,7 @@ class Picture:
         if asked:
             note("patch", growth=self.growth, place=patch)
         graph = self._graph_of(patch, 0)
-        covered: int = cut_kernels.paste_patch(graph, max(0, self.halvings - 1))
+        covered: int = graph_kernels.paste_patch(graph, max(0, self.halvings - 1))
         if asked:
             note("pasted", growth=self.growth, place=patch)
         return covered
@@ -160,7 +160,7 @@ def _graph(labeling: seam_kernels.Labeling, height: int, width: int) -> graph_ke
     )
 
 
-class CanvasSeams:
+class OldSeams:
     """The costs of all seams of a covered canvas, kept up to date as patches are pasted.
 
     The worst seams are those of the square of cells, half as wide as a patch, that costs most.
@@ -176,24 +176,17 @@ class CanvasSeams:
             min(max(1, size // (2 * _CELL)), n)
             for size, n in zip(patch_size, self.cells.shape, strict=True)
         ]
-        # The squares of cells, half as wide as a patch, by their upper left one, and the most that
-        # one of each row costs.
-        last = [
-            n if wraps else n - span + 1
-            for n, span, wraps in zip(self.cells.shape, self.spans, canvas.wrap, strict=True)
-        ]
-        self.squares = np.zeros(last, np.int64)
-        self.most = np.zeros(last[0], np.int64)
         self.update(0, 0, *canvas.shape)
 
     def update_around(self, patch: Patch) -> None:
         """Update the costs of seams that a patch may have changed."""
-        change = self.update(patch.top - 1, patch.left - 1, patch.height + 1, patch.width + 1)
-        self.idle = 0 if change < 0 else self.idle + 1
+        before = int(self.cells.sum())
+        self.update(patch.top - 1, patch.left - 1, patch.height + 1, patch.width + 1)
+        self.idle = 0 if int(self.cells.sum()) < before else self.idle + 1
 
-    def update(self, top: int, left: int, height: int, width: int) -> int:
-        """Update the costs of the seams in a box, and their sums; return how much is added."""
-        lines, cells = [], []
+    def update(self, top: int, left: int, height: int, width: int) -> None:
+        """Update the costs of the seams in a box."""
+        lines = []
         for start, length, n, wraps in zip(
             (top, left), (height, width), self.canvas.shape, self.canvas.wrap, strict=True
         ):
@@ -202,48 +195,30 @@ class CanvasSeams:
             else:
                 line = np.arange(max(start, 0), min(start + length, n))
             lines.append(line.astype(np.int32))
-            cells.append(np.unique(line // _CELL))
-        before = int(self.cells[np.ix_(*cells)].sum())
-        seam_kernels.sum_seams(
-            self.picture.labeling, lines[0], lines[1], self.cost, self.cells, _CELL
-        )
-        self._sum_up([int(line[0]) // _CELL for line in lines], [len(c) for c in cells])
-        return int(self.cells[np.ix_(*cells)].sum()) - before
-
-    def _sum_up(self, first: Sequence[int], length: Sequence[int]) -> None:
-        """Sum up the squares that have one of these cells.
-
-        A cell that was tried counts half as much the next time, or one seam that cannot be mended
-        would keep the others from it.
-        """
-        squares, cells = [], []
-        for start, count, span, last, n in zip(
-            first, length, self.spans, self.squares.shape, self.cells.shape, strict=True
-        ):
-            at = np.arange(start - span + 1, start + count)
-            at = at[:n] % n if last == n else at[(at >= 0) & (at < last)]
-            if not len(at):
-                return
-            squares.append(at)
-            cells.append((at[0] + np.arange(len(at) + span - 1)) % n)
-        here = np.ix_(*cells)
-        cost = self.cells[here] >> np.minimum(self.tried[here], 62)
-        self.squares[np.ix_(*squares)] = box_sums(cost, *self.spans)
-        self.most[squares[0]] = self.squares[squares[0]].max(axis=1)
+        rows, columns = lines
+        seam_kernels.sum_seams(self.picture.labeling, rows, columns, self.cost, self.cells, _CELL)
 
     def worst(self) -> tuple[int, int] | None:
-        """The middle of the square, half a patch wide, whose seams cost most; None if none do."""
-        row = int(self.most.argmax())
-        if self.most[row] == 0:
+        """The middle of the square, half a patch wide, whose seams cost most; None if none do.
+
+        A cell that was tried counts half as much the next time, or one seam that cannot be improved
+        would keep the others from it.
+        """
+        beyond = [
+            (0, span - 1 if wraps else 0)
+            for span, wraps in zip(self.spans, self.canvas.wrap, strict=True)
+        ]
+        cost = np.pad(self.cells >> np.minimum(self.tried, 62), beyond, mode="wrap")
+        squares = box_sums(cost, *self.spans)
+        first = np.unravel_index(squares.argmax(), squares.shape)
+        if squares[first] == 0:
             return None
-        first = row, int(self.squares[row].argmax())
         middle, cells = [], []
         for at, span, count, n, wraps in zip(
             first, self.spans, self.cells.shape, self.canvas.shape, self.canvas.wrap, strict=True
         ):
             cells.append((at + np.arange(span)) % count)
-            center = at * _CELL + span * _CELL // 2
+            center = int(at) * _CELL + span * _CELL // 2
             middle.append(center % n if wraps else min(center, n - 1))
         self.tried[np.ix_(*cells)] += 1
-        self._sum_up(first, self.spans)
         return middle[0], middle[1]

@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from weftex.analysis.canvas_lattice import VISIBLE_STRAIN, CanvasLattice, given_lattice
-from weftex.methods.graphcut.match_kernels import match
 from weftex.methods.graphcut.placement import Matches, Patch, size_on
 from weftex.methods.graphcut.sample import (
     Level,
@@ -19,7 +18,7 @@ from weftex.methods.graphcut.sample import (
     on_levels,
 )
 from weftex.repeats import Offsets
-from weftex.search.translation import fast_size, overlap_mismatch
+from weftex.search.translation import Spectra, fast_size, overlap_mismatch
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -32,7 +31,6 @@ if TYPE_CHECKING:
     from weftex.repeats import Penalty
 
 _AROUND = 32  # pixels around a hole that are matched, or half as many as it is wide
-_DIRECT = 2**22  # offsets times pixels up to which sums are faster than transforms
 _DRIFT = 16  # in photos a tile lies up to 1/16 of its shorter side off the lattice
 _MOST = 4.0  # pixels, at most
 _LEAST = 0.75  # pixels, so that there is a whole one at each multiple of the vectors
@@ -69,6 +67,7 @@ class EntirePatchMatching:
         self.reduction = sample.reduction_for(self.size, self.usable)
         self.levels = sample.levels(self.reduction)
         self.penalty: Penalty | None = None
+        self._spectra: dict[int, Spectra] = {}
         self._on_canvas = Level(growth.pixels, growth.done)
         # How far the sample reaches from a pixel that it covers, in whole pixels of all levels.
         self._reach = [-(-(n - 1) // self.reduction) * self.reduction for n in self.usable.shape]
@@ -176,16 +175,15 @@ class EntirePatchMatching:
         return lines
 
     def _mismatch(self, box: Level, allowed: NDArray[np.bool_], k: int) -> NDArray[np.float64]:
-        """C(t) over the overlap, for each pixel of the sample that may come to lie on this one."""
+        """C(t) over the overlap, for each pixel of the sample that may come to lie on this one.
+
+        Sums of products by FFT (section 5).
+        """
         level = self.levels[k]
-        if allowed.sum() * level.mask.size <= _DIRECT:
-            direct = np.full(allowed.shape, np.inf)
-            offset = np.array([reach >> k for reach in self._reach], np.int32)
-            levels = box.pixels, box.mask, level.pixels, level.mask
-            match(*levels, allowed.view(np.uint8), offset, level.all_count, direct)
-            return direct if (direct < np.inf).any() else np.zeros(allowed.shape)
         size = [fast_size(n) for n in box.mask.shape]
-        both = overlap_mismatch(box.spectra_of(size), level.spectra_of(size))
+        if k not in self._spectra:  # boxes of a level have one size
+            self._spectra[k] = level.spectra_of(size)
+        both = overlap_mismatch(box.spectra_of(size), self._spectra[k])
         # Place (0, 0) of the corner has the last pixel within reach on this one.
         rows, columns = (reach >> k for reach in self._reach)
         total, area = (

@@ -8,6 +8,10 @@ cdef enum:
     NEW = 2
     EITHER = 3
 
+cdef enum:
+    REACH = 2  # blocks around those that the cut passes
+    STEP = 2  # the number of halvings less at each step
+
 # Of the grid, arcs from the source are what it costs that a block stays old, to the sink new.
 cdef class Graph(Grid):
     cdef Labeling labeling
@@ -17,7 +21,7 @@ cdef class Graph(Grid):
     cdef const int[::1] from_columns
     cdef unsigned char[:, ::1] choice  # of each pixel
     cdef unsigned char[:, ::1] side  # of each block: 1 on the new side of the cut
-    cdef unsigned char[:, :, ::1] near  # scratch of `cut_kernels.narrow`
+    cdef unsigned char[:, :, ::1] near  # scratch of `narrow`
     cdef int[:, ::1] scratch  # two rows
     cdef long long before  # the cost of the seams that the patch may change, before it
 
@@ -33,7 +37,3 @@ cdef inline int on_canvas(Graph graph, Py_ssize_t i, Py_ssize_t j) noexcept nogi
 cdef inline int in_sample(Graph graph, Py_ssize_t i, Py_ssize_t j) noexcept nogil:
     """The label that the patch has at a place of the box."""
     return graph.from_rows[i] * graph.labeling.columns + graph.from_columns[j]
-
-cdef Py_ssize_t choose(Graph graph) noexcept nogil
-
-cdef long long build(Graph graph, int halvings, bint by_runs) noexcept nogil

@@ -1,12 +1,14 @@
 # mypy: ignore-errors
-"""Kernels of graph-cut textures: the graph of a patch (Kwatra et al., 2003, section 3).
+"""Kernels of graph-cut textures: the graph of a patch, its cut, and the paste (section 3).
 
-A node is a pixel or a block of pixels: every labeling of blocks is one of pixels of the same
-cost. Only pairs of pixels in different blocks, or with a seam between them, have a cost; `runs`
-skips all others. Compiled by Cython, see setup.py.
+A patch is cut in blocks of pixels first, a node for each, then in smaller blocks around that cut.
+Every labeling of blocks is one of pixels of the same cost, so no step raises it. Only pairs of
+pixels in different blocks, or with a seam between them, have a cost; `runs` skips all others.
+Compiled by Cython, see setup.py.
 """
 
 import cython
+from cython.cimports.libc.limits import LLONG_MAX
 from cython.cimports.libc.string import memset
 from cython.cimports.weftex.methods.graphcut.seam_kernels import (
     SCALE,
@@ -16,8 +18,9 @@ from cython.cimports.weftex.methods.graphcut.seam_kernels import (
     continued,
     difference,
     seam_cost,
+    update_runs,
 )
-from cython.cimports.weftex.seams.maxflow_kernels import Grid
+from cython.cimports.weftex.seams.maxflow_kernels import Grid, max_flow
 
 
 @cython.cclass
@@ -79,17 +82,17 @@ def add_pair(
 ) -> cython.longlong:
     """Add the pair of a pixel of the box and its neighbor in direction d.
 
-    It costs c if both stay old (an old seam, or 0), a or b if one becomes new, and 0 if both do.
-    Instead of the paper's seam node (section 3.1), the arcs from the source to both take
-    alpha + beta = c, and the arcs between them a - alpha and b - beta. This is exact if
-    c <= a + b, as with metrics. Where costs weighed by gradients break it, b is raised to c - a;
-    the cheapest labels are still no worse than the old ones. A neighbor outside the box stays old.
-    Returns the cost of the pair if neither pixel has a choice.
+    It costs a if only the neighbor becomes new, b if only the pixel does, c if both stay old (an
+    old seam, or 0), and 0 if both become new. Instead of the paper's seam node (section 3.1), the
+    arcs from the source to both take alpha + beta = c, and the arcs between them a - alpha and
+    b - beta. This is exact if c <= a + b, as with metrics. Where costs weighed by gradients break
+    it, b is raised to c - a; the cheapest labels are still no worse than the old ones. A neighbor
+    outside the box stays old. Returns the cost of the pair if neither pixel has a choice.
     """
-    cython.declare(p_old=cython.longlong, q_old=cython.longlong)  # and the other one new
-    cython.declare(both_old=cython.longlong, alpha=cython.longlong, p_new=cython.int)
-    cython.declare(q=cython.int, q_new=cython.int, q_may=cython.int, joined=cython.bint)
-    labels: cython.p_int = cython.address(graph.labeling.source[0])
+    cython.declare(a=cython.longlong, b=cython.longlong, c=cython.longlong, alpha=cython.longlong)
+    cython.declare(p_new=cython.int, q=cython.int, q_new=cython.int, q_may=cython.int)
+    cython.declare(joined=cython.bint)
+    labels: cython.p_int = cython.address(graph.labeling.labels[0])
     way: cython.int = 1 - (d & 2)
     dy: cython.int = way if d & 1 else 0
     dx: cython.int = 0 if d & 1 else way
@@ -115,37 +118,37 @@ def add_pair(
     bu: cython.Py_ssize_t = u >> halvings
     together: cython.bint = p_may == EITHER and q_may == EITHER
     joined = labels[q] >= 0 and continued(graph.labeling, labels[p], d) == labels[q]
-    both_old = 0
+    c = 0
     if not joined and p_may & OLD and q_may & OLD:
-        both_old = seam_cost(graph.labeling, p, q, d, labels[p], labels[q])
-        graph.before += both_old
+        c = seam_cost(graph.labeling, p, q, d, labels[p], labels[q])
+        graph.before += c
     if together and bi == bv and bj == bu:
-        graph.source[bi, bj] += cython.cast(cython.int, both_old)
+        graph.source[bi, bj] += cython.cast(cython.int, c)
         return 0
     p_new = in_sample(graph, i, j)
-    p_old = 0
-    q_old = 0
+    a = 0
+    b = 0
     if p_may & OLD and q_may & NEW:
-        p_old = seam_cost(graph.labeling, p, q, d, labels[p], q_new)
+        a = seam_cost(graph.labeling, p, q, d, labels[p], q_new)
     if joined and together and continued(graph.labeling, p_new, d) == q_new:
-        q_old = p_old  # both patches continue
+        b = a  # both patches continue
     elif p_may & NEW and q_may & OLD:
-        q_old = seam_cost(graph.labeling, p, q, d, p_new, labels[q])
+        b = seam_cost(graph.labeling, p, q, d, p_new, labels[q])
     if together:
-        q_old = max(q_old, both_old - p_old)
-        alpha = min(p_old, both_old)
+        b = max(b, c - a)
+        alpha = min(a, c)
         graph.source[bi, bj] += cython.cast(cython.int, alpha)
-        graph.source[bv, bu] += cython.cast(cython.int, both_old - alpha)
-        graph.arcs[bv, bu, d ^ 2] += cython.cast(cython.int, p_old - alpha)
-        graph.arcs[bi, bj, d] += cython.cast(cython.int, q_old - both_old + alpha)
+        graph.source[bv, bu] += cython.cast(cython.int, c - alpha)
+        graph.arcs[bv, bu, d ^ 2] += cython.cast(cython.int, a - alpha)
+        graph.arcs[bi, bj, d] += cython.cast(cython.int, b - c + alpha)
     elif p_may == EITHER:
-        graph.source[bi, bj] += cython.cast(cython.int, both_old + p_old)
-        graph.sink[bi, bj] += cython.cast(cython.int, q_old)
+        graph.source[bi, bj] += cython.cast(cython.int, c + a)
+        graph.sink[bi, bj] += cython.cast(cython.int, b)
     elif q_may == EITHER:
-        graph.source[bv, bu] += cython.cast(cython.int, both_old + q_old)
-        graph.sink[bv, bu] += cython.cast(cython.int, p_old)
+        graph.source[bv, bu] += cython.cast(cython.int, c + b)
+        graph.sink[bv, bu] += cython.cast(cython.int, a)
     else:
-        return p_old + q_old
+        return a + b
     return 0
 
 
@@ -159,8 +162,7 @@ def add_within(
     """Add pairs of pixels that continue both the old and the new patch: a = b, c = 0.
 
     The pixels lie in row i of the box from column `first` on, side by side for pairs with lower
-    neighbors (d = 1), else a block's width apart. Their labels, and those of the patch, are flat
-    indices with the same steps.
+    neighbors (d = 1), else a block's width apart; their labels have the same steps.
     """
     cython.declare(k=cython.Py_ssize_t, at=cython.Py_ssize_t, end=cython.Py_ssize_t)
     cython.declare(one=cython.p_const_int, other=cython.p_const_int, total=cython.int)
@@ -177,17 +179,12 @@ def add_within(
     cost: cython.p_int = cython.address(graph.scratch[0, 0])
     gradient: cython.p_int = cython.address(graph.scratch[1, 0])
     softly: cython.int = SOFT * cython.cast(cython.int, channels)
-    if d and channels == 3:  # most pictures; the loop for any step and number is slower
-        for k in range(count):
-            cost[k] = difference(p + 3 * k, p_new + 3 * k, 3)
-            cost[k] += difference(q + 3 * k, q_new + 3 * k, 3)
-    else:
-        for k in range(count):
-            at = k * step * channels
-            cost[k] = difference(p + at, p_new + at, channels)
-            cost[k] += difference(q + at, q_new + at, channels)
+    for k in range(count):
+        at = k * step * channels
+        cost[k] = difference(p + at, p_new + at, channels)
+        cost[k] += difference(q + at, q_new + at, channels)
     if graph.labeling.gradients.shape[0]:
-        one = cython.address(graph.labeling.gradients[d, graph.labeling.source[at_p]])
+        one = cython.address(graph.labeling.gradients[d, graph.labeling.labels[at_p]])
         other = cython.address(graph.labeling.gradients[d, new])
         for k in range(count):
             gradient[k] = one[k * step] + other[k * step] + softly
@@ -240,8 +237,8 @@ def is_straight(
     graph: Graph, i: cython.Py_ssize_t, first: cython.Py_ssize_t, last: cython.Py_ssize_t
 ) -> cython.bint:
     """Whether a run of the box wraps neither around the canvas nor around a tileable sample."""
-    apart: cython.int = graph.labeling.source[on_canvas(graph, i, last)]
-    apart -= graph.labeling.source[on_canvas(graph, i, first)]
+    apart: cython.int = graph.labeling.labels[on_canvas(graph, i, last)]
+    apart -= graph.labeling.labels[on_canvas(graph, i, first)]
     return apart == last - first == graph.from_columns[last] - graph.from_columns[first]
 
 
@@ -293,3 +290,111 @@ def build(graph: Graph, halvings: cython.int, by_runs: cython.bint) -> cython.lo
     for j in range(width):
         fixed += add_pair(graph, 0, j, 3, halvings)
     return fixed
+
+
+@cython.cfunc
+@cython.nogil
+@cython.exceptval(check=False)
+def cut(
+    graph: Graph, halvings: cython.int, by_runs: cython.bint, most: cython.longlong
+) -> cython.longlong:
+    """Cut in blocks, see `build`; return the cost of seams after less that before.
+
+    A cut that costs more than `most` is not completed, and costs more than is returned.
+    """
+    cost: cython.longlong = build(graph, halvings, by_runs) - graph.before
+    return cost + max_flow(graph, graph.side, most - cost)
+
+
+@cython.cfunc
+@cython.nogil
+@cython.exceptval(check=False)
+def narrow(graph: Graph, halvings: cython.int) -> cython.void:
+    """Leave a choice to pixels near the cut only: in blocks that it passes, and those around them.
+
+    Outside the box all pixels are old.
+    """
+    cython.declare(i=cython.Py_ssize_t, j=cython.Py_ssize_t, may=cython.int)
+    cython.declare(v=cython.Py_ssize_t, u=cython.Py_ssize_t, near=cython.int)
+    block: cython.Py_ssize_t = 1 << halvings
+    height: cython.Py_ssize_t = blocks(graph.rows.shape[0], halvings)
+    width: cython.Py_ssize_t = blocks(graph.columns.shape[0], halvings)
+    has: cython.uchar[:, ::1] = graph.near[0]  # OLD and NEW, if a block has such pixels
+    along: cython.uchar[:, ::1] = graph.near[1]  # likewise it and the blocks beside it
+    for i in range(height):
+        for j in range(width):
+            has[i, j] = 0
+    for i in range(graph.rows.shape[0]):
+        for j in range(graph.columns.shape[0]):
+            may = graph.choice[i, j]
+            if may == EITHER:
+                may = NEW if graph.side[i >> halvings, j >> halvings] else OLD
+            has[i >> halvings, j >> halvings] |= may
+    for i in range(height):
+        for j in range(width):
+            near = OLD if j < REACH or j + REACH >= width else NOTHING
+            for u in range(max(0, j - REACH), min(j + REACH + 1, width)):
+                near |= has[i, u]
+            along[i, j] = near
+    for i in range(height):
+        for j in range(width):
+            near = OLD if i < REACH or i + REACH >= height else NOTHING
+            for v in range(max(0, i - REACH), min(i + REACH + 1, height)):
+                near |= along[v, j]
+            if near == EITHER:
+                continue
+            for v in range(i * block, min((i + 1) * block, graph.rows.shape[0])):
+                for u in range(j * block, min((j + 1) * block, graph.columns.shape[0])):
+                    if graph.choice[v, u] == EITHER:
+                        graph.choice[v, u] = near
+
+
+@cython.cfunc
+@cython.nogil
+@cython.exceptval(check=False)
+def paste(graph: Graph) -> cython.Py_ssize_t:
+    """Copy the pixels on the new side of the cut; return how many of them were missing."""
+    cython.declare(i=cython.Py_ssize_t, j=cython.Py_ssize_t, k=cython.Py_ssize_t)
+    cython.declare(p=cython.int, label=cython.int, may=cython.int)
+    covered: cython.Py_ssize_t = 0
+    for i in range(graph.rows.shape[0]):
+        for j in range(graph.columns.shape[0]):
+            may = graph.choice[i, j]
+            if not (may == NEW or (may == EITHER and graph.side[i, j])):
+                continue
+            p = on_canvas(graph, i, j)
+            label = in_sample(graph, i, j)
+            covered += not graph.labeling.done[p]
+            graph.labeling.done[p] = 1
+            graph.labeling.labels[p] = label
+            for k in range(graph.labeling.colors.shape[1]):
+                graph.labeling.pixels[p, k] = graph.labeling.colors[label, k]
+    update_runs(graph.labeling, graph.rows, graph.columns)
+    return covered
+
+
+def cost_in_blocks(graph: Graph, halvings: cython.int, least: cython.double):
+    """By how much a cut in blocks raises the cost of seams, and how many pixels it newly covers.
+
+    A cut that costs more than `least` for each of these pixels is not completed.
+    """
+    cython.declare(cost=cython.longlong, covered=cython.Py_ssize_t, limit=cython.longlong)
+    with cython.nogil:  # beside other threads
+        covered = choose(graph)
+        least *= max(covered, 1)
+        limit = LLONG_MAX // 2
+        if least < 1e18:
+            limit = cython.cast(cython.longlong, least) + 1
+        cost = cut(graph, halvings, True, limit)
+    return cost, covered
+
+
+def paste_patch(graph: Graph, halvings: cython.int):
+    """Cut in blocks, then in smaller ones around that cut, and paste; see `paste`."""
+    choose(graph)
+    cut(graph, halvings, True, LLONG_MAX // 2)
+    while halvings > 0:
+        narrow(graph, halvings)
+        halvings = max(0, halvings - STEP)
+        cut(graph, halvings, False, LLONG_MAX // 2)
+    return paste(graph)

@@ -175,26 +175,6 @@ def mismatch(
     return cython.cast(cython.double, total) / area
 
 
-def match(
-    box: cython.const[cython.uchar][:, :, ::1],
-    known: cython.const[cython.uchar][:, ::1],
-    sample: cython.const[cython.uchar][:, :, ::1],
-    usable: cython.const[cython.uchar][:, ::1],
-    allowed: cython.const[cython.uchar][:, ::1],
-    offset: cython.const[cython.int][::1],
-    whole: cython.bint,
-    costs: cython.double[:, ::1],
-):
-    """Fill in the mismatch at each place; the box's corner lies on (place - offset)."""
-    cython.declare(y=cython.Py_ssize_t, x=cython.Py_ssize_t)
-    for y in range(allowed.shape[0]):
-        for x in range(allowed.shape[1]):
-            if allowed[y, x]:
-                costs[y, x] = mismatch(
-                    box, known, sample, usable, y - offset[0], x - offset[1], whole, INFINITY
-                )
-
-
 def nudge(
     box: cython.const[cython.uchar][:, :, ::1],
     known: cython.const[cython.uchar][:, ::1],
@@ -236,48 +216,3 @@ def nudge(
                     best = cost
                     places[k, 0] = cython.cast(cython.int, y)
                     places[k, 1] = cython.cast(cython.int, x)
-
-
-def best_places(
-    costs: cython.double[:, ::1],
-    bits: cython.const[cython.ulonglong][::1],
-    near: tuple,
-    found: cython.int[:, ::1],
-):
-    """Find the place that costs least, by bits one of several, then the best one not near it.
-
-    Return how many there are; what is found or near it comes to cost infinitely much.
-    """
-    cython.declare(y=cython.Py_ssize_t, x=cython.Py_ssize_t, least=cython.double)
-    cython.declare(ties=cython.ulonglong, k=cython.Py_ssize_t, at=cython.Py_ssize_t)
-    cython.declare(left=cython.ulonglong)
-    near_y: cython.Py_ssize_t = near[0]
-    near_x: cython.Py_ssize_t = near[1]
-    size: cython.Py_ssize_t = costs.shape[0] * costs.shape[1]
-    cost: cython.p_double = cython.address(costs[0, 0])
-    for k in range(bits.shape[0]):
-        least = INFINITY
-        ties = 0
-        for at in range(size):
-            if cost[at] < least:
-                least = cost[at]
-                ties = 1
-            elif cost[at] == least:
-                ties += 1
-        if least == INFINITY:
-            return k
-        left = bits[k] % ties
-        at = 0
-        while left > 0 or cost[at] != least:
-            left -= cost[at] == least
-            at += 1
-        y = at // costs.shape[1]
-        x = at % costs.shape[1]
-        found[k, 0] = cython.cast(cython.int, y)
-        found[k, 1] = cython.cast(cython.int, x)
-        for at in range(max(y - near_y, 0), min(y + near_y + 1, costs.shape[0])):
-            for x in range(
-                max(found[k, 1] - near_x, 0), min(found[k, 1] + near_x + 1, costs.shape[1])
-            ):
-                costs[at, x] = INFINITY
-    return bits.shape[0]

@@ -6,7 +6,6 @@ from typing import TYPE_CHECKING, NamedTuple, Protocol
 
 import numpy as np
 
-from weftex.methods.graphcut.match_kernels import best_places
 from weftex.notes import note
 from weftex.random import draw
 
@@ -100,27 +99,25 @@ def drawn_places(
 ) -> list[tuple[int, int]]:
     """Draw places by their costs over `spread`, k sigma**2; no two as near as that, in pixels."""
     seed, number, count = draws
-    allowed = allowed & (costs < np.inf)
-    bits = draw(seed, "patch", number, np.arange(count))
-    if spread <= 0:
-        left = np.ascontiguousarray(np.where(allowed, costs, np.inf))
-        places = np.empty((count, 2), np.int32)
-        many = best_places(left, bits, tuple(near), places) if left.size else 0
-        return [(y, x) for y, x in places[:many].tolist()]
-    chances = np.where(allowed, chances_of(costs, allowed, spread), 0)
+    left = np.where(allowed, costs, np.inf)
+    chances = chances_of(costs, left < np.inf, spread) if spread > 0 else None
     found: list[tuple[int, int]] = []
-    for each in bits:
-        sums = chances.ravel().cumsum()
+    for each in draw(seed, "patch", number, np.arange(count)):
+        best = left.min(initial=np.inf)
+        if best == np.inf:
+            break
+        likely = left == best if chances is None else chances * (left < np.inf)
+        sums = likely.ravel().cumsum()
         if not sums[-1]:
             break
         at = int(sums.searchsorted(int(each) % int(sums[-1]), side="right"))
-        y, x = divmod(at, chances.shape[1])
+        y, x = divmod(at, left.shape[1])
         found.append((y, x))
         rows, columns = (
             slice(max(middle - reach, 0), middle + reach + 1)
             for middle, reach in zip((y, x), near, strict=True)
         )
-        chances[rows, columns] = 0
+        left[rows, columns] = np.inf
     return found
 
 

@@ -6,7 +6,7 @@ cdef enum:
 cdef class Labeling:
     # The canvas.
     cdef unsigned char[:, ::1] pixels
-    cdef int[::1] source
+    cdef int[::1] labels
     cdef unsigned char[::1] done
     cdef const unsigned char[::1] known
     cdef signed char[::1] runs

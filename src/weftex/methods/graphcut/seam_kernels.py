@@ -25,7 +25,7 @@ class Labeling:
     """
 
     def __init__(self, canvas, shape, wrap, sample, sample_shape, whole):
-        self.pixels, self.source, self.done, self.known, self.runs = canvas
+        self.pixels, self.labels, self.done, self.known, self.runs = canvas
         self.height, self.width = shape
         self.wrap_y, self.wrap_x = wrap
         self.colors, self.usable, self.joins, self.gradients = sample
@@ -125,7 +125,7 @@ def sum_seams(
                     continue
                 cost += cython.cast(
                     cython.int,
-                    seam_cost(labeling, p, q, d, labeling.source[p], labeling.source[q]),
+                    seam_cost(labeling, p, q, d, labeling.labels[p], labeling.labels[q]),
                 )
             cells[rows[i] // side, columns[j] // side] += cost - costs[rows[i], columns[j]]
             costs[rows[i], columns[j]] = cost
@@ -155,7 +155,7 @@ def is_joined(
         q = beside(labeling, p, d, 1 - d)
         if q < 0:
             return True
-    same: cython.bint = continued(labeling, labeling.source[p], d) == labeling.source[q]
+    same: cython.bint = continued(labeling, labeling.labels[p], d) == labeling.labels[q]
     return same and may_change(labeling, q)
 
 
