@@ -15,16 +15,16 @@ TESTS = Path(__file__).parent
 READ = ("methods", "repeats", "search", "seams")
 #: Lower a ceiling when the code has become smaller; a feature that needs room removes something.
 CEILINGS = {
-    "lines of Python in src": 47_022,
-    "of these code": 32_975,
-    "modules": 298,
+    "lines of Python in src": 46_862,
+    "of these code": 32_824,
+    "modules": 297,
     "kernel classes": 24,
     "names that several kernel classes have": 0,
     "lines of tests": 25_292,
     "quilting: files to read": 12,
     "quilting: lines to read": 2_841,
-    "graphcut: files to read": 19,
-    "graphcut: lines to read": 4_413,
+    "graphcut: files to read": 18,
+    "graphcut: lines to read": 4_238,
     "efros-leung: files to read": 8,
     "efros-leung: lines to read": 1_345,
     "near-regular: files to read": 17,

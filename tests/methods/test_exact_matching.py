@@ -25,12 +25,11 @@ def test_sources_nearby_keep_their_distance():
 def test_levels_keep_what_is_larger_than_the_window():
     """A chessboard of squares of 16 pixels, under noise, by a window of 7."""
     y, x = np.indices((96, 96))
-    board = (y // 16 + x // 16) % 2 * 100 + noise((96, 96)) // 3
+    board = ((y // 16 + x // 16) % 2 * 100 + noise((96, 96)) // 3).astype(np.uint8)
 
     def order(levels):
         method = weftex.ExactMatching(window_width=7, levels=levels)
-        image = method.fit(weftex.Exemplar(board.astype(np.uint8))).sample(96, seed=1).image
-        image = image.astype(int)
+        image = method.fit(weftex.Exemplar(board)).sample(96, seed=1).image.astype(int)
         half, period = (abs(image[:, n:] - image[:, :-n]).mean() for n in (16, 32))
         return half - period
 

@@ -24,9 +24,8 @@ def check_twin(method, exemplar, canvas, seed):
     result = model.sample(canvas, seed=seed)
     start, prepared = None, model.prepared
     for name in starts_for(prepared, canvas)[:1]:
-        other = prepared.starts[name]
-        if canvas.hole is not None:
-            other = hole_start(name, canvas.hole, exemplar)
+        hole = canvas.hole
+        other = prepared.starts[name] if hole is None else hole_start(name, hole, exemplar)
         bare = "guide" not in other.method.supports
         follow = dataclasses.replace(canvas, guide=None) if bare else canvas
         start = other.sample(follow, seed=seed).source
