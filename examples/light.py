@@ -10,7 +10,31 @@ import numpy as np
 from PIL import Image
 
 import weftex
-from weftex.raster.lighting import lit
+from weftex.raster.levels import to_light, to_stored
+
+
+def unit(pixels: np.ndarray) -> np.ndarray:
+    """Return pixels as (H, W, C) from 0 to 1."""
+    return np.atleast_3d(pixels) / (np.iinfo(pixels.dtype).max if pixels.dtype.kind == "u" else 1)
+
+
+def lit(
+    color: np.ndarray, normal: np.ndarray | None = None, height: np.ndarray | None = None
+) -> np.ndarray:
+    """Return a matte surface in light from the upper left, uint8 (H, W, 3) in sRGB.
+
+    Normals have y up; without them they are the slopes of `height`, 16 pixels between 0 and 1.
+    """
+    if normal is not None:
+        vectors = 2 * unit(normal)[..., :3] - 1
+    else:
+        down, across = np.gradient(16 * unit(height)[..., 0])
+        vectors = np.dstack([-across, down, np.ones(down.shape)])
+    vectors /= np.maximum(np.linalg.norm(vectors, axis=2, keepdims=True), 1e-6)
+    light = np.array([-1, 1, 0.7]) / np.linalg.norm([-1, 1, 0.7])
+    shade = np.maximum(vectors @ light, 0)[..., None]
+    return np.rint(255 * to_stored(to_light(unit(color)) * shade)).astype(np.uint8)
+
 
 parser = argparse.ArgumentParser(description=__doc__)
 parser.add_argument("-o", "--output", type=Path, default=Path(), metavar="FOLDER")
@@ -22,7 +46,7 @@ result = weftex.synthesize(stone, (512, 512), method="graphcut", seed=2)
 height = stone.maps["height"]
 laid, joined = result.render(height), result.maps["height"]  # as an array it shows nothing
 
-plaster = np.full(result.shape, 190, np.uint8)
+plaster = np.full((*result.shape, 3), 190, np.uint8)
 weftex.write_image(folder / "light_color.png", lit(result.image, normal=result.maps["normal"]))
 weftex.write_image(folder / "light_laid.png", lit(plaster, height=laid))
 weftex.write_image(folder / "light_joined.png", lit(plaster, height=joined))

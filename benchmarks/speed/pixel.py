@@ -12,6 +12,7 @@ import numpy as np
 from shared import Table, child, fitting, fuse_three, medians, ms, sample_of, sampling, sized, some
 
 import weftex
+from weftex.search import picture_kernels
 from weftex.search import window_kernels as kernels
 from weftex.search.windows import windows_of
 
@@ -102,8 +103,13 @@ def one_search(levels: np.ndarray, width: int, causal: bool) -> float:
     for x in range(2 * half + 1, 2 * half + 1 + _STRIP):
         start = process_time()
         y = 2 * half + 1
-        count = kernels.runs_of(done, y, x, (False, False), reach, runs, causal)
-        kernels.distances(canvas, y, x, windows.pixels, windows.centers, runs, count, query, out)
+        count = (
+            kernels.causal_runs(y, x, *done.shape, False, half, half, half, runs)
+            if causal
+            else picture_kernels.known_runs(done, y, x, False, False, half, runs)
+        )
+        kernels.gather_runs(canvas, y, x, runs, count, query)
+        kernels.distances(windows.pixels, windows.centers, runs, count, query, out)
         times.append(process_time() - start)
     return statistics.median(times)
 

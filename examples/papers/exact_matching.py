@@ -84,15 +84,14 @@ def brute_force(pixels: np.ndarray, width: int, count: int) -> float:
     half = width // 2
     windows = windows_of(weftex.Exemplar(pixels), (half, 0, half, half))
     runs = np.zeros((width * (half + 2), 3), np.int32)
-    done = np.ones((2 * half + 1, 2 * half + 17), np.uint8)
-    canvas = np.resize(pixels, (*done.shape, 3))
+    canvas = np.resize(pixels, (2 * half + 1, 2 * half + 17, 3))
     query, out = np.zeros(width * width * 3, np.uint8), np.zeros(windows.centers.size, np.int64)
-    reach = (half, 0, half, half)
     times = []
     for x in range(half, half + 16):
         start = perf_counter()
-        n = kernels.runs_of(done, half, x, (False, False), reach, runs, True)
-        kernels.distances(canvas, half, x, windows.pixels, windows.centers, runs, n, query, out)
+        n = kernels.causal_runs(half, x, *canvas.shape[:2], False, half, half, half, runs)
+        kernels.gather_runs(canvas, half, x, runs, n, query)
+        kernels.distances(windows.pixels, windows.centers, runs, n, query, out)
         times.append(perf_counter() - start)
     return float(np.median(times)) * count
 

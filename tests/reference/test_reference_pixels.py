@@ -33,12 +33,12 @@ def test_efros_leung(name, parameters, seed):
 
 
 @pytest.mark.parametrize("seed", SEEDS)
-@pytest.mark.parametrize(("levels", "codewords"), [(1, 0), (3, 0), (1, 5), (2, 9)])
-def test_wei_levoy(levels, codewords, seed):
+@pytest.mark.parametrize(("levels", "tree_size"), [(1, 0), (3, 0), (1, 5), (2, 9)])
+def test_wei_levoy(levels, tree_size, seed):
     sample, size = crop("pebbles", 36, 32), (15, 14)
-    expected = reference.wei_levoy(sample, size, 5, levels, 3, codewords, seed)
+    expected = reference.wei_levoy(sample, size, 5, levels, 3, tree_size, seed)
     several = {"start": "noise", "parent_width": 3} if levels > 1 else {}
-    search = {"tree_size": codewords, "leaves": 1} if codewords else {"search": "full"}
+    search = {"tree_size": tree_size, "leaves": 1} if tree_size else {"search": "full"}
     method = weftex.WeiLevoy(window_width=5, levels=levels, most_windows=0, **several, **search)
     check(method, sample, size, expected, seed)
 

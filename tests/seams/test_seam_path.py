@@ -20,7 +20,7 @@ def find_cuts(canvas, pixels, place, weight, bands, row, cost, cuts):
     placements = np.zeros((row + 1, 5), np.int32)
     placements[row, :4] = place
     layout = Layout(placements, weight[None], cuts, *canvas.shape[:2])
-    _kernels.find_cuts(canvas, pixels, layout, bands, row, cost, cuts)
+    _kernels.cut_bands(canvas, pixels, layout, bands, row, cost, cuts)
 
 
 def kernel_cuts(canvas, pixels, corner, source, zone):

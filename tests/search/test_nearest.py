@@ -9,7 +9,7 @@ import weftex
 from families import noise
 from weftex.exemplar import Exemplar
 from weftex.search import nearest_kernels as kernels
-from weftex.search import window_kernels
+from weftex.search import picture_kernels
 from weftex.search.nearest import nearest_search
 from weftex.search.picture_kernels import Query
 from weftex.search.windows import windows_of
@@ -27,12 +27,12 @@ def found_and_expected(search, window, there, near=()):
     there = there.copy()
     there[reach, reach] = False
     runs = np.zeros((there.size, 3), np.int32)
-    count = window_kernels.runs_of(
-        np.pad(there, reach).astype(np.uint8), 2 * reach, 2 * reach, (0, 0), (reach,) * 4, runs
+    count = picture_kernels.known_runs(
+        np.pad(there, reach).astype(np.uint8), 2 * reach, 2 * reach, False, False, reach, runs
     )
     query = np.append(window[there].ravel(), np.zeros(1, np.uint8))
     near = np.array(near, np.int32)
-    place = kernels.nearest(*search.bundles(), Query(runs, query), count, near)
+    place = kernels.nearest_window(*search.bundles(), Query(runs, query, count), near, len(near))
     every = all_windows(search.windows, reach).astype(int)
     apart = ((every - window)[:, there] ** 2).reshape(len(every), -1).sum(axis=1)
     return place, int(search.windows.centers[apart.argmin()])

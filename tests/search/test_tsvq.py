@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from twins import tree as reference
-from weftex.search import tsvq
+from weftex.search import tsvq, tsvq_kernels
 from weftex.search.tsvq import build_tsvq
 
 
@@ -17,6 +17,15 @@ def vectors_of(count, size, values, seed):
 
 def leaves_of(tree):
     return tree.nodes[tree.nodes[:, 0] < 0]
+
+
+def nearest(tree, queries, leaves=1, spans=None):
+    """The place of the nearest window that is found for each query."""
+    bundle = tree.bundle(np.array([[0, queries.shape[1]]], np.int32) if spans is None else spans)
+    rows = []
+    for bundle.query in queries:
+        rows.append(tsvq_kernels.nearest(bundle, leaves))
+    return tree.places[rows]
 
 
 def as_dicts(tree):
@@ -69,17 +78,17 @@ def test_it_finds_what_the_slow_search_finds(count, size, values, tree_size, see
     counts[seed % size] = True
     spans = np.flatnonzero(np.diff(np.concatenate([[0], counts, [0]]))).reshape(-1, 2)
     spans[:, 1] -= spans[:, 0]
-    found = tree.nearest(queries, leaves, spans.astype(np.int32))
-    for query, row in zip(queries, found, strict=True):
+    found = nearest(tree, queries, leaves, spans.astype(np.int32))
+    for query, place in zip(queries, found, strict=True):
         expected = reference.nearest_in_tree(slow, vectors, query.astype(int), counts, leaves)
-        assert tree.places[row] == expected
+        assert place == expected
 
 
 @pytest.mark.parametrize("tree_size", [0, 1, 20])
 def test_all_leaves_are_exhaustive_search(tree_size):
     vectors, queries = vectors_of(500, 9, 5, 0), vectors_of(60, 9, 5, 1)
     tree = build_tsvq(vectors, np.arange(500, dtype=np.int32), tree_size)
-    found = tree.places[tree.nearest(queries, len(leaves_of(tree)))]
+    found = nearest(tree, queries, len(leaves_of(tree)))
     distance = ((vectors[None].astype(int) - queries[:, None]) ** 2).sum(axis=2)
     assert np.array_equal(found, distance.argmin(axis=1))  # the first of equals
 
@@ -89,7 +98,7 @@ def test_long_vectors_and_far_values():
     vectors = np.repeat(np.array([[0], [255]], np.uint8), 40_000, axis=1)
     tree = build_tsvq(vectors, np.array([7, 3], np.int32), 2)
     query = np.full((1, 40_000), 128, np.uint8)
-    assert tree.places[tree.nearest(query)].tolist() == [3]
+    assert nearest(tree, query).tolist() == [3]
 
 
 def test_sizes():

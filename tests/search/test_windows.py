@@ -57,7 +57,11 @@ def test_runs_are_what_is_known_of_the_window(height, width, reach, wrap, causal
             reach = reach[:1] * 4
         else:  # everything above and to the left is made
             done[:] = np.arange(height * width).reshape(height, width) < y * width + x
-        count = kernels.runs_of(done, y, x, wrap, reach, runs, causal)
+        count = (
+            kernels.causal_runs(y, x, height, width, wrap[1], reach[0], *reach[2:], runs)
+            if causal
+            else picture_kernels.known_runs(done, y, x, *wrap, reach[0], runs)
+        )
         got = [(dy, dx + k) for dy, dx, length in runs[:count].tolist() for k in range(length)]
         inside = (False, wrap[1]) if causal else wrap
         limits = (reach[0], 0, *reach[2:]) if causal else reach
@@ -85,8 +89,9 @@ def test_distances_are_sums_over_the_runs(rng, channels):
     runs, query = np.zeros((99, 3), np.int32), np.zeros(999, np.uint8)
     places = [(3, 3), (10, 9), (16, 17)]
     for y, x in np.ndindex(11, 13):
-        count = kernels.runs_of(done, y, x, (True, True), (3, 3, 3, 3), runs)
-        got = kernels.compare(levels, y, x, pixels, places, runs, count, query)
+        count = picture_kernels.known_runs(done, y, x, True, True, 3, runs)
+        kernels.gather_runs(levels, y, x, runs, count, query)
+        got = [kernels.run_distance(pixels, v, u, runs, count, query, -1) for v, u in places]
         window = [(dy, dx) for dy, dx in itertools.product(range(-3, 4), repeat=2) if dy or dx]
         for (v, u), distance in zip(places, got, strict=True):
             assert distance == sum(
@@ -97,9 +102,9 @@ def test_distances_are_sums_over_the_runs(rng, channels):
         bound = min(got)
         centers = np.array([v * 21 + u for v, u in places], np.int32)
         out = np.zeros(3, np.int64)
-        kernels.distances(levels, y, x, pixels, centers, runs, count, query, out)
+        kernels.distances(pixels, centers, runs, count, query, out)
         assert out.tolist() == got
-        early = kernels.compare(levels, y, x, pixels, places, runs, count, query, bound)
+        early = [kernels.run_distance(pixels, v, u, runs, count, query, bound) for v, u in places]
         assert [d for d in early if d <= bound] == [d for d in got if d <= bound]
 
 
@@ -111,7 +116,7 @@ def test_a_place_is_usable_where_a_window_may_be_centered(y, x, tileable, seed):
         windows = windows_of(exemplar, (1, 1, 1, 1))
     except weftex.InvalidInputError:
         return
-    got = picture_kernels.place_at(windows.usable, windows.period, y, x)
+    got = picture_kernels.usable_place(windows.usable, windows.period, y, x)
     top, left = windows.period[:2].tolist()
     own = (y - top, x - left)
     if tileable:

@@ -1,7 +1,7 @@
 """Synthesis by tree-structured vector quantization (Wei and Levoy, 2000).
 
 The random draws are those of `weftex.random.draw`, so the picture is that of the method
-`wei-levoy` byte by byte, with `most_windows=0`, `search="full"` (or `tree_size=codewords` and
+`wei-levoy` byte by byte, with `most_windows=0`, `search="full"` (or `tree_size` and
 `leaves=1`) and, for several levels, `start="noise"`.
 """
 
@@ -21,7 +21,7 @@ def wei_levoy(
     window: int,
     levels: int = 1,
     parent_window: int = 3,
-    codewords: int = 0,
+    tree_size: int = 0,
     seed: int = 0,
 ) -> Made:
     """Replace noise by the nearest pixels of the sample, in raster scan order.
@@ -42,7 +42,7 @@ def wei_levoy(
         Levels of the Gaussian pyramids; 1 is the algorithm of a single resolution.
     parent_window : int
         N < S, the width of the whole neighborhood at the next coarser level in pixels, odd.
-    codewords : int
+    tree_size : int
         Leaves of the tree of each level; 0 searches all neighborhoods.
     seed : int
         Seed of the random draws.
@@ -99,7 +99,7 @@ def wei_levoy(
             inside &= interior(columns // 2, parent_half, coarse[0].shape[1])
         y, x = np.nonzero(inside)
         vectors = neighborhood(own, coarse[0], y, x)
-        tree = tsvq(vectors, codewords) if codewords else np.arange(len(vectors))
+        tree = tsvq(vectors, tree_size) if tree_size else np.arange(len(vectors))
 
         # Step 3: replace each pixel in raster scan order by the one with the lowest SSD.
         for p in np.ndindex(result.shape[:2]):
@@ -167,16 +167,16 @@ def halves(vectors: Any) -> Any:
     return second
 
 
-def tsvq(vectors: Any, codewords: int) -> Any:
+def tsvq(vectors: Any, tree_size: int) -> Any:
     """The tree of section 4: a node is its children, each after its centroid; a leaf, its members.
 
     The leaf with the largest distortion is split by the generalized Lloyd algorithm, which begins
-    at the mean of the dimension that varies most, until the tree has as many leaves as codewords.
+    at the mean of the dimension that varies most, until the tree has as many leaves as tree_size.
     """
     leaves = [np.arange(len(vectors))]
     spread = [distortion(vectors)]
     children: list[Any] = [None]
-    while sum(c is None for c in children) < codewords:
+    while sum(c is None for c in children) < tree_size:
         open_leaves = [k for k, c in enumerate(children) if c is None and spread[k]]
         if not open_leaves:
             break

@@ -60,7 +60,8 @@ class ColorIndex:
     def nearest(self, pixels: NDArray[np.uint8]) -> NDArray[np.int32]:
         """Return the numbers of the colors nearest to `pixels` (n, K)."""
         found = np.empty(len(pixels), np.int32)
-        kernels.nearest_each(self.tree(), np.ascontiguousarray(pixels), found)
+        key = np.empty(1, np.int64)
+        kernels.nearest_each(self.tree(), np.ascontiguousarray(pixels), key, found)
         return found
 
     def reach(self, count: int) -> NDArray[np.int64]:
@@ -82,7 +83,7 @@ class ColorIndex:
     def near(self, number: int, radius: int) -> NDArray[np.int32]:
         """Return the numbers of the colors within a squared distance, as intervals (n, 2)."""
         room = np.empty((1, len(self.colors) + 2), np.int32)
-        count = kernels.near_one(self.tree(), number, radius, room)
+        count = kernels.near_colors(self.tree(), number, radius, room, 0)
         return room[0, : 2 * count].reshape(-1, 2)
 
     def centers_beside(

@@ -6,5 +6,5 @@ cdef class ColorTree:
     cdef const int[::1] rank
     cdef Py_ssize_t depth
 
-cdef Py_ssize_t near_colors(ColorTree tree, Py_ssize_t number, long long radius,
+cpdef Py_ssize_t near_colors(ColorTree tree, Py_ssize_t number, long long radius,
                             int[:, ::1] intervals, Py_ssize_t row) noexcept nogil

@@ -109,11 +109,14 @@ def nearest_colors(
     keys: cython.longlong[::1],
     places: cython.int[::1],
 ) -> cython.Py_ssize_t:
-    """Find the `wanted` nearest colors; `keys` and `places` are a heap, the farthest first."""
+    """Find the `wanted` nearest colors, of equally near ones those of the lowest rank.
+
+    `places` is a heap of them by `keys`, the squared distance << 32 | the rank, the farthest first.
+    """
     stack = cython.declare(cython.Py_ssize_t[128])
     cython.declare(channels=cython.Py_ssize_t, total=cython.longlong, top=cython.Py_ssize_t)
     cython.declare(count=cython.Py_ssize_t, node=cython.Py_ssize_t, i=cython.Py_ssize_t)
-    cython.declare(leaf=cython.Py_ssize_t)
+    cython.declare(leaf=cython.Py_ssize_t, key=cython.longlong)
     channels, total = tree.colors.shape[1], tree.colors.shape[0]
     count = 0
     top = 1
@@ -121,7 +124,7 @@ def nearest_colors(
     while top > 0:
         top -= 1
         node = stack[top]
-        if count == wanted and box_distance(tree, color, node, False) > keys[0]:
+        if count == wanted and box_distance(tree, color, node, False) > keys[0] >> 32:
             continue
         if node >> tree.depth == 0:
             i = nearer_child(tree, color, node)
@@ -131,53 +134,12 @@ def nearest_colors(
             continue
         leaf = node - (cython.cast(cython.Py_ssize_t, 1) << tree.depth)
         for i in range(leaf * total >> tree.depth, (leaf + 1) * total >> tree.depth):
+            key = squared(cython.address(tree.colors[i, 0]), color, channels) << 32 | tree.rank[i]
             count = offer(
-                squared(cython.address(tree.colors[i, 0]), color, channels),
-                cython.cast(cython.int, i),
-                count,
-                wanted,
-                cython.address(keys[0]),
-                cython.address(places[0]),
-            )
+                key, cython.cast(cython.int, i), count, wanted,
+                cython.address(keys[0]), cython.address(places[0]),
+            )  # fmt: skip
     return count
-
-
-@cython.cfunc
-@cython.nogil
-@cython.exceptval(check=False)
-def nearest_color(tree: ColorTree, color: cython.p_const_uchar) -> cython.int:
-    """The number of the color nearest to one; of equally near ones that of the lowest rank."""
-    stack = cython.declare(cython.Py_ssize_t[128])
-    cython.declare(channels=cython.Py_ssize_t, total=cython.longlong, top=cython.Py_ssize_t)
-    cython.declare(node=cython.Py_ssize_t, i=cython.Py_ssize_t, leaf=cython.Py_ssize_t)
-    cython.declare(d=cython.longlong, best=cython.longlong, found=cython.int)
-    channels, total = tree.colors.shape[1], tree.colors.shape[0]
-    best, found = -1, 0
-    top = 1
-    stack[0] = 1
-    while top > 0:
-        top -= 1
-        node = stack[top]
-        if best >= 0 and box_distance(tree, color, node, False) > best:
-            continue
-        if node >> tree.depth == 0:
-            i = nearer_child(tree, color, node)
-            stack[top] = i ^ 1
-            stack[top + 1] = i
-            top += 2
-            continue
-        leaf = node - (cython.cast(cython.Py_ssize_t, 1) << tree.depth)
-        for i in range(leaf * total >> tree.depth, (leaf + 1) * total >> tree.depth):
-            d = squared(cython.address(tree.colors[i, 0]), color, channels)
-            if best < 0 or d < best or (d == best and tree.rank[i] < tree.rank[found]):
-                best = d
-                found = cython.cast(cython.int, i)
-    return found
-
-
-def near_one(tree: ColorTree, number, radius, intervals):
-    """`near_colors` into the first row; returns the number of intervals."""
-    return near_colors(tree, number, radius, intervals, 0)
 
 
 def reach_each(
@@ -186,19 +148,22 @@ def reach_each(
     places: cython.int[::1],
     found: cython.longlong[::1],
 ):
-    """The squared distance of each color's farthest among its nearest, as many as `keys` holds."""
+    """Fill `found` with the squared distance of each color's last of `len(keys)` nearest ones."""
     cython.declare(i=cython.Py_ssize_t)
     with cython.nogil:
         for i in range(tree.colors.shape[0]):
             nearest_colors(tree, cython.address(tree.colors[i, 0]), keys.shape[0], keys, places)
-            found[i] = keys[0]
+            found[i] = keys[0] >> 32
 
 
 def nearest_each(
-    tree: ColorTree, pixels: cython.const[cython.uchar][:, ::1], found: cython.int[::1]
+    tree: ColorTree,
+    pixels: cython.const[cython.uchar][:, ::1],
+    key: cython.longlong[::1],
+    found: cython.int[::1],
 ):
-    """The number of the color nearest to each pixel."""
+    """Fill `found` with the number of the color nearest to each pixel; `key` is scratch, (1,)."""
     cython.declare(p=cython.Py_ssize_t)
     with cython.nogil:
         for p in range(pixels.shape[0]):
-            found[p] = nearest_color(tree, cython.address(pixels[p, 0]))
+            nearest_colors(tree, cython.address(pixels[p, 0]), 1, key, found[p:])

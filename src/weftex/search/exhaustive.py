@@ -82,22 +82,22 @@ class ExhaustiveSearch:
             self.flat, self.weights, self.stride, self.windows.pixels.shape,
             self.planes, self.starts, self.allowed, self.order,
         )  # fmt: skip
-        known = self._known()
+        template = self._template()
 
         def draw(places: NDArray[np.int32], bits: NDArray[np.uint64]) -> Drawn:
             out = np.empty((3, len(places)), np.int64)
-            kernels.draw_windows(sample, windows, picture, known, places, bits, tolerance, out)
+            kernels.draw_windows(sample, windows, picture, template, places, bits, tolerance, out)
             chosen, distances, weights = out
             return chosen, distances, weights
 
         return draw
 
-    def _known(self) -> Any:
+    def _template(self) -> Any:
         """Return the scratch of one thread."""
         width, blocks = len(self.weights), len(self.starts)
         most = self.windows.centers.size + 9  # the 8 neighbors' and -1
         types = np.intp, np.int16, np.uint16, np.uint16
-        return kernels.Known(
+        return kernels.Template(
             new_query(width // 2, 1),
             np.zeros(width * self.stride, np.uint8),
             np.zeros(width * self.stride, np.int16),

@@ -1,7 +1,7 @@
 # mypy: ignore-errors
 """Kernels that compare the known pixels around a pixel with every window of a sample, with weights.
 
-The distance is a sum of w d**2 over known pixels, w from 1 to 127, in integers. Known pixels lie in
+The distance is a sum of w d**2 over known pixels, w from 1 to 127, in integers. The template has
 rows as long as the window, with the weight 0 where nothing is known, so that no loop has holes.
 Compiled by Cython, see setup.py.
 """
@@ -44,7 +44,7 @@ class WeightedWindows:
 
 
 @cython.cclass
-class Known:
+class Template:
     """Scratch: the known part of a window, the bytes that bounds are made of, and the search."""
 
     query: Query
@@ -70,12 +70,12 @@ class Known:
 @cython.cfunc
 @cython.nogil
 @cython.exceptval(check=False)
-def look(
+def copy_known(
     picture: Picture,
     windows: WeightedWindows,
     y: cython.Py_ssize_t,
     x: cython.Py_ssize_t,
-    known: Known,
+    template: Template,
 ) -> cython.longlong:
     """Copy the known pixels around a pixel, with their weights; return the sum of the weights."""
     cython.declare(height=cython.Py_ssize_t, width=cython.Py_ssize_t, reach=cython.Py_ssize_t)
@@ -88,27 +88,27 @@ def look(
     reach = windows.reach
     n = known_runs(
         picture.done, y, x, picture.wrap_y, picture.wrap_x, reach,
-        known.query.runs,
+        template.query.runs,
     )  # fmt: skip
     total = 0
     memset(
-        cython.address(known.weights[0]), 0,
-        cython.cast(cython.size_t, known.weights.shape[0]) * 2,
+        cython.address(template.weights[0]), 0,
+        cython.cast(cython.size_t, template.weights.shape[0]) * 2,
     )  # fmt: skip
     for r in range(n):
-        row = known.query.runs[r, 0] + reach
-        column = known.query.runs[r, 1] + reach
-        cy = y + known.query.runs[r, 0]
+        row = template.query.runs[r, 0] + reach
+        column = template.query.runs[r, 1] + reach
+        cy = y + template.query.runs[r, 0]
         cy = cy + height if cy < 0 else (cy - height if cy >= height else cy)
-        cx = x + known.query.runs[r, 1]
+        cx = x + template.query.runs[r, 1]
         cx = cx + width if cx < 0 else (cx - width if cx >= width else cx)
         at = row * windows.stride + column * windows.channels
-        for i in range(known.query.runs[r, 2]):
+        for i in range(template.query.runs[r, 2]):
             weight = windows.weights[row, column + i]
             total += weight
             for k in range(windows.channels):
-                known.values[at] = picture.pixels[cy, cx, k]
-                known.weights[at] = weight
+                template.values[at] = picture.pixels[cy, cx, k]
+                template.weights[at] = weight
                 at += 1
             cx = cx + 1 if cx + 1 < width else 0
     # The rows with anything known, from the middle outwards: 0, 1, -1, 2 and so on.
@@ -116,11 +116,11 @@ def look(
     for i in range(2 * reach + 1):
         row = reach + ((i + 1) // 2 if i % 2 else -(i // 2))
         for r in range(n):
-            if known.query.runs[r, 0] + reach == row:
+            if template.query.runs[r, 0] + reach == row:
                 count += 1
-                known.rows[count] = cython.cast(cython.int, row)
+                template.rows[count] = cython.cast(cython.int, row)
                 break
-    known.rows[0] = count
+    template.rows[0] = count
     return total
 
 
@@ -128,19 +128,19 @@ def look(
 @cython.nogil
 @cython.exceptval(check=False)
 def window_distance(
-    windows: WeightedWindows, place: cython.Py_ssize_t, known: Known, bound: cython.longlong
+    windows: WeightedWindows, place: cython.Py_ssize_t, template: Template, bound: cython.longlong
 ) -> cython.longlong:
     """Distance to the window at a flat index; stops past `bound` (negative: never)."""
     cython.declare(r=cython.Py_ssize_t, row=cython.Py_ssize_t, total=cython.longlong)
     cython.declare(corner=cython.Py_ssize_t)
     total = 0
     corner = place - windows.reach * windows.width - windows.reach
-    for r in range(1, known.rows[0] + 1):
-        row = known.rows[r]
+    for r in range(1, template.rows[0] + 1):
+        row = template.rows[r]
         total += weighted_squares(
             cython.address(windows.flat[(corner + row * windows.width) * windows.channels]),
-            cython.address(known.values[row * windows.stride]),
-            cython.address(known.weights[row * windows.stride]),
+            cython.address(template.values[row * windows.stride]),
+            cython.address(template.weights[row * windows.stride]),
             windows.stride,
         )
         if total > bound and bound >= 0:
@@ -151,7 +151,9 @@ def window_distance(
 @cython.cfunc
 @cython.nogil
 @cython.exceptval(check=False)
-def pick_terms(windows: WeightedWindows, known: Known, limit: cython.longlong) -> cython.longlong:
+def pick_terms(
+    windows: WeightedWindows, template: Template, limit: cython.longlong
+) -> cython.longlong:
     """Choose the heaviest known bytes for `bounds`; return the scale of their weights.
 
     The limit becomes about 2**13, so 16 bits resolve small differences.
@@ -160,19 +162,19 @@ def pick_terms(windows: WeightedWindows, known: Known, limit: cython.longlong) -
     cython.declare(dy=cython.Py_ssize_t, dx=cython.Py_ssize_t, place=cython.Py_ssize_t)
     cython.declare(lead=cython.Py_ssize_t, wanted=cython.Py_ssize_t, scale=cython.longlong)
     lead = windows.reach * windows.width + windows.reach
-    wanted = known.at.shape[0]
+    wanted = template.at.shape[0]
     n = 0
     for o in range(windows.order.shape[0]):
         dy = windows.order[o, 0]
         dx = windows.order[o, 1]
         place = (dy + windows.reach) * windows.stride + (dx + windows.reach) * windows.channels
-        if known.weights[place] == 0:
+        if template.weights[place] == 0:
             continue
         for k in range(windows.channels):
             if n < wanted:
-                known.at[n] = k * windows.planes.shape[1] + lead + dy * windows.width + dx
-                known.value[n] = known.values[place + k]
-                known.weight[n] = known.weights[place]
+                template.at[n] = k * windows.planes.shape[1] + lead + dy * windows.width + dx
+                template.value[n] = template.values[place + k]
+                template.weight[n] = template.weights[place]
                 n += 1
         if n >= wanted:
             break
@@ -182,15 +184,15 @@ def pick_terms(windows: WeightedWindows, known: Known, limit: cython.longlong) -
     scale = max(1, min(511, scale))  # 127 * 511 < 2**16
     for k in range(wanted):
         if k < n:
-            known.weight[k] = cython.cast(cython.ushort, known.weight[k] * scale)
-            known.cap[k] = cython.cast(
-                cython.ushort, min(65535, (LARGEST_TERM << 16) // known.weight[k])
+            template.weight[k] = cython.cast(cython.ushort, template.weight[k] * scale)
+            template.cap[k] = cython.cast(
+                cython.ushort, min(65535, (LARGEST_TERM << 16) // template.weight[k])
             )
         else:
-            known.at[k] = lead
-            known.value[k] = 0
-            known.weight[k] = 0
-            known.cap[k] = 0
+            template.at[k] = lead
+            template.value[k] = 0
+            template.weight[k] = 0
+            template.cap[k] = 0
     return scale
 
 
@@ -213,8 +215,8 @@ def term(
 @cython.nogil
 @cython.exceptval(check=False)
 def bounds(
-    planes: cython.p_const_uchar, known: Known, first: cython.Py_ssize_t, last: cython.Py_ssize_t,
-    out: cython.p_ushort,
+    planes: cython.p_const_uchar, template: Template, first: cython.Py_ssize_t,
+    last: cython.Py_ssize_t, out: cython.p_ushort,
 ) -> cython.ushort:  # fmt: skip
     """Add terms to the lower bounds of a block of neighboring windows; return the smallest bound.
 
@@ -229,10 +231,10 @@ def bounds(
     cap = cython.declare(cython.ushort[4])
     for t in range(first, last, 4):
         for i in range(4):
-            row[i] = planes + known.at[t + i]
-            value[i] = known.value[t + i]
-            weight[i] = known.weight[t + i]
-            cap[i] = known.cap[t + i]
+            row[i] = planes + template.at[t + i]
+            value[i] = template.value[t + i]
+            weight[i] = template.weight[t + i]
+            cap[i] = template.cap[t + i]
         for j in range(BLOCK_WINDOWS):
             sum = out[j]
             sum += term(row[0][j], value[0], weight[0], cap[0])
@@ -250,7 +252,7 @@ def bounds(
 @cython.inline
 @cython.nogil
 @cython.exceptval(check=False)
-def cut_of(limit: cython.longlong, scale: cython.longlong) -> cython.longlong:
+def largest_bound(limit: cython.longlong, scale: cython.longlong) -> cython.longlong:
     """The lower bound that a distance of `limit` may have; without a limit, any."""
     if limit < 0 or limit >= cython.cast(cython.longlong, 1) << 40:
         return 65535
@@ -260,7 +262,7 @@ def cut_of(limit: cython.longlong, scale: cython.longlong) -> cython.longlong:
 @cython.cfunc
 @cython.nogil
 @cython.exceptval(check=False)
-def limit_of(best: cython.longlong, tolerance: cython.double) -> cython.longlong:
+def largest_accepted(best: cython.longlong, tolerance: cython.double) -> cython.longlong:
     """The largest distance within (1 + tolerance) of the best: (1 + epsilon) in the paper."""
     return cython.cast(cython.longlong, cython.cast(cython.double, best) * (1 + tolerance))
 
@@ -270,21 +272,21 @@ def limit_of(best: cython.longlong, tolerance: cython.double) -> cython.longlong
 @cython.exceptval(check=False)
 def nearest_coherent(
     picture: Picture, sample: Sample, windows: WeightedWindows, y: cython.Py_ssize_t,
-    x: cython.Py_ssize_t, known: Known,
+    x: cython.Py_ssize_t, template: Template,
 ) -> cython.longlong:  # fmt: skip
     """The least distance to where the sources of the 8 neighbors continue; -1 without any.
 
     An upper limit that ends comparisons early; it changes no result.
     """
     cython.declare(j=cython.Py_ssize_t, d=cython.longlong, best=cython.longlong)
-    known.query.count = known_runs(
+    template.query.count = known_runs(
         picture.done, y, x, picture.wrap_y, picture.wrap_x, 1 if windows.reach > 0 else 0,
-        known.query.runs,
+        template.query.runs,
     )  # fmt: skip
     best = -1
-    for j in range(coherent_places(picture, sample, y, x, known.query, known.places, 0)):
-        if known.places[j] >= 0:
-            d = window_distance(windows, known.places[j], known, best)
+    for j in range(coherent_places(picture, sample, y, x, template.query, template.places, 0)):
+        if template.places[j] >= 0:
+            d = window_distance(windows, template.places[j], template, best)
             if best < 0 or d < best:
                 best = d
     return best
@@ -294,7 +296,7 @@ def nearest_coherent(
 @cython.nogil
 @cython.exceptval(check=False)
 def list_within(
-    windows: WeightedWindows, known: Known, best: cython.longlong, tolerance: cython.double
+    windows: WeightedWindows, template: Template, best: cython.longlong, tolerance: cython.double
 ) -> cython.Py_ssize_t:
     """List the windows within the tolerance of the best; return their number.
 
@@ -305,62 +307,62 @@ def list_within(
     cython.declare(place=cython.Py_ssize_t, count=cython.Py_ssize_t, nearest=cython.Py_ssize_t)
     cython.declare(limit=cython.longlong, scale=cython.longlong, cut=cython.longlong)
     cython.declare(d=cython.longlong, size=cython.Py_ssize_t, step=cython.Py_ssize_t)
-    size = known.at.shape[0]
+    size = template.at.shape[0]
     step = min(STEP_TERMS, size)
-    limit = limit_of(best, tolerance) if best >= 0 else -1
-    scale = pick_terms(windows, known, limit)
+    limit = largest_accepted(best, tolerance) if best >= 0 else -1
+    scale = pick_terms(windows, template, limit)
     nearest = 0
     for b in range(windows.starts.shape[0]):
-        memset(cython.address(known.lower[b, 0]), 0, BLOCK_WINDOWS * 2)
-        known.least[b] = bounds(
-            cython.address(windows.planes[0, windows.starts[b]]), known, 0, step,
-            cython.address(known.lower[b, 0]),
+        memset(cython.address(template.lower[b, 0]), 0, BLOCK_WINDOWS * 2)
+        template.least[b] = bounds(
+            cython.address(windows.planes[0, windows.starts[b]]), template, 0, step,
+            cython.address(template.lower[b, 0]),
         )  # fmt: skip
-        if known.least[b] < known.least[nearest]:
+        if template.least[b] < template.least[nearest]:
             nearest = b
     # The distance of the window with the least bound limits the others further.
     for j in range(BLOCK_WINDOWS):
-        if known.lower[nearest, j] == known.least[nearest]:
+        if template.lower[nearest, j] == template.least[nearest]:
             place = windows.starts[nearest] + j
             if windows.allowed[place]:
-                d = window_distance(windows, place, known, limit)
+                d = window_distance(windows, place, template, limit)
                 if best < 0 or d < best:
                     best = d
-                    limit = limit_of(best, tolerance)
+                    limit = largest_accepted(best, tolerance)
             break
-    cut = cut_of(limit, scale)
+    cut = largest_bound(limit, scale)
     count = 0
     for b in range(windows.starts.shape[0]):
         n = step
-        while known.least[b] <= cut and n < size:
-            known.least[b] = bounds(
-                cython.address(windows.planes[0, windows.starts[b]]), known, n, n + step,
-                cython.address(known.lower[b, 0]),
+        while template.least[b] <= cut and n < size:
+            template.least[b] = bounds(
+                cython.address(windows.planes[0, windows.starts[b]]), template, n, n + step,
+                cython.address(template.lower[b, 0]),
             )  # fmt: skip
             n += step
-        if known.least[b] > cut:
+        if template.least[b] > cut:
             continue
         for j in range(BLOCK_WINDOWS):
-            if known.lower[b, j] > cut:
+            if template.lower[b, j] > cut:
                 continue
             place = windows.starts[b] + j
             if not windows.allowed[place]:
                 continue
-            d = window_distance(windows, place, known, limit)
+            d = window_distance(windows, place, template, limit)
             if d > limit and limit >= 0:
                 continue
-            known.places[count] = cython.cast(cython.int, place)
-            known.distances[count] = d
+            template.places[count] = cython.cast(cython.int, place)
+            template.distances[count] = d
             count += 1
             if best < 0 or d < best:
                 best = d
-                limit = limit_of(best, tolerance)
-                cut = cut_of(limit, scale)
+                limit = largest_accepted(best, tolerance)
+                cut = largest_bound(limit, scale)
     n = 0
     for j in range(count):
-        if known.distances[j] <= limit:
-            known.places[n] = known.places[j]
-            known.distances[n] = known.distances[j]
+        if template.distances[j] <= limit:
+            template.places[n] = template.places[j]
+            template.distances[n] = template.distances[j]
             n += 1
     return n
 
@@ -369,7 +371,7 @@ def draw_windows(
     sample: Sample,
     windows: WeightedWindows,
     picture: Picture,
-    known: Known,
+    template: Template,
     places: cython.const[cython.int][::1],
     bits: cython.const[cython.ulonglong][::1],
     tolerance: cython.double,
@@ -386,9 +388,9 @@ def draw_windows(
         for i in range(places.shape[0]):
             y = places[i] // picture.done.shape[1]
             x = places[i] % picture.done.shape[1]
-            out[2, i] = look(picture, windows, y, x, known)
-            best = nearest_coherent(picture, sample, windows, y, x, known)
-            count = cython.cast(cython.ulonglong, list_within(windows, known, best, tolerance))
+            out[2, i] = copy_known(picture, windows, y, x, template)
+            best = nearest_coherent(picture, sample, windows, y, x, template)
+            count = cython.cast(cython.ulonglong, list_within(windows, template, best, tolerance))
             j = cython.cast(cython.Py_ssize_t, ((bits[i] >> 32) * count) >> 32)
-            out[0, i] = known.places[j]
-            out[1, i] = known.distances[j]
+            out[0, i] = template.places[j]
+            out[1, i] = template.distances[j]

@@ -13,5 +13,5 @@ cdef class NearestWindows:
     cdef short[::1] coordinates
     cdef int[::1] apart
 
-cdef Py_ssize_t nearest_window(NearestWindows whole, NearestWindows above, Query query,
+cpdef Py_ssize_t nearest_window(NearestWindows whole, NearestWindows above, Query query,
                                const int[::1] near, Py_ssize_t near_count) noexcept nogil

@@ -121,9 +121,3 @@ def nearest_window(whole, above, query, near, near_count):
     if known >= whole.query.shape[0]:
         return nearest_within(whole, True, query, near, near_count)
     return nearest_within(above, known >= above.query.shape[0], query, near, near_count)
-
-
-def nearest(whole: NearestWindows, above: NearestWindows, query: Query, count, near):
-    """`nearest_window` from Python, for the first `count` runs of a query."""
-    query.count = count
-    return nearest_window(whole, above, query, near, len(near))

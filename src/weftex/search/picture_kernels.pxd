@@ -14,11 +14,11 @@ cdef class Query:
     cdef Py_ssize_t count  # of the runs
     cdef unsigned char[::1] values  # their bytes, run after run
 
-cdef Py_ssize_t known_runs(const unsigned char[:, ::1] done, Py_ssize_t y, Py_ssize_t x,
+cpdef Py_ssize_t known_runs(const unsigned char[:, ::1] done, Py_ssize_t y, Py_ssize_t x,
                            bint wrap_y, bint wrap_x, Py_ssize_t reach,
                            int[:, ::1] runs) noexcept nogil
 
-cdef Py_ssize_t usable_place(const unsigned char[:, ::1] usable, const int[::1] period,
+cpdef Py_ssize_t usable_place(const unsigned char[:, ::1] usable, const int[::1] period,
                              Py_ssize_t y, Py_ssize_t x) noexcept nogil
 
 cdef Py_ssize_t coherent_places(Picture picture, Sample sample, Py_ssize_t y, Py_ssize_t x,

@@ -29,8 +29,8 @@ class Picture:
 class Query:
     """Memory for the known part of the window around a pixel."""
 
-    def __init__(self, runs, values):
-        self.runs, self.values, self.count = runs, values, 0
+    def __init__(self, runs, values, count=0):
+        self.runs, self.values, self.count = runs, values, count
 
 
 def known_runs(done, y, x, wrap_y, wrap_x, reach, runs):
@@ -137,17 +137,3 @@ def coherent_places(picture, sample, y, x, query, places, count):
                 places[count] = cython.cast(cython.int, at)
                 count += 1
     return count
-
-
-def place_at(usable, period, y, x):
-    """`usable_place`."""
-    u: cython.const[cython.uchar][:, ::1] = usable
-    p: cython.const[cython.int][::1] = period
-    return usable_place(u, p, y, x)
-
-
-def places_at(picture: Picture, sample: Sample, y, x, query: Query, n, places):
-    """`coherent_places` for the first `n` runs of a query; returns their number."""
-    out: cython.int[::1] = places
-    query.count = n
-    return coherent_places(picture, sample, y, x, query, out, 0)

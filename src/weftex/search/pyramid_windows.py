@@ -1,4 +1,4 @@
-"""Windows over two levels of a sample's pyramid, as vectors (section III.B.2).
+"""Windows over two levels of a sample's pyramid, as vectors (Wei and Levoy, 2000, section 3).
 
 The vector of a pixel is the bytes of the N x N window around its parent, then those of its own
 S x S window in scan order without the pixel itself. So the L-shaped window is the vector's first

@@ -11,7 +11,6 @@ from __future__ import annotations
 
 import heapq
 from dataclasses import dataclass
-from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -35,38 +34,13 @@ class TSVQ:
     nodes: NDArray[np.int32]  # (m, 3): first child or -1 for a leaf; first and last row + 1
     centroids: NDArray[np.uint8]  # (m, D): the root's is not used
 
-    @cached_property
-    def depth(self) -> int:
-        """The number of splits from the root to the deepest leaf."""
-        depth = np.zeros(len(self.nodes), np.int64)
-        for node, (child, _, _) in enumerate(self.nodes.tolist()):
-            if child >= 0:
-                depth[child : child + 2] = depth[node] + 1
-        return int(depth.max())
-
     def bundle(self, spans: NDArray[np.int32]) -> Any:
         """Return the kernels' view, with scratch for a search by spans (s, 2) of a vector."""
-        waiting = np.empty(len(self.nodes), np.int64), np.empty(len(self.nodes), np.int32)
+        keys, waiting = (np.empty(len(self.nodes), kind) for kind in (np.int64, np.int32))
         query = np.empty(self.rows.shape[1], np.uint8)
         return kernels.Tree(
-            self.rows, self.places, self.nodes, self.centroids, *waiting, query, spans
+            self.rows, self.places, self.nodes, self.centroids, keys, waiting, query, spans
         )
-
-    def nearest(
-        self,
-        queries: NDArray[np.uint8],
-        leaves: int = 1,
-        spans: NDArray[np.int32] | None = None,
-    ) -> NDArray[np.int32]:
-        """Return (q,) rows of the nearest vectors found for queries (q, D) in `leaves` leaves.
-
-        `spans` (s, 2) are first byte and length of the compared parts; all by default.
-        """
-        if spans is None:
-            spans = np.array([[0, queries.shape[1]]], np.int32)
-        found = np.empty(len(queries), np.int32)
-        kernels.nearest_rows(self.bundle(spans), queries, leaves, found)
-        return found
 
 
 def build_tsvq(vectors: NDArray[np.uint8], places: NDArray[np.int32], tree_size: int = 0) -> TSVQ:

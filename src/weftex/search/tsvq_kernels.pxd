@@ -3,11 +3,11 @@ cdef class Tree:
     cdef const int[::1] places  # of the rows
     cdef const int[:, ::1] nodes  # first child or -1, first and last row + 1
     cdef const unsigned char[:, ::1] centroids
-    cdef long long[::1] keys  # scratch: a heap of nodes that wait, by their distances
-    cdef int[::1] pending
-    cdef Py_ssize_t waiting
-    cdef unsigned char[::1] query  # the vector that is searched
+    cdef long long[::1] keys  # scratch: distances of nodes that wait to be searched, ascending
+    cdef int[::1] waiting  # these nodes
+    cdef Py_ssize_t first, last  # which of them still wait
+    cdef public unsigned char[::1] query  # the vector that is searched
     cdef int[:, ::1] spans  # first byte and number of bytes of what is known of it
     cdef Py_ssize_t known  # number of the spans
 
-cdef Py_ssize_t nearest(Tree tree, Py_ssize_t leaves) noexcept nogil
+cpdef Py_ssize_t nearest(Tree tree, Py_ssize_t leaves) noexcept nogil

@@ -8,9 +8,9 @@ from cython.cimports.weftex.raster.difference_kernels import squared
 class Tree:
     """A tree over vectors, the vector that is searched, and scratch for a search."""
 
-    def __init__(self, rows, places, nodes, centroids, keys, pending, query, spans):
+    def __init__(self, rows, places, nodes, centroids, keys, waiting, query, spans):
         self.rows, self.places, self.nodes, self.centroids = rows, places, nodes, centroids
-        self.keys, self.pending, self.waiting = keys, pending, 0
+        self.keys, self.waiting, self.first, self.last = keys, waiting, 0, 0
         self.query, self.spans, self.known = query, spans, len(spans)
 
 
@@ -59,64 +59,23 @@ def span_distance(
 
 
 @cython.cfunc
-@cython.inline
 @cython.nogil
 @cython.exceptval(check=False)
-def before(
-    key: cython.longlong, node: cython.int, other_key: cython.longlong, other: cython.int
-) -> cython.bint:
-    """Whether a node is to be looked at before another one; of equally near ones the older."""
-    return key < other_key or (key == other_key and node < other)
-
-
-@cython.cfunc
-@cython.nogil
-@cython.exceptval(check=False)
-def push(tree: Tree, key: cython.longlong, node: cython.int) -> cython.void:
-    """Put a node into the heap of waiting nodes, nearest first."""
-    cython.declare(i=cython.Py_ssize_t, above=cython.Py_ssize_t)
-    i = tree.waiting
-    tree.waiting += 1
-    while i > 0:
-        above = (i - 1) // 2
-        if not before(key, node, tree.keys[above], tree.pending[above]):
-            break
-        tree.keys[i] = tree.keys[above]
-        tree.pending[i] = tree.pending[above]
-        i = above
+def wait(
+    tree: Tree, key: cython.longlong, node: cython.int, most: cython.Py_ssize_t
+) -> cython.void:
+    """Add a node to the `most` waiting ones, nearest first; of equally near ones the older."""
+    cython.declare(i=cython.Py_ssize_t)
+    i = tree.last
+    while i > tree.first and (
+        key < tree.keys[i - 1] or (key == tree.keys[i - 1] and node < tree.waiting[i - 1])
+    ):
+        tree.keys[i] = tree.keys[i - 1]
+        tree.waiting[i] = tree.waiting[i - 1]
+        i -= 1
     tree.keys[i] = key
-    tree.pending[i] = node
-
-
-@cython.cfunc
-@cython.nogil
-@cython.exceptval(check=False)
-def pop(tree: Tree) -> cython.int:
-    """Take the nearest of the nodes that wait."""
-    cython.declare(i=cython.Py_ssize_t, child=cython.Py_ssize_t, last=cython.Py_ssize_t)
-    cython.declare(result=cython.int, key=cython.longlong, node=cython.int)
-    last = tree.waiting - 1
-    tree.waiting = last
-    result = tree.pending[0]
-    key = tree.keys[last]
-    node = tree.pending[last]
-    i = 0
-    while True:
-        child = 2 * i + 1
-        if child >= last:
-            break
-        if child + 1 < last and before(
-            tree.keys[child + 1], tree.pending[child + 1], tree.keys[child], tree.pending[child]
-        ):
-            child += 1
-        if not before(tree.keys[child], tree.pending[child], key, node):
-            break
-        tree.keys[i] = tree.keys[child]
-        tree.pending[i] = tree.pending[child]
-        i = child
-    tree.keys[i] = key
-    tree.pending[i] = node
-    return result
+    tree.waiting[i] = node
+    tree.last = min(tree.last + 1, tree.first + most)
 
 
 def nearest(tree, leaves):
@@ -128,7 +87,7 @@ def nearest(tree, leaves):
     values = cython.address(tree.query[0])
     spans = cython.address(tree.spans[0, 0])
     n = tree.known
-    tree.waiting = 0
+    tree.first = tree.last = 0
     node = 0
     best = -1
     least = -1
@@ -138,10 +97,10 @@ def nearest(tree, leaves):
             near = span_distance(cython.address(tree.centroids[child, 0]), values, spans, n, -1)
             far = span_distance(cython.address(tree.centroids[child + 1, 0]), values, spans, n, -1)
             if far < near:
-                push(tree, near, child)
+                wait(tree, near, child, leaves - 1)
                 node = child + 1
             else:
-                push(tree, far, child + 1)
+                wait(tree, far, child + 1, leaves - 1)
                 node = child
         for i in range(tree.nodes[node, 1], tree.nodes[node, 2]):
             d = span_distance(cython.address(tree.rows[i, 0]), values, spans, n, least)
@@ -149,9 +108,10 @@ def nearest(tree, leaves):
                 best = i
                 least = d
         leaves -= 1
-        if leaves <= 0 or tree.waiting == 0:
+        if leaves <= 0 or tree.first == tree.last:
             return best
-        node = pop(tree)
+        node = tree.waiting[tree.first]
+        tree.first += 1
 
 
 @cython.cfunc
@@ -282,11 +242,3 @@ def split(
         for i in range(second):
             tree.order[s + i] = tree.kept[i]
     return s
-
-
-def nearest_rows(tree: Tree, queries, leaves: cython.Py_ssize_t, found):
-    """Call `nearest` for each of `queries`."""
-    rows: cython.int[::1] = found
-    for i in range(len(queries)):
-        tree.query = queries[i]
-        rows[i] = nearest(tree, leaves)

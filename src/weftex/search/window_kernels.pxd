@@ -1,14 +1,14 @@
-cdef Py_ssize_t causal_runs(Py_ssize_t y, Py_ssize_t x, Py_ssize_t height, Py_ssize_t width,
+cpdef Py_ssize_t causal_runs(Py_ssize_t y, Py_ssize_t x, Py_ssize_t height, Py_ssize_t width,
                             bint wrap_x, Py_ssize_t up, Py_ssize_t left, Py_ssize_t right,
                             int[:, ::1] runs) noexcept nogil
 
 cdef void turn_runs(int[:, ::1] runs, Py_ssize_t n) noexcept nogil
 
-cdef Py_ssize_t gather_runs(const unsigned char[:, :, ::1] levels, Py_ssize_t y, Py_ssize_t x,
+cpdef Py_ssize_t gather_runs(const unsigned char[:, :, ::1] levels, Py_ssize_t y, Py_ssize_t x,
                             const int[:, ::1] runs, Py_ssize_t n,
                             unsigned char[::1] query) noexcept nogil
 
-cdef long long run_distance(const unsigned char[:, :, ::1] pixels, Py_ssize_t y, Py_ssize_t x,
+cpdef long long run_distance(const unsigned char[:, :, ::1] pixels, Py_ssize_t y, Py_ssize_t x,
                             const int[:, ::1] runs, Py_ssize_t n, const unsigned char[::1] query,
                             long long bound) noexcept nogil
 

@@ -9,7 +9,6 @@ Types are declared in window_kernels.pxd.
 import cython
 from cython.cimports.libc.string import memcpy
 from cython.cimports.weftex.raster.difference_kernels import squared
-from cython.cimports.weftex.search.picture_kernels import known_runs
 
 
 def causal_runs(y, x, height, width, wrap_x, up, left, right, runs):
@@ -128,39 +127,22 @@ def copy_pixel(sample, place, pixels, source, y, x):
         pixels[y, x, k] = sample[v, u, k]
 
 
-def runs_of(done, y, x, wrap, reach, runs, causal=False):
-    """`causal_runs` or `known_runs`; returns their number."""
-    d: cython.const[cython.uchar][:, ::1] = done
-    out: cython.int[:, ::1] = runs
-    if causal:
-        return causal_runs(y, x, d.shape[0], d.shape[1], wrap[1], reach[0], reach[2], reach[3], out)
-    return known_runs(d, y, x, wrap[0], wrap[1], reach[0], out)
-
-
-def compare(levels, y, x, pixels, places, runs, n, query, bound=-1):
-    """Distances of the window at (y, x) of the canvas to those at `places` of the sample."""
-    a: cython.const[cython.uchar][:, :, ::1] = levels
-    b: cython.const[cython.uchar][:, :, ::1] = pixels
-    r: cython.const[cython.int][:, ::1] = runs
-    q: cython.uchar[::1] = query
-    gather_runs(a, y, x, r, n, q)
-    return [run_distance(b, v, u, r, n, q, bound) for v, u in places]
-
-
-def distances(levels, y, x, pixels, centers, runs, n, query, out):
-    """Fill `out` with the distances of the window at (y, x) to those at `centers`, without a bound.
+def distances(
+    pixels: cython.const[cython.uchar][:, :, ::1],
+    centers: cython.const[cython.int][::1],
+    runs: cython.const[cython.int][:, ::1],
+    n: cython.Py_ssize_t,
+    query: cython.const[cython.uchar][::1],
+    out: cython.longlong[::1],
+):
+    """Fill `out` with the distances of a window to those at `centers`, without a bound.
 
     This is the minimum cost of an exhaustive search, against which searches are measured.
     """
-    a: cython.const[cython.uchar][:, :, ::1] = levels
-    b: cython.const[cython.uchar][:, :, ::1] = pixels
-    c: cython.const[cython.int][::1] = centers
-    r: cython.const[cython.int][:, ::1] = runs
-    q: cython.uchar[::1] = query
-    o: cython.longlong[::1] = out
-    cython.declare(i=cython.Py_ssize_t, count=cython.Py_ssize_t, width=cython.Py_ssize_t)
-    count, width = n, b.shape[1]
-    gather_runs(a, y, x, r, n, q)
+    cython.declare(i=cython.Py_ssize_t, width=cython.Py_ssize_t)
+    width = pixels.shape[1]
     with cython.nogil:
-        for i in range(c.shape[0]):
-            o[i] = run_distance(b, c[i] // width, c[i] % width, r, count, q, -1)
+        for i in range(centers.shape[0]):
+            out[i] = run_distance(
+                pixels, centers[i] // width, centers[i] % width, runs, n, query, -1
+            )

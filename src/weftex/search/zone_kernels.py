@@ -344,9 +344,3 @@ def climb(pixels, transposed, windows, count, found):
                         count += 1
         reach //= 2
     return count
-
-
-def zone_distances(canvas, y, x, pixels, transposed, runs, corners, query):
-    """Return A d**2 between the zone on the canvas and at each of `corners`, and its energy."""
-    energy = gather(canvas, y, x, runs, query)
-    return [distance(pixels, transposed, v, u, runs, query, -1) for v, u in corners], energy

@@ -128,7 +128,7 @@ def grow(prepared: Prepared, growth: Growth) -> None:
     # First pass, in scan order. Each pixel has as candidates its neighbors' sources, shifted by the
     # step from the neighbor to it, and random places for those outside the sample. It is copied
     # from the one whose L-shaped window is most like its own, and the guide's like the output's:
-    # see `growth_kernels.choose` and `guide_distance` there.
+    # see `candidate_kernels.choose` and `guide_distance` there.
     for i, line in enumerate(lines):
         if i < half:
             # Around the border, as the paper's windows go, to the random pixels of the last rows.

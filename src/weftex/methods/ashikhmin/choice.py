@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from weftex.methods.ashikhmin import growth_kernels as kernels
+from weftex.methods.ashikhmin import candidate_kernels as kernels
 from weftex.notes import note, parts
 from weftex.random import draw
 from weftex.seams.path import least_path

@@ -1,4 +1,7 @@
-"""Texture synthesis by non-parametric sampling (Efros and Leung, 1999)."""
+"""Texture synthesis by non-parametric sampling (Efros and Leung, 1999).
+
+Section III.A is that of the survey in docs/background/fidelity/non-parametric-sampling-and-tsvq.md.
+"""
 
 from __future__ import annotations
 

@@ -258,7 +258,7 @@ def choose(
     return found.places[draw_one(best, count, energy, patches.bits[p], tolerance, found)]
 
 
-@cython.cfunc
+@cython.ccall
 @cython.nogil
 @cython.exceptval(check=False)
 def cut_bands(
@@ -370,8 +370,3 @@ def lay_patches(
                     canvas, patches.pixels, layout, windows.bands, p, found.path, patches.cuts
                 )
             paste(canvas, patches.pixels, layout, p, 0)
-
-
-def find_cuts(canvas, pixels, layout: Layout, bands, p, cost, cuts):
-    """Fill row `p` of `cuts` with the minimum-error paths of one patch; for tests."""
-    cut_bands(canvas, pixels, layout, bands, p, cost, cuts)

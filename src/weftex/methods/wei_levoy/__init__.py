@@ -1,4 +1,8 @@
-"""Texture synthesis with tree-structured vector quantization (Wei and Levoy, 2000)."""
+"""Texture synthesis with tree-structured vector quantization (Wei and Levoy, 2000).
+
+Sections III and IV are those of the survey in docs/background/fidelity/
+non-parametric-sampling-and-tsvq.md.
+"""
 
 from __future__ import annotations
 
@@ -9,8 +13,8 @@ from weftex.errors import InvalidInputError
 from weftex.methods.pixels.growth import PixelModel, WindowedMethod
 from weftex.methods.wei_levoy.levels import noise, output_pyramid, parents_or_noise
 from weftex.methods.wei_levoy.passes import hole_passes, scan_passes
-from weftex.methods.wei_levoy.search import Trees, replace_by_nearest
 from weftex.methods.wei_levoy.sizes import PROPOSED_WIDTH, levels_and_widths, window_width
+from weftex.methods.wei_levoy.trees import Trees, replace_by_nearest
 from weftex.parameters import parameter
 from weftex.search.pyramid_windows import sample_pyramid
 from weftex.search.windows import windows_of
@@ -132,10 +136,10 @@ class WeiLevoy(WindowedMethod):
         assert method.levels and method.window_width
         assert method.parent_width is not None and method.most_windows is not None
         samples = sample_pyramid(exemplar, method.levels)
-        # With one leaf a tree is an exhaustive search.
-        most_leaves = 1 if method.search == "full" else method.tree_size
+        # A tree of one leaf is an exhaustive search.
+        tree_size = 1 if method.search == "full" else method.tree_size
         widths = method.window_width, method.parent_width
-        trees = Trees(samples, *widths, most_leaves, method.most_windows)
+        trees = Trees(samples, *widths, tree_size, method.most_windows)
         windows = windows_of(exemplar, (0, 0, 0, 0))
         return PixelModel(method, exemplar, Prepared(method, windows, samples, trees), synthesize)
 

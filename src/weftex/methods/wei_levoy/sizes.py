@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import TYPE_CHECKING
 
 from weftex.errors import InvalidInputError
-from weftex.methods.pixels.growth import width_for
+from weftex.methods.pixels.growth import narrowed, width_for
 from weftex.search.pyramid_windows import interior_windows, sample_pyramid
+from weftex.search.windows import square_windows
 
 if TYPE_CHECKING:
     from weftex.exemplar import Exemplar
@@ -47,15 +49,11 @@ def levels_and_widths(
 
 def window_width(exemplar: Exemplar, given: int | None) -> int:
     """Return the width of the windows: the given one, or the widest default that fits."""
-    width: int = width_for(given, exemplar, PROPOSED_WIDTH)
-    while True:
-        try:
-            interior_windows(exemplar, None, width, 0, causal=False)
-            return width
-        except InvalidInputError:
-            if given is not None or width == 1:
-                raise
-            width -= 2
+    width = width_for(given, exemplar, PROPOSED_WIDTH)
+    if given is None:
+        width = narrowed(width, partial(square_windows, exemplar))
+    square_windows(exemplar, width)  # refuses a sample without whole windows
+    return width
 
 
 def _too_wide(parent_width: int, width: int) -> str:

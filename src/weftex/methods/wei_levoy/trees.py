@@ -1,4 +1,4 @@
-"""The search for the pixels of a level: trees of the sample's windows, and the kernel's run."""
+"""The trees of the sample's windows (TSVQ), and the replacement of pixels by their nearest."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from weftex.methods.wei_levoy import growth_kernels as kernels
+from weftex.methods.wei_levoy import scan_kernels as kernels
 from weftex.notes import note, parts
 from weftex.search.picture_kernels import Picture
 from weftex.search.pyramid_windows import parent_offsets, window_offsets, window_vectors
@@ -29,10 +29,10 @@ class Trees:
         samples: list[Exemplar],
         window_width: int,
         parent_width: int,
-        most_leaves: int,
+        tree_size: int,
         most_windows: int,
     ) -> None:
-        self._samples, self._most_leaves, self._most = samples, most_leaves, most_windows
+        self._samples, self._tree_size, self._most = samples, tree_size, most_windows
         self.window_width = window_width
         #: N of each level; at the coarsest 0, as pixels have no parents there.
         self.parent_widths = [parent_width] * (len(samples) - 1) + [0]
@@ -50,7 +50,7 @@ class Trees:
             vectors, places = window_vectors(
                 self._samples[level], parent, *widths, causal=causal, most=self._most
             )
-            self._built[level, causal] = build_tsvq(vectors, places, self._most_leaves)
+            self._built[level, causal] = build_tsvq(vectors, places, self._tree_size)
         return self._built[level, causal]
 
 
