@@ -15,20 +15,20 @@ TESTS = Path(__file__).parent
 READ = ("methods", "repeats", "search", "seams")
 #: Lower a ceiling when the code has become smaller; a feature that needs room removes something.
 CEILINGS = {
-    "lines of Python in src": 46_862,
-    "of these code": 32_824,
-    "modules": 297,
+    "lines of Python in src": 46_646,
+    "of these code": 32_665,
+    "modules": 296,
     "kernel classes": 24,
     "names that several kernel classes have": 0,
-    "lines of tests": 25_292,
+    "lines of tests": 25_262,
     "quilting: files to read": 12,
-    "quilting: lines to read": 2_841,
+    "quilting: lines to read": 2_830,
     "graphcut: files to read": 18,
-    "graphcut: lines to read": 4_238,
+    "graphcut: lines to read": 4_224,
     "efros-leung: files to read": 8,
-    "efros-leung: lines to read": 1_345,
+    "efros-leung: lines to read": 1_336,
     "near-regular: files to read": 17,
-    "near-regular: lines to read": 3_063,
+    "near-regular: lines to read": 3_031,
 }
 
 
