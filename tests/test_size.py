@@ -15,7 +15,7 @@ TESTS = Path(__file__).parent
 READ = ("methods", "repeats", "search", "seams")
 #: Lower a ceiling when the code has become smaller; a feature that needs room removes something.
 CEILINGS = {
-    "lines of Python in src": 46_646,
+    "lines of Python in src": 46_644,
     "of these code": 32_665,
     "modules": 296,
     "kernel classes": 24,
@@ -24,7 +24,7 @@ CEILINGS = {
     "quilting: files to read": 12,
     "quilting: lines to read": 2_830,
     "graphcut: files to read": 18,
-    "graphcut: lines to read": 4_224,
+    "graphcut: lines to read": 4_222,
     "efros-leung: files to read": 8,
     "efros-leung: lines to read": 1_336,
     "near-regular: files to read": 17,

@@ -9,13 +9,13 @@ cdef inline long long repeated_pixels(
     x = x if x >= 0 else -x
     return (height - y) * (width - x) if y < height and x < width else 0
 
-cdef enum:  # marks of `bar_repeats`
+cdef enum:  # marks of `exclude_repeats`
     REPEATS = 1
     CONTINUES = 2
 
-cdef void bar_repeats(const int[:, ::1] placements, const int[::1] around, Py_ssize_t p,
+cdef void exclude_repeats(const int[:, ::1] placements, const int[::1] around, Py_ssize_t p,
                       Py_ssize_t apart, bint leave, const int[::1] places, Py_ssize_t width,
-                      unsigned char[::1] barred) noexcept nogil
+                      unsigned char[::1] excluded) noexcept nogil
 
-cdef Py_ssize_t best_unrepeated(const long long[::1] keys, unsigned char[::1] barred,
+cdef Py_ssize_t best_unrepeated(const long long[::1] keys, unsigned char[::1] excluded,
                                 double dearer) noexcept nogil

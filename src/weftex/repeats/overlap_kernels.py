@@ -4,7 +4,7 @@
 import cython
 
 
-def bar_repeats(placements, around, p, apart, leave, places, width, barred):
+def exclude_repeats(placements, around, p, apart, leave, places, width, excluded):
     """Mark places that box `p` must not show: nearer than `apart` to the source of a box around.
 
     `placements` are y, x and source y, x; `around` numbers boxes, -1 for none. A place that
@@ -29,10 +29,10 @@ def bar_repeats(placements, around, p, apart, leave, places, width, barred):
             if repeated < 0 and leave:
                 mark = CONTINUES
                 break
-        barred[i] = mark
+        excluded[i] = mark
 
 
-def best_unrepeated(keys, barred, dearer):
+def best_unrepeated(keys, excluded, dearer):
     """Return the best place without a mark, unless its key is above `dearer` times the best of all.
 
     If it is, places that continue no box are freed; if there are none, all are.
@@ -44,14 +44,14 @@ def best_unrepeated(keys, barred, dearer):
     for i in range(keys.shape[0]):
         if best < 0 or keys[i] < keys[best]:
             best = i
-        if barred[i] < CONTINUES and (near < 0 or keys[i] < keys[near]):
+        if excluded[i] < CONTINUES and (near < 0 or keys[i] < keys[near]):
             near = i
-        if not barred[i] and (free < 0 or keys[i] < keys[free]):
+        if not excluded[i] and (free < 0 or keys[i] < keys[free]):
             free = i
     if near >= 0:
         best = near
     if free >= 0 and keys[free] <= dearer * keys[best]:
         return free
     for i in range(keys.shape[0]):
-        barred[i] = 0 if barred[i] < CONTINUES or near < 0 else CONTINUES
+        excluded[i] = 0 if excluded[i] < CONTINUES or near < 0 else CONTINUES
     return best

@@ -12,7 +12,7 @@ import numpy as np
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-_BARRED = 2**62  # the cost of a forbidden place; any path costs less
+_FORBIDDEN = 2**62  # the cost of a forbidden place; any path costs less
 
 
 def least_path(cost: NDArray[np.int64], *, closed: bool = False) -> NDArray[np.int64]:
@@ -25,19 +25,19 @@ def least_path(cost: NDArray[np.int64], *, closed: bool = False) -> NDArray[np.i
         return _open_path(cost)
     crossing = _open_path(np.concatenate([cost, cost]))[len(cost)]
     held = np.concatenate([cost, cost[:1]])
-    barred = np.arange(cost.shape[1]) != crossing
-    held[0, barred] = held[-1, barred] = _BARRED
+    excluded = np.arange(cost.shape[1]) != crossing
+    held[0, excluded] = held[-1, excluded] = _FORBIDDEN
     return _open_path(held)[:-1]
 
 
 def _open_path(cost: NDArray[np.int64]) -> NDArray[np.int64]:
-    total = np.full((len(cost), cost.shape[1] + 2), _BARRED)
+    total = np.full((len(cost), cost.shape[1] + 2), _FORBIDDEN)
     total[0, 1:-1] = cost[0]
     came = np.zeros(cost.shape, np.int64)
     for row in range(1, len(cost)):
         before = np.stack([total[row - 1, :-2], total[row - 1, 1:-1], total[row - 1, 2:]])
         came[row] = before.argmin(axis=0) - 1
-        total[row, 1:-1] = np.minimum(before.min(axis=0), _BARRED - cost[row]) + cost[row]
+        total[row, 1:-1] = np.minimum(before.min(axis=0), _FORBIDDEN - cost[row]) + cost[row]
     path = np.empty(len(cost), np.int64)
     path[-1] = total[-1, 1:-1].argmin()
     for row in range(len(cost) - 1, 0, -1):

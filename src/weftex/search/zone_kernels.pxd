@@ -17,7 +17,7 @@ cdef class Shortlist:
     cdef short[::1] coordinates  # in principal components
     cdef int[::1] partial  # scratch of `nearest_by_blocks`, a row of windows each
     cdef long long[::1] total
-    cdef unsigned char[::1] barred  # why a candidate may not be taken; 0 if it may
+    cdef unsigned char[::1] excluded  # why a candidate may not be taken; 0 if it may
     cdef long long[:, ::1] path  # scratch of `cut_bands`
 
 cpdef Py_ssize_t nearest_by_blocks(const unsigned char[:, :, :, :, ::1] nodes,

@@ -31,12 +31,12 @@ class Shortlist:
 
     def __init__(
         self, wanted, keys, places, query, means, coordinates, partial, total,
-        barred=None, path=None,
+        excluded=None, path=None,
     ):  # fmt: skip
         self.wanted, self.keys, self.places, self.query = wanted, keys, places, query
         self.means, self.coordinates = means, coordinates
         self.partial, self.total = partial, total
-        self.barred, self.path = barred, path
+        self.excluded, self.path = excluded, path
 
 
 def gather(canvas, y, x, runs, query):

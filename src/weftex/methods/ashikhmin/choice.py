@@ -74,7 +74,7 @@ class Choice:
         along y even if the canvas does not wrap.
         """
         growth, tries = self._growth, np.arange(self._tries)
-        strangers = random_places(
+        at_random = random_places(
             self._windows, growth.seed, "ashikhmin", number, line[:, None], tries
         )
         for part, asked in parts(line, growth.canvas.width):
@@ -83,7 +83,7 @@ class Choice:
                 note("window", growth=growth, number=number, half=self._half)
             kernels.choose(
                 self._windows.kernel, growth.picture, self._choice,
-                line[part], strangers[part], around, number > 0,
+                line[part], at_random[part], around, number > 0,
             )  # fmt: skip
             if asked:
                 note("chosen", growth=growth, places=self._candidates)

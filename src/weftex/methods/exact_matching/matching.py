@@ -75,8 +75,8 @@ class Sheet:
         wanted = (self.color < 0) & (self.done > 0) & grown(self.done == 0, 1, self.wrap)
         source = self.source[wanted]
         number = self.lists.index.number.ravel()[source]
-        strange = source < 0
-        number[strange] = self.lists.index.nearest(self.pixels[wanted][strange])
+        unlisted = source < 0
+        number[unlisted] = self.lists.index.nearest(self.pixels[wanted][unlisted])
         self.color[wanted] = number
 
     def parents(

@@ -305,10 +305,7 @@ def placement_of(
 
 
 def cover(method: GraphCut, placement: Placement, sample: Sample, growth: Growth) -> None:
-    """The algorithm; sections are those of the paper.
-
-    Old pixels that a patch surrounds (section 3.2) are in its graph as all pixels of its box are.
-    """
+    """The algorithm; sections are those of the paper."""
     assert method.candidates is not None and method.refinements is not None
     count, tolerance = method.candidates, _given(method.tolerance, 1.0)  # random: all match
     copies = method.placement == "entire" and bool(sample.boxes)
@@ -325,7 +322,7 @@ def cover(method: GraphCut, placement: Placement, sample: Sample, growth: Growth
             patches = placement.patches(matches, drawn, map_)
             if len(patches) == 1:
                 return patches[0]
-            # The minimum cut between old and new pixels; old seams are in the graph (section 3).
+            # Minimum cut of old and new pixels; old seams (3.1), surrounded regions (3.2) count.
             return picture.cheapest(patches, map_)
 
         # Patches that each cover the first missing pixel, until none is missing (section 4).

@@ -301,7 +301,7 @@ class Output:
                 coordinates=np.empty(numbers, np.int16),
                 partial=np.empty(columns, np.int32),
                 total=np.empty(columns, np.int64),
-                barred=np.empty(room, np.uint8),
+                excluded=np.empty(room, np.uint8),
                 path=np.empty((max(window), depth), np.int64),
             )
             self._shortlists[get_ident()] = found, keys, places

@@ -6,8 +6,8 @@ from cython.cimports.libc.math import sqrt
 from cython.cimports.weftex.raster.difference_kernels import squared
 from cython.cimports.weftex.repeats.overlap_kernels import (
     CONTINUES,
-    bar_repeats,
     best_unrepeated,
+    exclude_repeats,
 )
 from cython.cimports.weftex.results.paste_kernels import Layout, paste
 from cython.cimports.weftex.search.zone_kernels import (
@@ -103,15 +103,15 @@ def draw_one(
     tolerance: Tolerance,
     found: Shortlist,
 ) -> cython.Py_ssize_t:
-    """Draw one of the candidates within the tolerance that are not barred; `best` if none is."""
+    """Draw one of the candidates within the tolerance that are not excluded; `best` if none is."""
     keys: cython.p_longlong = cython.address(found.keys[0])
-    barred: cython.p_uchar = cython.address(found.barred[0])
+    excluded: cython.p_uchar = cython.address(found.excluded[0])
     limit: cython.double = squared_limit(energy, cython.cast(cython.double, keys[best]), tolerance)
     within: cython.longlong = 0
     total: cython.double = 0
     cython.declare(i=cython.Py_ssize_t, target=cython.double)
     for i in range(count):
-        if not barred[i] and in_set(cython.cast(cython.double, keys[i]), limit, tolerance):
+        if not excluded[i] and in_set(cython.cast(cython.double, keys[i]), limit, tolerance):
             within += 1
             if tolerance.by_similarity and limit > 0:
                 total += 1 - sqrt(keys[i] / limit)
@@ -120,14 +120,14 @@ def draw_one(
     if tolerance.by_similarity and total > 0:
         target = total * (bits >> 11) * (1.0 / 9007199254740992.0)
         for i in range(count):
-            if not barred[i] and keys[i] < limit:
+            if not excluded[i] and keys[i] < limit:
                 target -= 1 - sqrt(keys[i] / limit)
                 if target < 0:
                     return i
         return best
     within = cython.cast(cython.longlong, ((bits >> 32) * within) >> 32)
     for i in range(count):
-        if not barred[i] and in_set(cython.cast(cython.double, keys[i]), limit, tolerance):
+        if not excluded[i] and in_set(cython.cast(cython.double, keys[i]), limit, tolerance):
             if within == 0:
                 return i
             within -= 1
@@ -142,9 +142,9 @@ def bar(
     found: Shortlist,
 ) -> cython.void:  # fmt: skip
     """Bar offsets that repeat nearby patches; half of the patches continue none."""
-    bar_repeats(
+    exclude_repeats(
         patches.placements, patches.around[p], p, patches.keep_apart, patches.bits[p] & 1,
-        found.places[:count], width, found.barred,
+        found.places[:count], width, found.excluded,
     )  # fmt: skip
 
 
@@ -173,7 +173,7 @@ def measure(
             found.query, cython.cast(cython.longlong, bound),
         )  # fmt: skip
         found.keys[i] = key
-        if found.barred[i] < CONTINUES and (best < 0 or key < best):
+        if found.excluded[i] < CONTINUES and (best < 0 or key < best):
             best = key  # the worst that may be drawn from here on
             bound = UNREPEATED * best if patches.keep_apart > 0 else best
             bound = max(bound, squared_limit(energy, best, tolerance))
@@ -254,7 +254,7 @@ def choose(
             bar(patches, p, width, count, found)
             measure(patches, windows, tolerance, energy, count, found)
     # Steps 3 and 4: draw one of Psi_B, or take the closest.
-    best = best_unrepeated(found.keys[:count], found.barred, UNREPEATED)
+    best = best_unrepeated(found.keys[:count], found.excluded, UNREPEATED)
     return found.places[draw_one(best, count, energy, patches.bits[p], tolerance, found)]
 
 
