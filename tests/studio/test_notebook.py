@@ -82,7 +82,7 @@ def test_what_it_does_not_take(made, monkeypatch):
     with pytest.raises(InvalidInputError, match="height is 9; it must be from 160 to 4000"):
         weftex.studio.view(made, height=9)
     monkeypatch.setitem(sys.modules, "anywidget", None)
-    monkeypatch.delitem(sys.modules, "weftex.studio.widget")
+    monkeypatch.delitem(sys.modules, "weftex.studio.widget", raising=False)
     with pytest.raises(UnsupportedError, match=r"pip install 'weftex\[notebook\]'"):
         weftex.studio.view(made)
 
