@@ -105,7 +105,9 @@ def test_json_and_commands_are_read_again(given):
 def pictures(tmp_path, monkeypatch):
     """A folder with samples, a photo, masks and a map of two labels, that is the current one."""
     monkeypatch.chdir(tmp_path)
-    write_image("sample.png", noise((64, 72, 3)))
+    sample = noise((64, 72, 3))
+    sample[30:38, 40:48] = 0  # a landmark
+    write_image("sample.png", sample)
     light = np.linspace(0.2, 1, 96)[:, None]  # tones differ, so there is one to match
     write_image("photo.png", (noise((80, 96, 3), seed=1) * light).astype(np.uint8))
     hole, half = np.zeros((80, 96), np.uint8), np.zeros((64, 72), np.uint8)
@@ -138,6 +140,7 @@ MADE = {
               "sample_guide": "second.png", "method": "ashikhmin"},
     "window": {"materials": [SAMPLE], "window": [60, 50, 30, 40], "period": [200, 300],
                **QUILTING},
+    "landmarks": {"materials": [SAMPLE], "landmarks": "thin", "method": "graphcut"},
     "tile": {"task": "tile", "materials": [PHOTO | {"even_light": 1}], "axes": "y", "border": 8},
     "fill": {"task": "fill", "materials": [PHOTO, SAMPLE | {"repeats": True}], "mask": "hole.png",
              "overlap": 2, "method": "patch-sampling", "parameters": {"epsilon": 0.1}},
@@ -173,13 +176,14 @@ BASE = {
 }
 TRIED = {
     "--size": "44", "--tileable": "x", "--guide": "photo.png", "--sample-guide": "second.png",
-    "--best-of": "2", "--window": "3,4,20,20", "--period": "300", "--border": "5",
+    "--best-of": "4", "--window": "3,4,20,20", "--period": "300", "--border": "5",
     "--mask": "nothing.png", "--overlap": "3", "--match-tone": "", "--map": "gradient",
     "--colors": "#c80a00,#000000", "--mixed": "#000000=1+2", "--boundary": "merged",
     "--belt-width": "6", "--missing": "ao=1", "--maps": "color=sample.png", "--sample-mask":
     "half.png", "--straighten": "8,8,40,8,40,50,8,50", "--even-light": "3", "--turn": "half",
     "--tileable-sample": "", "--map-weights": "height=2", "--seed": "8", "--direction": "0",
     "--center": "0,0", "--radii": "0.5", "--width": "0.5", "--circles": "0.1",
+    "--landmarks": "remove",
 }  # fmt: skip
 
 

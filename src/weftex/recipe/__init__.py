@@ -35,7 +35,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from weftex.recipe.declared import GRADIENT, MATERIAL, PREPARATION, SEED, TASKS
+from weftex.recipe.declared import GRADIENT, LANDMARKS, MATERIAL, PREPARATION, SEED, TASKS
 from weftex.recipe.fields import FIELDS, Fields, checked_material, pictures_of
 
 if TYPE_CHECKING:
@@ -50,6 +50,7 @@ if TYPE_CHECKING:
 __all__ = [
     "FIELDS",
     "GRADIENT",
+    "LANDMARKS",
     "MATERIAL",
     "PREPARATION",
     "SEED",

@@ -83,6 +83,12 @@ TILEABLE = Option(
     "tileable", AXES, "make the output tileable along both axes, or only along x or y", False,
     metavar="x|y",
 )  # fmt: skip
+LANDMARKS = Option(
+    "landmarks", TEXT, "salient regions of the sample, such as the only red leaf: keep them, "
+    "thin: show each far apart and fill its other places, or remove them; not for samples with a "
+    "lattice or rows", "keep", choices=("keep", "thin", "remove"), metavar="keep|thin|remove",
+    heading=_QUALITY,
+)  # fmt: skip
 
 #: What `weftex.label_maps.Gradient` takes; a map of a fusion may be such a gradient.
 GRADIENT = _by_name(
@@ -142,6 +148,7 @@ TASKS = {
             Option("best_of", TRIES, "keep the best of N results, with successive seeds; or of one "
                    "result per named method", 1, low=1, high=1000, metavar="N|NAME,...",
                    heading=_QUALITY),
+            LANDMARKS,
             Option("sample_guide", PICTURE, "guide for the sample: an image of the sample's size "
                    "that labels its regions", metavar="FILE", heading=_QUALITY),
             Option("window", WINDOW, "compute only these pixels of an endless plane; windows agree "

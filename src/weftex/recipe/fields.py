@@ -104,7 +104,7 @@ class Fields:
 
         if self.task == "synth":
             if options["window"] is not None:
-                for name in ("size", "guide", "sample_guide", "tileable", "best_of"):
+                for name in ("size", "guide", "sample_guide", "tileable", "best_of", "landmarks"):
                     if options[name] != declared[name].default:
                         raise InvalidInputError(f"{named(name)} and --window exclude each other")
             elif options["period"] is not None:
@@ -113,6 +113,10 @@ class Fields:
                 )
             if len(self.materials) > 1:
                 self._check_several(named)
+            if options["landmarks"] != "keep" and "turn" in self.materials[0]:
+                raise InvalidInputError(
+                    f"{named('landmarks')} and {named('turn')} exclude each other"
+                )
             if options["sample_guide"] is not None and options["guide"] is None:
                 raise InvalidInputError(f"{named('sample_guide')} has no effect without a guide")
             several = options["best_of"]
@@ -133,6 +137,8 @@ class Fields:
         alone: list[str] = [n for n in ("map_weights", "mask", "repeats") if n in given]
         if {"path", "maps"} <= given:
             alone.append("maps")
+        if self.options["landmarks"] != "keep":
+            alone.append("landmarks")
         if self.options["sample_guide"] is not None:
             alone.append("sample_guide")
         if alone:

@@ -269,13 +269,14 @@ class OpenedRecipe:
             return model.window(*options["window"], period=options["period"], **how)
         canvas = as_canvas(self.shape, options["tileable"])
         guide = self._guide("guide")
-        # As `tasks.synthesize`, which guides and best-of need; less to import.
-        if guide is None and options["best_of"] == 1:
+        # As `tasks.synthesize`, which guides, best-of and landmarks need; less to import.
+        if guide is None and options["best_of"] == 1 and options["landmarks"] == "keep":
             method.require(canvas)
             return fit(self.sample).sample(canvas, **how)
         from weftex.tasks.synthesize import synthesize
 
-        how |= {"method": method, "guide": guide, "best_of": options["best_of"]}
+        how |= {name: options[name] for name in ("best_of", "landmarks")}
+        how |= {"method": method, "guide": guide}
         return synthesize(self.sample, canvas, **how)
 
 

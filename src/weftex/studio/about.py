@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 
 #: The options of tasks that the page asks for in a form.
 _FORMS = {
+    "synth": ("landmarks",),
     "tile": ("border",),
     "fill": ("overlap", "match_tone"),
     "fuse": ("boundary", "belt_width"),

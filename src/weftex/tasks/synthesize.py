@@ -11,6 +11,7 @@ from weftex.canvas import as_canvas
 from weftex.errors import InvalidInputError
 from weftex.exemplar import load_exemplar
 from weftex.method import Method
+from weftex.random import seed_number
 from weftex.tasks.method_names import AUTO, make_method
 
 if TYPE_CHECKING:
@@ -35,6 +36,7 @@ def synthesize(
     guide: Sample | None = None,
     sample_guide: Sample | None = None,
     best_of: int | Sequence[str | Method] = 1,
+    landmarks: str = "keep",
     threads: int | None = None,
     progress: ProgressCallback | None = None,
     **parameters: Any,
@@ -65,6 +67,10 @@ def synthesize(
         Number of results with successive seeds from `seed` on, or methods for one result each. The
         result with the best score is returned; its provenance has its method, its seed and all
         scores.
+    landmarks : {"keep", "thin", "remove"}
+        What to do with landmarks, small salient regions by which repeats are recognized: keep them;
+        thin: show each far apart, and fill its other places from the rest of the sample; or remove
+        them. Samples with a lattice or rows are not changed.
     threads : int, optional
         Maximum number of threads; one for each processor by default.
     progress : callable, optional
@@ -112,12 +118,24 @@ def synthesize(
         exemplar = exemplar.changed(guide=_guide(sample_guide))
     if exemplar.guide is None and canvas.guide is not None:
         canvas = dataclasses.replace(canvas, guide=_like(canvas.guide, exemplar))
-    how: dict[str, Any] = {"seed": seed, "threads": threads, "progress": progress}
-    if not once:
+    number = seed_number(seed)
+    how: dict[str, Any] = {"seed": number, "threads": threads, "progress": progress}
+    plain = None
+    if landmarks != "keep":
+        from weftex.tasks.landmarks import plain_sample  # loads the analyses
+
+        plain = plain_sample(exemplar, landmarks, threads)
+        exemplar = exemplar if plain is None else plain.exemplar
+    if once:
+        model = chosen.fit(exemplar)
+        if plain is not None:
+            plain.inform(model)
+        made = model.sample(canvas, **how)
+    else:
         from weftex.tasks.best_of import best_of as keep_best
 
-        return keep_best(tried, exemplar, canvas, **how)
-    return chosen.fit(exemplar).sample(canvas, **how)
+        made = keep_best(tried, exemplar, canvas, **how)
+    return made if plain is None else plain.finished(made, number)
 
 
 def _like(guide: NDArray[Any], exemplar: Exemplar) -> NDArray[Any]:

@@ -1,4 +1,4 @@
-"""weftex prepare: straighten a photo and even its lighting."""
+"""weftex prepare: straighten a photo, even its lighting, and remove its landmarks."""
 
 from __future__ import annotations
 
@@ -7,15 +7,15 @@ from typing import TYPE_CHECKING
 from weftex.cli.parser import Parser
 from weftex.cli.terminal import finish
 from weftex.errors import InvalidInputError
-from weftex.recipe import MATERIAL, PREPARATION
-from weftex.recipe.command_line import described_material
+from weftex.recipe import LANDMARKS, MATERIAL, PREPARATION
+from weftex.recipe.command_line import described_material, value_of
 
 if TYPE_CHECKING:
     from weftex.cli.terminal import Bar, Outputs
 
 _ABOUT = """\
-Straighten a photo and even its lighting, to get a sample for any other command. 'weftex synth' has
-the same options.\
+Straighten a photo, even its lighting, and remove landmarks, to get a sample for any other command.
+'weftex synth' has the same options.\
 """
 
 _EXAMPLES = """\
@@ -23,8 +23,15 @@ examples:
   weftex prepare photo.jpg -o brick.png --straighten --even-light
   weftex prepare photo.jpg -o brick.png --straighten 12,40,801,95,790,620,20,700   by four corners
   weftex prepare photo.jpg -o brick.png --straighten 99,3,49,36.7                  by a lattice
+  weftex prepare leaves.jpg -o plain.png --landmarks remove
   weftex prepare stone_wall/ -o straight/ --straighten                            a folder of maps
 """
+
+_LANDMARKS = LANDMARKS._replace(
+    choices=("keep", "remove"),
+    metavar="keep|remove",
+    help="remove: fill salient regions from the rest of the photo; not if it has a lattice or rows",
+)
 
 
 def run(argv: list[str]) -> None:
@@ -34,10 +41,12 @@ def run(argv: list[str]) -> None:
     parser.share("--output", "--names", "--mtlx", "--quiet", "--allow-huge")
     names = ("maps", *PREPARATION)
     parser.take(*(MATERIAL[name] for name in names))
+    parser.take(_LANDMARKS)
     args = parser.parse(argv)
     spec = described_material(args.sample, vars(args), names)
-    if not spec.keys() & PREPARATION:
-        raise InvalidInputError("nothing to do; give --straighten, --even-light, or both")
+    remove = value_of(_LANDMARKS, vars(args)) == "remove"
+    if not remove and not spec.keys() & PREPARATION:
+        raise InvalidInputError("nothing to do; give --straighten, --even-light, or --landmarks")
 
     def work(bar: Bar, outputs: Outputs) -> str:
         from weftex.cli.files import make_room, plan, read_input
@@ -46,6 +55,10 @@ def run(argv: list[str]) -> None:
         make_room([args.sample], args, outputs)
         material = read_input(args.sample, args, spec.get("maps"))
         made = prepared(material.exemplar(), spec)
+        if remove:
+            from weftex.tasks.landmarks import remove_landmarks
+
+            made = remove_landmarks(made)
         plans = plan([material], made, args)
         plans.write(lambda name: plans.pictures[name].pixels, outputs)
         height, width = made.shape

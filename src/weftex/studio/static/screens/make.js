@@ -92,6 +92,7 @@ export class MakeScreen {
         tick(t("make.go_on"), app.goOn, (on) => (app.goOn = on)),
       ),
       (this.toldBox = h("div", { class: "parameters" }, this.told())),
+      free ? parameterForm(about.tasks.synth, "landmarks" in recipe ? { landmarks: recipe.landmarks } : {}, (name, value) => this.change({ [name]: value ?? null }), this.fault) : null,
       others.length ? h("details", { open: this.open || beside, ontoggle: (event) => (this.open = event.target.open) }, h("summary", {}, t("make.parameters", { n: others.length })), h("div", {}, form(others))) : null,
     );
   }

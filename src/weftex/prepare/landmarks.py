@@ -1,0 +1,158 @@
+"""Landmarks of a sample: small regions of rare color, by which repeats are recognized."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from weftex.analysis.relief import smaller_copy
+from weftex.raster.boxes import extended_sums
+from weftex.raster.masks import grown
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from weftex.exemplar import Exemplar
+
+    Mask = NDArray[np.bool_]
+
+_LOOK = 320  # pixels a side; larger samples are averaged down
+_SMALLEST = 64  # pixels a side; smaller samples have no landmarks
+_RADII = (2, 4, 8, 12)  # of the boxes, applied twice, whose means are compared
+_UNIT = 16  # of these means, to a level of 255
+_FLOOR = 4.0  # levels that a color may differ by in any sample
+_TYPICAL = 0.85  # share of the means that the covariance is taken from
+_WHOLE = 2**28  # of the inverse covariance, so that distances are integers
+
+
+@dataclass(frozen=True)
+class _Tier:
+    """What counts as a landmark, and how much of the sample landmarks may cover together."""
+
+    distance: float  # least Mahalanobis distance of a mean
+    times: float  # least ratio of that to the 95 % quantile of all means
+    by_radius: tuple[float, ...]  # what distances count for, for each of `_RADII`
+    edge: float  # a landmark extends to this share of its largest distance
+    margin: int  # pixels that are added around it
+    least: float  # share of the sample
+    most: float
+    together: float
+
+
+_RARE = _Tier(4.2, 1.45, (1.0, 1.0, 1.0, 1.0), 0.5, 4, 0.0, 0.03, 0.10)
+_OTHERS = _Tier(2.4, 0.9, (1.0, 1.1, 1.2, 1.2), 0.6, 3, 0.0015, 0.05, 0.27)
+_LONGEST = 16.0  # ratio of the variances along and across a landmark
+_LEAST_SOLID = 0.6  # share of the ellipse of its variances that a landmark covers
+
+
+def find_landmarks(exemplar: Exemplar, others: bool = True) -> tuple[list[Mask], int]:
+    """Return masks (H, W) of landmarks, the rare ones first, and the number of rare ones.
+
+    A color is rare by its Mahalanobis distance from most colors of the sample, at several scales;
+    maps have no say. `others` are less salient, but are recognized where they repeat nearby.
+    """
+    small, step = smaller_copy(exemplar.changed(maps={}, guide=None), _LOOK)
+    usable = np.ones(small.shape, bool) if small.mask is None else small.mask
+    if min(small.shape) < _SMALLEST:
+        return [], 0
+    far = [_distances(small.matching(), usable, radius) for radius in _RADII]
+    found = _with_tier(far, _RARE, usable, [])
+    rare = len(found)
+    found = _with_tier(far, _OTHERS, usable, found) if others else found
+    rows, columns = (np.minimum(np.arange(n) // step, m - 1)
+                     for n, m in zip(exemplar.shape, small.shape, strict=True))  # fmt: skip
+    return [mask[np.ix_(rows, columns)] for mask in found], rare
+
+
+def _distances(
+    pixels: NDArray[np.uint8], usable: Mask, radius: int
+) -> tuple[NDArray[np.float64], float]:
+    """Return the Mahalanobis distance of the mean around each pixel, and the 95 % quantile."""
+    weight = _smooth(usable.astype(np.int64), radius)
+    sums = _smooth(pixels.astype(np.int64) * usable[..., None], radius)
+    means = _UNIT * sums // np.maximum(weight, 1)[..., None]
+    known = usable & (10 * weight > 3 * (2 * radius + 1) ** 4)
+    if not known.any():
+        return np.zeros(usable.shape), 1.0
+    values = means[known][:: max(1, radius // 2) ** 2]
+    typical, middle = values, np.sort(values, axis=0)[len(values) // 2]
+    for trimmed in (False, True, True):
+        if trimmed:
+            middle = typical.sum(axis=0) // len(typical)
+        inverse = _inverse_covariance(typical - middle, trimmed)
+        squares = _squares(values - middle, inverse)
+        order = np.argsort(squares, kind="stable")
+        typical = values[order[: max(1, int(_TYPICAL * len(order)))]]
+    distances = np.where(known, np.sqrt(_squares(means - middle, inverse) / _WHOLE), 0)
+    return distances, float(np.sqrt(squares[order[int(0.95 * (len(order) - 1))]] / _WHOLE))
+
+
+def _smooth(values: NDArray[np.int64], radius: int) -> NDArray[np.int64]:
+    return extended_sums(extended_sums(values, radius), radius)
+
+
+def _inverse_covariance(values: NDArray[np.int64], trimmed: bool) -> NDArray[np.int64]:
+    """Return the inverse of the covariance of (N, K), rounded to integers times `_WHOLE`."""
+    products = (values[:, :, None] * values[:, None, :]).sum(axis=0)
+    covariance = (1.25 if trimmed else 1) * products / len(values)
+    covariance += np.eye(len(products)) * (_FLOOR * _UNIT) ** 2
+    inverse: NDArray[np.float64] = np.linalg.inv(covariance)
+    return np.rint(inverse * _WHOLE).astype(np.int64)
+
+
+def _squares(values: NDArray[np.int64], inverse: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Return the squared Mahalanobis distances of (..., K), times `_WHOLE`."""
+    squares: NDArray[np.int64] = ((values @ inverse) * values).sum(axis=-1)  # exact in integers
+    return np.maximum(squares, 0)
+
+
+def _with_tier(
+    far: list[tuple[NDArray[np.float64], float]], tier: _Tier, usable: Mask, found: list[Mask]
+) -> list[Mask]:
+    """Return the landmarks found before and those of a tier, the most salient first."""
+    least = [max(tier.distance, tier.times * typical) for _, typical in far]
+    ratios = zip(tier.by_radius, least, far, strict=True)
+    relative = np.stack([factor / low * distances for factor, low, (distances, _) in ratios])
+    found, free = list(found), usable & ~np.logical_or.reduce([~usable, *found])
+    radius, left = relative.argmax(axis=0), np.where(free, relative.max(axis=0), 0)
+    area, covered = int(usable.sum()), int(np.sum(found))
+    reach = int(1.6 * (tier.most * area) ** 0.5) + tier.margin
+    while left.max() >= 1:
+        y, x = divmod(int(left.argmax()), left.shape[1])
+        top, side = max(0, y - reach), max(0, x - reach)
+        box = np.s_[top : y + reach + 1, side : x + reach + 1]
+        near = relative[radius[y, x]][box] >= tier.edge * left[y, x]
+        blob = _connected(near & free[box], (y - top, x - side))
+        mask = grown(blob, tier.margin, (False, False)) & free[box]
+        left[box][mask] = 0
+        own, fits = int(mask.sum()), tier.least * area <= blob.sum() <= tier.most * area
+        if fits and covered + own <= tier.together * area and _is_compact(blob):
+            free[box] &= ~mask
+            covered += own
+            found.append(np.zeros_like(usable))
+            found[-1][box] = mask
+    return found
+
+
+def _connected(mask: Mask, seed: tuple[int, int]) -> Mask:
+    """Return the pixels of a mask that are connected with one of them."""
+    found = np.zeros_like(mask)
+    found[seed] = True
+    count = 0
+    while count < (count := int(found.sum())):
+        for axis in (0, 1):
+            lines = found.swapaxes(0, axis)
+            lines[1:] |= lines[:-1].copy()
+            lines[:-1] |= lines[1:].copy()
+        found &= mask
+    return found
+
+
+def _is_compact(blob: Mask) -> bool:
+    """Return whether a blob is neither a line nor a network."""
+    spread = np.cov(np.nonzero(blob), bias=True) + np.eye(2) / 12
+    area, trace = float(np.sqrt(np.linalg.det(spread))), float(spread.trace())
+    is_long = trace**2 > (1 + _LONGEST) ** 2 / _LONGEST * area**2
+    return not is_long and bool(blob.sum() >= _LEAST_SOLID * 4 * np.pi * area)

@@ -1,0 +1,255 @@
+"""A sample without landmarks, and outputs that show landmarks no more often than looks natural."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from weftex.canvas import Canvas
+from weftex.errors import InvalidInputError, shown
+from weftex.exemplar.turns import as_made_from
+from weftex.prepare.landmarks import find_landmarks
+from weftex.random import draw
+from weftex.raster.masks import grown
+from weftex.raster.turning import boxes_of, turned_pixels
+from weftex.results.pixels import PixelSynthesis
+from weftex.tasks.auto import AutoModel, look
+from weftex.tasks.auto.rule import is_sure
+from weftex.tasks.fill import fill
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from numpy.typing import NDArray
+
+    from weftex.exemplar import Exemplar
+    from weftex.method import Model
+    from weftex.results.synthesis import Synthesis
+    from weftex.tasks.auto import Findings
+
+    Indices = NDArray[np.int32]  # of pixels: row * width + column
+
+#: What `synthesize` may do with landmarks.
+LANDMARKS = ("keep", "thin", "remove")
+_OVERLAP = 4  # pixels around landmarks within which fillings are cut
+_FILLINGS = 2  # of each landmark, so that fillings repeat less, too
+_COARSE = 1 / 5  # scale over the side above which only rare landmarks are filled
+_AREAS = 4  # sample areas of the output for each time that a rare landmark is shown
+#: Distances in shorter sides of the sample: of a landmark from itself, rare or not; up to which
+#: landmarks are neighbors; of two neighbors from the same two.
+_RARE_APART, _OTHERS_APART, _NEIGHBORS, _PAIRS_APART = 1.0, 0.9, 0.35, 1.5
+
+
+def remove_landmarks(exemplar: Exemplar) -> Exemplar:
+    """Return a sample and its maps with the rare landmarks filled from the rest of them."""
+    plain = plain_sample(exemplar, "remove", None)
+    return exemplar if plain is None else plain.exemplar
+
+
+def plain_sample(exemplar: Exemplar, landmarks: str, threads: int | None) -> PlainSample | None:
+    """Return a sample with its landmarks filled; None if it has none, or a lattice or rows."""
+    if not isinstance(landmarks, str) or landmarks not in LANDMARKS:
+        known = ", ".join(LANDMARKS)
+        raise InvalidInputError(f"landmarks is {shown(landmarks)}; it must be one of {known}")
+    if exemplar.pieces:
+        raise InvalidInputError(
+            f"landmarks is {landmarks}; several samples and turned copies allow only keep"
+        )
+    findings = look(exemplar)
+    if findings.lattice is not None and is_sure(findings.lattice, findings.shape):
+        return None
+    thin = landmarks == "thin"
+    masks, rare = find_landmarks(exemplar, thin and findings.scale <= _COARSE * min(exemplar.shape))
+    fillings = _fillings(exemplar, masks, _FILLINGS if thin else 1, threads) if masks else []
+    return PlainSample(exemplar, masks, rare, fillings, findings, thin) if fillings else None
+
+
+def _fillings(
+    exemplar: Exemplar, masks: list[NDArray[np.bool_]], count: int, threads: int | None
+) -> list[Indices]:
+    """Return sources of all pixels with the holes filled; fewer if little is left to fill from."""
+    hole = np.logical_or.reduce(masks)
+    usable = np.ones(exemplar.shape, bool) if exemplar.mask is None else exemplar.mask
+    how: dict[str, Any] = {"method": "graphcut", "placement": "entire", "match_tone": False}
+    how |= {"overlap": _OVERLAP, "tileable": exemplar.tileable, "threads": threads}
+    fillings: list[Indices] = []
+    while len(fillings) < count and (usable & ~hole).any():
+        try:
+            made = fill(exemplar.changed(mask=usable), hole, seed=len(fillings), **how)
+        except InvalidInputError:  # a mask that leaves the method too little
+            break
+        filling = made.source @ np.array([exemplar.shape[1], 1], np.int32)
+        used = np.zeros(exemplar.shape, bool)
+        used.ravel()[filling[filling != _indices(exemplar.shape)]] = True
+        usable = usable & ~used
+        fillings.append(filling)
+    return fillings
+
+
+def _indices(shape: tuple[int, ...]) -> Indices:
+    return np.arange(math.prod(shape), dtype=np.int32).reshape(shape)
+
+
+@dataclass(frozen=True)
+class PlainSample:
+    """A sample and fillings of its landmarks."""
+
+    original: Exemplar
+    masks: list[NDArray[np.bool_]]  # of landmarks, the rare ones first
+    rare: int
+    fillings: list[Indices]
+    findings: Findings  # of the original
+    thin: bool  # whether outputs show some landmarks
+
+    @cached_property
+    def exemplar(self) -> Exemplar:
+        """The sample with its rare landmarks filled; methods cut around the others."""
+        shape, index = self.original.shape, self._filled(self.rare)
+        made = PixelSynthesis(Canvas(*shape), index, sample_shape=shape, exemplar=self.original)
+        maps = {k: self.original.map(k).changed(pixels=one) for k, one in made.maps.items()}
+        return self.original.changed(pixels=made.image, maps=maps)
+
+    def inform(self, model: Model) -> None:
+        """Make `auto` choose as for the original."""
+        if isinstance(model, AutoModel):
+            model.findings = self.findings
+
+    @cached_property
+    def _zones(self) -> list[NDArray[np.intp]]:
+        """For each landmark, the pixels that fillings change: its own and those of cuts near it."""
+        free = np.logical_or.reduce([f != _indices(f.shape) for f in self.fillings])
+        zones = []
+        for mask in self.masks:
+            zone = grown(mask, _OVERLAP, (self.original.tileable,) * 2) & free
+            free &= ~zone
+            zones.append(np.flatnonzero(zone))
+        return zones
+
+    def _filled(self, count: int) -> Indices:
+        """Return the first filling of the first landmarks, and the sample elsewhere."""
+        filled = _indices(self.original.shape)
+        for zone in self._zones[:count]:
+            filled.ravel()[zone] = self.fillings[0].ravel()[zone]
+        return filled
+
+    def finished(self, made: Synthesis, seed: int) -> Synthesis:
+        """Return an output of the plain sample with sources in the original, and some landmarks.
+
+        Where patches are mixed it stays an output of the plain sample.
+        """
+        count = 0
+        if isinstance(made, PixelSynthesis):
+            picture = as_made_from(self.original, made.turn)
+            place, copy, there = _copies(picture)
+            plain = self._filled(len(self.masks) if self.thin else self.rare).ravel()
+            index = np.where(made.index < 0, -1, there[copy[made.index], plain[place[made.index]]])
+            most = max(1, index.size // (_AREAS * math.prod(self.original.shape)))
+            spacing = _Spacing(made.canvas, min(self.original.shape), most, self.rare)
+            found = list(_occurrences(made, self._zones, there, picture.shape[1]))
+            corners = np.array([where[:3] for where in found if self.thin]).reshape(-1, 3)
+            for k in np.argsort(draw(seed, "landmarks", *corners.T), kind="stable"):
+                zone, row, column, number, pixels, inside = found[k]
+                source = self._zones[zone][inside]
+                if spacing.take(zone, row, column):
+                    count += 1
+                else:
+                    which = draw(seed, "filling", zone, row, column) % len(self.fillings)
+                    source = self.fillings[int(which)].ravel()[source]
+                index[pixels] = there[number, source]
+            made = PixelSynthesis(
+                made.canvas,
+                index,
+                sample_shape=made.sample_shape,
+                exemplar=picture,
+                known_from=made.known_from,
+                provenance=made.provenance,
+                match_tone=made.match_tone,
+                tone_reach=made.tone_reach,
+                threads=made.threads,
+            )
+        about = {"found": len(self.masks), "rare": self.rare, "shown": count}
+        made.provenance["landmarks"] = about
+        return made
+
+
+def _copies(picture: Exemplar) -> tuple[Indices, Indices, Indices]:
+    """Return the place in the sample and the copy of each pixel of a picture of turned copies.
+
+    Also, for each copy and place in the sample, the index in the picture.
+    """
+    shape = picture.copy_shape or picture.shape
+    place, boxes = _indices(shape), [(0, 0, *shape)]
+    if picture.turn is not None:
+        place = turned_pixels(place, picture.turn)
+        boxes = [box for _, box in boxes_of(picture.turn, shape)]
+    number, there = np.zeros(place.shape, np.int32), np.empty((len(boxes), math.prod(shape)), int)
+    for copy, (top, left, height, width) in enumerate(boxes):
+        box = np.s_[top : top + height, left : left + width]
+        number[box] = copy
+        there[copy, place[box]] = _indices(place.shape)[box]
+    return place.ravel(), number.ravel(), there.astype(np.int32)
+
+
+def _occurrences(
+    made: PixelSynthesis, zones: list[NDArray[np.intp]], there: Indices, width: int
+) -> Iterator[tuple[int, int, int, int, Any, NDArray[np.bool_]]]:
+    """Yield where an output shows a zone in one piece, but for what lies beyond its border.
+
+    Zone, row and column, copy; rows and columns of its pixels; which of the zone's pixels they are.
+    """
+    shapes: list[tuple[int, int, Indices, NDArray[np.int64]]] = []
+    anchors = np.full(there.max() + 1, -1, np.int32)
+    for zone, copy in np.ndindex(len(zones), len(there)):
+        index = there[copy, zones[zone]]
+        if len(index):
+            at = np.stack(np.divmod(index, width))
+            middle = int(np.square(at - at.mean(axis=1, keepdims=True)).sum(axis=0).argmin())
+            anchors[index[middle]] = len(shapes)
+            shapes.append((zone, copy, index, at - at[:, middle, None]))
+    shown_here = np.where(made.index < 0, -1, anchors[made.index])
+    size, wrap = (np.array(pair)[:, None] for pair in (made.shape, made.canvas.wrap))
+    for row, column in np.argwhere(shown_here >= 0).tolist():
+        zone, copy, index, apart = shapes[shown_here[row, column]]
+        at = apart + [[row], [column]]
+        inside = (wrap | ((at >= 0) & (at < size))).all(axis=0)
+        rows, columns = (at % size)[:, inside]
+        if (made.index[rows, columns] == index[inside]).all():
+            yield zone, row, column, copy, (rows, columns), inside
+
+
+class _Spacing:
+    """Where landmarks may be shown so that neither they nor pairs of neighbors repeat nearby."""
+
+    def __init__(self, canvas: Canvas, side: int, most: int, rare: int) -> None:
+        self.canvas, self.side, self.most, self.rare = canvas, side, most, rare
+        self.kept = np.empty((0, 3), np.int64)  # zone, row and column
+        self.pairs: dict[tuple[int, int], list[tuple[int, int]]] = {}
+
+    def take(self, zone: int, row: int, column: int) -> bool:
+        """Decide whether to show a landmark, and remember it."""
+        apart, own = self._apart(self.kept[:, 1:], row, column), self.kept[:, 0] == zone
+        if (apart[own] < (_RARE_APART if zone < self.rare else _OTHERS_APART)).any():
+            return False
+        if zone < self.rare and own.sum() >= self.most:
+            return False
+        near = self.kept[~own & (apart < _NEIGHBORS), 0].tolist()
+        pairs = [self.pairs.setdefault((min(zone, one), max(zone, one)), []) for one in near]
+        for pair in pairs:
+            again = self._apart(np.array(pair).reshape(-1, 2), row, column) < _PAIRS_APART
+            if len(pair) >= self.most or again.any():
+                return False
+        for pair in pairs:
+            pair.append((row, column))
+        self.kept = np.concatenate([self.kept, [[zone, row, column]]])
+        return True
+
+    def _apart(self, places: NDArray[np.int64], row: int, column: int) -> NDArray[np.float64]:
+        """Return distances of places (N, 2), in sides of the sample, across borders that wrap."""
+        far = np.abs(places - (row, column))
+        round_ = np.where(self.canvas.wrap, self.canvas.shape - far, far)
+        result: NDArray[np.float64] = np.sqrt((np.minimum(far, round_) ** 2).sum(axis=1))
+        return result / self.side

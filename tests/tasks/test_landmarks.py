@@ -1,0 +1,246 @@
+"""Landmarks: what is found, what fills them, and how often outputs show them."""
+
+import numpy as np
+import pytest
+
+import weftex
+from weftex.prepare.landmarks import find_landmarks
+from weftex.tasks.landmarks import _Spacing, plain_sample, remove_landmarks
+
+SIDE, AT = 128, (40, 70)
+RED = [200, 40, 30]
+
+
+def noise(side=SIDE, seed=0):
+    """Brown grain without a lattice."""
+    grain = np.random.default_rng(seed).normal(0, 1, (side + 8, side + 8))
+    for axis in (0, 1):
+        grain = sum(np.roll(grain, k, axis) for k in range(5))
+    tone = 110 + 6 * np.clip(grain[:side, :side], -8, 8)  # without extremes, which are landmarks
+    return np.clip(tone[..., None] * [1, 0.9, 0.75], 0, 255).astype(np.uint8)
+
+
+def with_spot(pixels=None, radius=7, color=RED):
+    pixels = noise() if pixels is None else pixels
+    y, x = np.indices(pixels.shape[:2])
+    spot = (y - AT[0]) ** 2 + (x - AT[1]) ** 2 <= radius**2
+    pixels = pixels.copy()
+    pixels[spot] = color
+    return pixels, spot
+
+
+@pytest.fixture(scope="module")
+def spotted():
+    return weftex.Exemplar(with_spot()[0])
+
+
+@pytest.fixture(scope="module")
+def thinned(spotted):
+    size = (3 * SIDE, 3 * SIDE)
+    return weftex.synthesize(spotted, size, seed=1, tileable=True, landmarks="thin")
+
+
+def red(pixels):
+    """Where pixels are as red as the spot, whatever the tone correction did to them."""
+    pixels = pixels.astype(int)
+    return pixels[..., 0] - pixels[..., 1] > 80
+
+
+def corners_of_spots(made):
+    """Where outputs show the middle of the spot."""
+    return np.argwhere((made.source == AT).all(axis=2))
+
+
+def test_a_spot_is_a_rare_landmark(spotted):
+    masks, rare = find_landmarks(spotted)
+    _, spot = with_spot()
+    assert rare == 1
+    assert masks[0][spot].mean() > 0.95
+    assert masks[0].sum() < 3.5 * spot.sum()
+
+
+@pytest.mark.parametrize("radius", [3, 6, 10])
+def test_landmarks_of_any_size_are_found(radius):
+    pixels, spot = with_spot(radius=radius)
+    masks, rare = find_landmarks(weftex.Exemplar(pixels), others=False)
+    assert rare == len(masks) == 1
+    assert masks[0][spot].mean() > 0.9
+
+
+def test_even_grain_has_no_rare_landmark():
+    assert find_landmarks(weftex.Exemplar(noise()))[1] == 0
+
+
+def test_a_line_is_no_landmark():
+    pixels = noise()
+    pixels[60:64, 10:118] = RED
+    assert find_landmarks(weftex.Exemplar(pixels), others=False)[0] == []
+
+
+def test_a_large_region_is_no_landmark():
+    pixels, _ = with_spot(radius=20)
+    masks, rare = find_landmarks(weftex.Exemplar(pixels))
+    assert not any(mask[AT] for mask in masks[:rare])
+
+
+def test_pixels_outside_of_the_mask_are_ignored():
+    pixels, spot = with_spot()
+    assert find_landmarks(weftex.Exemplar(pixels, mask=~spot))[1] == 0
+
+
+def test_together_landmarks_cover_a_limited_share():
+    pixels = noise()
+    for y in range(12, SIDE, 18):
+        for x in range(12 + y % 7, SIDE, 18):
+            pixels[y : y + 8, x : x + 8] = RED if (x + y) % 3 else [20, 30, 160]
+    masks, rare = find_landmarks(weftex.Exemplar(pixels))
+    assert sum(mask.sum() for mask in masks[:rare]) <= 0.10 * SIDE**2
+    assert sum(mask.sum() for mask in masks) <= 0.27 * SIDE**2
+    assert np.sum(masks, axis=0).max() <= 1 if masks else True
+
+
+def test_a_large_sample_is_looked_at_in_a_smaller_copy():
+    pixels, spot = with_spot()
+    large = weftex.Exemplar(pixels.repeat(6, 0).repeat(6, 1)[:-3, :-5])
+    masks, rare = find_landmarks(large, others=False)
+    assert rare == 1 and masks[0].shape == large.shape
+    assert masks[0][spot.repeat(6, 0).repeat(6, 1)[:-3, :-5]].mean() > 0.9
+
+
+def test_removal_fills_the_spot_with_pixels_of_the_sample(spotted):
+    plain = remove_landmarks(spotted)
+    assert red(spotted.pixels).any() and not red(plain.pixels).any()
+    same = (plain.pixels == spotted.pixels).all(axis=2)
+    assert same.mean() > 0.9
+    rows = {tuple(p) for p in spotted.pixels.reshape(-1, 3).tolist()}
+    assert {tuple(p) for p in plain.pixels[~same].tolist()} <= rows
+
+
+def test_removal_fills_maps_of_any_size_alike():
+    pixels, spot = with_spot()
+    maps = {
+        "height": spot.astype(np.uint16) * 900,
+        "ao": spot.repeat(2, 0).repeat(2, 1) * np.uint8(9),
+    }
+    plain = remove_landmarks(weftex.Exemplar(pixels, maps=maps))
+    assert not any(one.any() for one in plain.maps.values())
+    assert plain.maps["ao"].shape == (2 * SIDE, 2 * SIDE)
+
+
+def test_removed_landmarks_are_never_shown(spotted):
+    made = weftex.synthesize(spotted, 2 * SIDE, seed=1, landmarks="remove")
+    assert not red(made.image).any()
+    assert made.provenance["landmarks"] == {"found": 1, "rare": 1, "shown": 0}
+
+
+def test_a_thinned_landmark_is_shown_rarely_and_whole(thinned):
+    shown = corners_of_spots(thinned)
+    assert 1 <= len(shown) <= 9 // 4
+    apart = np.abs(shown[:, None] - shown[None])
+    apart = np.minimum(apart, 3 * SIDE - apart)
+    far = np.hypot(*np.moveaxis(apart, 2, 0))
+    assert (far[~np.eye(len(shown), dtype=bool)] >= SIDE).all()
+    _, spot = with_spot()
+    assert red(thinned.image).sum() == pytest.approx(len(shown) * spot.sum(), rel=0.1)
+
+
+def test_kept_landmarks_are_shown_more_often(spotted, thinned):
+    kept = weftex.synthesize(spotted, (3 * SIDE, 3 * SIDE), seed=1, tileable=True)
+    assert len(corners_of_spots(kept)) > 2 * len(corners_of_spots(thinned))
+    assert "landmarks" not in kept.provenance
+
+
+@pytest.mark.parametrize("landmarks", ["thin", "remove"])
+def test_sources_are_those_of_the_original_and_of_its_maps(landmarks):
+    labels = np.arange(SIDE * SIDE, dtype=np.int32).reshape(SIDE, SIDE)
+    ids = (labels % 251).astype(np.uint8)
+    sample = weftex.Exemplar(with_spot()[0], maps={"id": ids}, weights={"id": 0})
+    made = weftex.synthesize(sample, 200, seed=3, landmarks=landmarks, method="graphcut")
+    y, x = np.moveaxis(made.source, 2, 0)
+    assert (made.maps["id"] == ids[y, x]).all()
+
+
+def test_half_turns_keep_sources_in_the_original():
+    sample, spot = with_spot()
+    how = {
+        "method": "graphcut",
+        "placement": "entire",
+        "orientations": "half-turns",
+        "tone_reach": 0,
+    }
+    made = weftex.synthesize(sample, 300, seed=2, landmarks="thin", **how)
+    assert made.turn == "half" and made.provenance["landmarks"]["found"] >= 1
+    y, x = np.moveaxis(made.source, 2, 0)
+    assert (made.image == sample[y, x]).all()
+    assert red(made.image).sum() in (spot.sum() * k for k in range(2))
+
+
+@pytest.mark.parametrize("kind", ["gray", "float", "uint16", "alpha"])
+def test_any_kind_of_pixels(kind):
+    pixels, _ = with_spot()
+    alpha = np.full((SIDE, SIDE, 1), 255, np.uint8)
+    sample = {
+        "gray": pixels[..., 1],
+        "float": (pixels / 255).astype(np.float32),
+        "uint16": pixels.astype(np.uint16) * 257,
+        "alpha": np.concatenate([pixels, alpha], axis=2),
+    }[kind]
+    plain = remove_landmarks(weftex.load_exemplar(sample))
+    assert plain.pixels.dtype == sample.dtype and plain.pixels.shape == sample.shape
+    assert (plain.pixels[AT] != sample[AT]).any()
+
+
+def test_threads_do_not_matter(spotted):
+    one, three = (
+        weftex.synthesize(spotted, 200, seed=4, landmarks="thin", threads=n).image for n in (1, 3)
+    )
+    assert (one == three).all()
+
+
+def test_the_method_is_that_of_the_original(spotted):
+    plain = plain_sample(spotted, "thin", None)
+    model = weftex.Auto().fit(plain.exemplar)
+    plain.inform(model)
+    assert model.choose(256) == weftex.Auto().fit(spotted).choose(256)
+
+
+def test_mixed_patches_show_the_plain_sample(spotted):
+    made = weftex.synthesize(spotted, 200, seed=1, landmarks="thin", method="patch-sampling")
+    assert not red(made.image).any()
+
+
+@pytest.mark.parametrize("sample", ["sample:tiles", np.full((64, 64, 3), 9, np.uint8)])
+def test_lattices_and_flat_samples_stay(sample):
+    assert (
+        remove_landmarks(weftex.load_exemplar(sample)).pixels == weftex.load_exemplar(sample).pixels
+    ).all()
+
+
+def test_best_of_keeps_thinning(spotted):
+    made = weftex.synthesize(spotted, 200, seed=1, landmarks="thin", best_of=2, method="graphcut")
+    assert (
+        made.provenance["landmarks"]["found"] >= 1
+        and len(made.provenance["best_of"]["scores"]) == 2
+    )
+
+
+def test_pairs_of_neighbors_do_not_repeat_nearby():
+    spacing = _Spacing(weftex.Canvas(1000, 1000), 100, 4, 0)
+    assert spacing.take(0, 100, 100) and spacing.take(1, 100, 120)
+    assert spacing.take(0, 100, 200)  # farther than its own distance
+    assert not spacing.take(1, 100, 220)  # the same two, 100 px farther
+    assert spacing.take(1, 100, 260)  # alone
+    assert spacing.take(0, 400, 100) and spacing.take(1, 400, 120)
+
+
+def test_distances_wrap_around():
+    near = [_Spacing(weftex.Canvas(500, 500, (True, wraps)), 100, 4, 1) for wraps in (True, False)]
+    assert all(one.take(0, 10, 5) for one in near)
+    assert [one.take(0, 10, 490) for one in near] == [False, True]
+
+
+def test_what_is_refused(spotted):
+    with pytest.raises(weftex.InvalidInputError, match="must be one of keep, thin, remove"):
+        weftex.synthesize(spotted, 64, landmarks="some")
+    with pytest.raises(weftex.InvalidInputError, match="allow only keep"):
+        weftex.synthesize(weftex.prepare.turned(spotted, "half"), 64, landmarks="thin")
