@@ -10,7 +10,7 @@ from weftex.methods.refinement import sweep_kernels as kernels
 from weftex.methods.refinement.levels import ONE, CoherentLevel, NearestLevel
 from weftex.methods.refinement.output import NO_GUIDE
 from weftex.random import draw
-from weftex.search.picture_kernels import Picture, Sample
+from weftex.search.picture_kernels import Picture, Query, Sample
 from weftex.search.windows import new_query
 
 if TYPE_CHECKING:
@@ -23,6 +23,8 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float64]
     #: The cell of each place, how often each cell is used, how often it may be, and the weight.
     Usage = tuple[NDArray[np.int32], NDArray[np.int32], NDArray[np.int32], int]
+    #: The arguments of `sweep_kernels.refine_coherently` that stay for a whole sweep.
+    Bundles = tuple[Picture, Sample, kernels.Sources, kernels.GuidePair, Query, NDArray[np.int32]]
 
 _TRIED_IN_ALL = 2**23  # comparisons of the first sweep with places of the whole sample
 _TRIED_AT_LEAST = 64  # of these, at each pixel
@@ -52,6 +54,21 @@ def sweep_of(prepared: Prepared, output: Output, guide: Guide, seed: int, cyclic
     if isinstance(level, CoherentLevel):
         return CoherentSweep(prepared, level, output, guide, seed, cyclic)
     raise TypeError(f"no sweep for {type(level).__name__}")
+
+
+def coherent_bundles(
+    prepared: Prepared, level: CoherentLevel, output: Output, guide: Guide, usage: Usage
+) -> Bundles:
+    """Return what a sweep of the coherent search looks at."""
+    everywhere = np.ones(guide.output.shape[:2], np.uint8)
+    return (
+        _picture(output, output.wrap),
+        _sample(level),
+        kernels.Sources(level, prepared.margin, usage),
+        kernels.GuidePair(guide, everywhere, new_query(level.reach, guide.output.shape[2])),
+        new_query(level.reach, output.pixels.shape[2]),
+        np.zeros(_BESIDE * (1 + level.similar.shape[1]), np.int32),
+    )
 
 
 def refine_texture(sweep: Sweep, iteration: int, progress: Progress) -> int:
@@ -88,19 +105,8 @@ class CoherentSweep:
         tried = max(_TRIED_IN_ALL // output.count, _TRIED_AT_LEAST)
         self._tried_count = 0 if whole else min(tried, len(level.centers))
         evenness = round(_EVENNESS * prepared.method.evenness / 2**coarser)
-        channels, candidates = output.pixels.shape[2], _BESIDE * (1 + level.similar.shape[1])
-        self._bundles = (
-            _picture(output, output.wrap),
-            _sample(level),
-            kernels.Sources(level, prepared.margin, _usage_on(level, output, guide, evenness)),
-            kernels.GuidePair(
-                guide,
-                np.ones(guide.output.shape[:2], np.uint8),
-                new_query(level.reach, guide.output.shape[2]),
-            ),
-            new_query(level.reach, channels),
-            np.zeros(candidates, np.int32),
-        )
+        usage = _usage_on(level, output, guide, evenness)
+        self._bundles = coherent_bundles(prepared, level, output, guide, usage)
 
     def lines(self, iteration: int) -> list[NDArray[np.int32]]:
         """The scans of a sweep: in alternating directions, or from all four sides."""
@@ -172,10 +178,8 @@ class BlockSweep:
         level = prepared.levels[number]
         assert isinstance(level, CoherentLevel)
         self._level, self._number, self._begun, self._near = level, number, begun, near
-        self._rounds, self._threshold = prepared.rounds[number], prepared.method.threshold
+        self._prepared, self._threshold = prepared, prepared.method.threshold
         self._weight = round(_EVENNESS * prepared.method.evenness / 2**coarser)
-        self._margin = prepared.margin
-        self._guide = kernels.GuidePair(NO_GUIDE, np.ones((1, 1), np.uint8), new_query(0, 1))
 
     def refine(self, output: Output, place: tuple[slice, slice]) -> None:
         """Refine the pixels of a block in alternating directions until they change too little."""
@@ -187,16 +191,9 @@ class BlockSweep:
         level, channels = self._level, output.pixels.shape[2]
         shown = level.places.ravel()[self._begun[near[0], near[1]].ravel()]
         usage = usage_of(level, self._number, shown, len(shown), self._weight)
-        bundles = (
-            _picture(output, output.wrap),
-            _sample(level),
-            kernels.Sources(level, self._margin, usage),
-            self._guide,
-            new_query(level.reach, channels),
-            np.zeros(_BESIDE * (1 + level.similar.shape[1]), np.int32),
-        )
+        bundles = coherent_bundles(self._prepared, level, output, NO_GUIDE, usage)
         pixels, nothing = output.pixels[rows, columns], np.zeros(0, np.int32)
-        for iteration in range(self._rounds):
+        for iteration in range(self._prepared.rounds[self._number]):
             old = pixels.copy()
             changed = int(kernels.refine_coherently(*bundles, lines[iteration % 2], nothing))
             if not changed:
