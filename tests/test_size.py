@@ -15,8 +15,8 @@ TESTS = Path(__file__).parent
 READ = ("methods", "repeats", "search", "seams")
 #: Lower a ceiling when the code has become smaller; a feature that needs room removes something.
 CEILINGS = {
-    "lines of Python in src": 47_104,
-    "of these code": 33_015,
+    "lines of Python in src": 47_101,
+    "of these code": 33_008,
     "modules": 298,
     "kernel classes": 24,
     "names that several kernel classes have": 0,
