@@ -233,7 +233,7 @@ class PlaneOrder:
         return last[0] - top + self.axes[0].window, last[1] - left + self.axes[1].window
 
     def _zones(self, zones: Zones, y: Ints, x: Ints) -> Ints:
-        """The number of each patch's boundary zone."""
+        """Return the number of each patch's boundary zone."""
         bits = np.zeros(len(y), np.int64)
         for k in _TOUCHING:
             i, j = _AROUND[k]
@@ -242,17 +242,10 @@ class PlaneOrder:
         keys = [bits]
         for start, at, axis in zip(self.starts, (y, x), self.axes, strict=True):
             keys += [axis.window - (start[at] - start[at - 1]), start[at + 1] - start[at]]
-        code = np.zeros(len(y), np.int64)
-        for key in keys:
-            values, which = np.unique(key, return_inverse=True)
-            code = code * len(values) + which
-        first, which = np.unique(code, return_index=True, return_inverse=True)[1:]
+        kinds, which = np.unique(np.stack(keys, axis=1), axis=0, return_inverse=True)
         window = self.axes[0].window, self.axes[1].window
-        numbers = [
-            zones.number(*known_of(window, *(int(key[k]) for key in keys)), often=True)
-            for k in first.tolist()
-        ]
-        return np.array(numbers, np.int64)[which]
+        numbers = [zones.number(*known_of(window, *kind), often=True) for kind in kinds.tolist()]
+        return np.array(numbers, np.int64)[which.ravel()]
 
 
 @lru_cache(maxsize=256)
