@@ -15,14 +15,14 @@ TESTS = Path(__file__).parent
 READ = ("methods", "repeats", "search", "seams")
 #: Lower a ceiling when the code has become smaller; a feature that needs room removes something.
 CEILINGS = {
-    "lines of Python in src": 47_101,
-    "of these code": 33_008,
+    "lines of Python in src": 47_094,
+    "of these code": 33_001,
     "modules": 298,
     "kernel classes": 24,
     "names that several kernel classes have": 0,
     "lines of tests": 25_512,
     "quilting: files to read": 12,
-    "quilting: lines to read": 2_830,
+    "quilting: lines to read": 2_823,
     "graphcut: files to read": 18,
     "graphcut: lines to read": 4_222,
     "efros-leung: files to read": 8,
