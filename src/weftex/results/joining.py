@@ -210,11 +210,19 @@ def _spreading(shape: tuple[int, int], reach: float) -> Callable[[Floats, slice,
     spectrum = np.empty(factors.shape, np.complex128)  # for all channels, as new memory is slow
 
     def spread(steps: Floats, rows: slice, columns: slice) -> Floats:
-        np.fft.rfft(steps, size[1], out=spectrum[: shape[0]])
+        _transform(np.fft.rfft, steps, spectrum[: shape[0]], size[1])
         spectrum[shape[0] :] = 0
-        np.fft.fft(spectrum, axis=0, out=spectrum)
+        _transform(np.fft.fft, spectrum, spectrum, axis=0)
         np.multiply(spectrum, factors, out=spectrum)
-        np.fft.ifft(spectrum, axis=0, out=spectrum)
+        _transform(np.fft.ifft, spectrum, spectrum, axis=0)
         return np.fft.irfft(spectrum[rows], size[1])[:, columns]
 
     return spread
+
+
+def _transform(fft: Callable[..., Any], values: Any, out: Any, *args: int, **named: int) -> None:
+    """Write the transform of `values` to `out`, without other memory from NumPy 2.0 on."""
+    if np.lib.NumpyVersion(np.__version__) >= "2.0.0":
+        fft(values, *args, out=out, **named)
+    else:
+        out[...] = fft(values, *args, **named)
