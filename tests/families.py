@@ -157,6 +157,7 @@ TRIALS = {
             "none": {"blend": "none", "match": "gncc"},
         },
         window="block_size",
+        least=100,  # noise has no lattice
         largest=90,
         real=({"lattice": (1, 0, 0, 1)},),
     ),

@@ -114,7 +114,7 @@ def test_borders_wider_than_a_masked_sample_are_refused():
     mask[2:20, 3:] = True
     sample = weftex.Exemplar(noise((24, 24)), mask=mask)
     with pytest.raises(weftex.InvalidInputError, match="border_width"):
-        weftex.synthesize(sample, 30, method="near-regular", border_width=2**62)
+        weftex.NearRegular(lattice=(1, 0, 0, 1), border_width=2**62).fit(sample)
 
 
 @every("method", family="patch")
@@ -181,7 +181,9 @@ def test_tiny_canvases_in_every_way(method, way):
 def test_absurd_windows_are_refused_before_work_starts(method, width, tileable):
     exemplar = weftex.Exemplar(noise((24, 24)), tileable=tileable)
     with pytest.raises(weftex.InvalidInputError, match=str(width)):
-        weftex.METHODS[method](**{TRIALS[method].window: width}).fit(exemplar)
+        weftex.METHODS[method](**TRIALS[method].small | {TRIALS[method].window: width}).fit(
+            exemplar
+        )
 
 
 @every("method", "way")

@@ -61,11 +61,10 @@ MORE: dict[str, dict[str, tuple[str, dict[str, Any]]]] = {
     },
     "near-regular": {
         "paper": ("bricks", {"preset": "paper"}),
-        "rows": ("wood", {}),
+        "rows": ("wood", {"lattice": (16, 0, 0, 1)}),
         "straight": ("weave", {"rectify": 0, "variety": 0.0}),
         "gncc": ("bricks", {"match": "gncc"}),
         "feathered": ("tiles", {"blend": "feather", "blend_width": 8}),
-        "free": ("pebbles", {"lattice": (1, 0, 0, 1)}),
     },
     "best-tile": {"many": ("tiles", {"tiles": 4}), "bricks": ("bricks", {})},
 }

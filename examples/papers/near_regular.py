@@ -7,8 +7,8 @@ of vectors rated), fig46 (the best and the worst tile), fig410 (both ways of mat
 (after gap filling, and a repeated tile), fig413 (blending), fig52 (5.2 to 5.9: near-regular samples
 by repetition, thesis, weftex and quilting), fig510 (where joints broke), fig511 (fractions and bent
 samples), fig512 (wide blending), fig513 (5.13 to 5.17: every other sample, unconstrained), blocks
-(section 5.2: block sizes), holes and figures (what weftex.assess says of fig52 and fig513), which
-are not in the thesis; `all` runs every one. Figures are those of the thesis: 410 is 4.10.
+(section 5.2: block sizes) and figures (what weftex.assess says of fig52 and fig513, not in the
+thesis); `all` runs every one. Figures are those of the thesis: 410 is 4.10.
 Needs Pillow beside weftex: pip install '.[test]'.
 """
 
@@ -307,17 +307,12 @@ def fig511(folder: Path, suffix: str) -> None:
 
 
 def fig512(folder: Path, suffix: str) -> None:
-    """Blended over 4 pixels, over 28, and as wide as weftex chooses: uneven light."""
+    """Blended over 4 pixels and over 28, borders of 10: uneven light."""
     s = small("bricks").astype(float)
     light = np.linspace(0.6, 1.3, s.shape[1])[None, :, None]
     s = np.clip(s * light, 0, 255).astype(np.uint8)
-    ways = [{"blend_width": 4}, {"blend_width": 28}, {}]
-    wide = {"blend": "feather", "block_size": 40, "border_width": 30}
-    rows(
-        folder / f"fig512{suffix}",
-        "sample, over 4 pixels, over 28, by itself",
-        [[s, *(make(s, **wide, **way) for way in ways)]],
-    )
+    lines = [[s, *(paper(s, blend_width=width) for width in (4, 28))]]
+    rows(folder / f"fig512{suffix}", "sample, over 4 pixels, over 28", lines)
 
 
 def fig513(folder: Path, suffix: str) -> None:
@@ -355,24 +350,6 @@ def blocks(folder: Path, suffix: str) -> None:
     rows(folder / f"blocks{suffix}", "sample, 20, 30, 40, 60", lines)
 
 
-def holes(folder: Path, suffix: str) -> None:
-    """Holes filled along the lattice, beside methods without one."""
-    y, x = np.indices((256, 256)) - 128
-    angle, away = np.arctan2(y, x), np.hypot(y, x)
-    hole = away < 44 * (1 + 0.25 * np.sin(3 * angle) + 0.1 * np.sin(7 * angle))
-    lines = []
-    for name in some(("bricks", "fishscale", "fence")):
-        photo = opaque(load(name, 256).reshape(256, 256, -1))
-        photo = np.broadcast_to(photo, (256, 256, 3))
-        shown = np.where(hole[..., None], np.uint8([255, 0, 255]), photo)
-        filled = [
-            weftex.fill(photo, hole, method=method, seed=1).image
-            for method in ("patch-sampling", "quilting", "near-regular")
-        ]
-        lines.append([shown, *filled])
-    rows(folder / f"holes{suffix}", "hole, patch-sampling, quilting, near-regular", lines)
-
-
 FIGURES = (
     fig31,
     fig34,
@@ -387,7 +364,6 @@ FIGURES = (
     fig512,
     fig513,
     blocks,
-    holes,
 )
 TABLES = (figures,)
 

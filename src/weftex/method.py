@@ -186,9 +186,10 @@ class Model(ABC):
         >>> bool((model.window(2**39 + 9, 3, 40, 50, seed=7).image == far[9:49, 10:60]).all())
         True
         """
-        if "known" not in self.method.supports:
+        if "known" in self.method.supports:  # blocks fill what is between others
+            self.require(A_BLOCK)
+        else:
             self.method.require_kind("random_access")
-        self.require(A_BLOCK)
         canvas = Canvas(height, width, origin=(top, left))
         asked = PlaneRequest(seed_number(seed), as_period(period), thread_count(threads))
         return self.make_window(box_of(*canvas.origin, *canvas.shape), asked, progress)

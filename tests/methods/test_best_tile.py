@@ -6,7 +6,7 @@ import pytest
 import weftex
 from families import noise
 from materials import wall
-from weftex.methods.lattices.mean_tile import MeanTile
+from weftex.analysis.canvas_lattice import MeanTile
 
 
 def model_of(pixels, **parameters):
@@ -59,31 +59,11 @@ def test_it_wraps(tileable):
         model.sample((30, 24), tileable=True)
 
 
-def test_holes_go_on_with_the_surroundings():
-    """Wherever the hole's picture was cut from, known or found."""
-    pixels = wall(96, 96, spread=1)
-    model = model_of(pixels, lattice=(16, 0, 8, 12))
-    hole = np.zeros((50, 60), bool)
-    hole[15:35, 20:45] = True
-    for corner in ((0, 0), (7, 13), (22, 5)):
-        whole = pixels[corner[0] : corner[0] + 50, corner[1] : corner[1] + 60]
-        known = np.where(hole[..., None], 0, whole).astype(np.uint8)
-        for known_from in (corner, None):
-            canvas = weftex.Canvas(50, 60, known=known, hole=hole, known_from=known_from)
-            image = model.sample(canvas).image
-            assert np.array_equal(image[~hole], whole[~hole])
-            assert np.abs(image.astype(int) - whole)[hole].mean() < 8
-
-
 def test_mean_tile():
     tile = noise((9, 13, 2))
     plane = MeanTile(np.tile(tile, (5, 5, 1)), (13, 0, 0, 9))
     y, x = np.indices((40, 50)) + 1000
     assert np.array_equal(plane.at(y, x), tile[y % 9, x % 13])
-    picture = np.tile(tile, (5, 5, 1))[4:34, 6:46]
-    mask = np.ones((30, 40), bool)
-    mask[5:9] = False
-    assert plane.offset(picture, mask) == (4, 6)
 
 
 def test_nothing_repeats():

@@ -6,8 +6,7 @@ import pytest
 import weftex
 from families import noise
 from materials import wall
-from weftex.methods.near_regular.rows import axis_of_rows
-from weftex.methods.near_regular.sample import rectified
+from weftex.methods.near_regular.sample import axis_of_rows, rectified
 
 
 def model_of(pixels, **parameters):

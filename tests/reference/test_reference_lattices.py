@@ -31,7 +31,7 @@ def test_best_tile(vectors, border):
 
 @pytest.mark.parametrize("seed", [2, 3])
 @pytest.mark.parametrize("match", ["difference", "gncc"])
-@pytest.mark.parametrize("blend", [0, 4])
+@pytest.mark.parametrize("blend", [0, 4, 6])
 def test_near_regular(blend, match, seed):
     """With seeds by which no drawn block repeats what is beside it, which the method avoids."""
     sample = noise((110, 120, 3)) // 2 + wall(110, 120) // 2

@@ -9,7 +9,10 @@ from PIL import Image
 import families
 import weftex
 from families import noise
+from weftex.analysis.canvas_lattice import four_numbers
+from weftex.analysis.lattice import Lattice, find_lattice
 from weftex.tasks import region
+from weftex.tasks.auto import rule
 from weftex.tasks.auto.rule import choose_for_hole
 
 METHODS = [slug for slug in families.METHODS if "hole" in families.kinds_of(slug)]
@@ -250,16 +253,22 @@ def test_joints_of_a_sure_lattice_go_on():
         assert weftex.fill(photo, hole[:180, :190], seed=1).provenance["method"] == method
 
 
-def test_large_photos_are_filled_by_blocks_of_the_lattice():
-    """All of the pixels around a hole are laid over it only where there are few."""
+def test_large_photos_with_a_lattice_are_filled_on_it(monkeypatch):
+    """On the vectors of the photo itself, not of a smaller copy; rows need the entire photo."""
     photo = np.tile(weftex.load_exemplar("sample:tiles").pixels[:204, :249], (3, 3, 1))
     hole = np.zeros(photo.shape[:2], bool)
     hole[250:330, 300:400] = True
     canvas = weftex.Canvas(*hole.shape, known=photo, hole=hole, known_from=(0, 0))
-    assert choose_for_hole(weftex.Exemplar(photo, mask=~hole), canvas).method == "near-regular"
+    sample = weftex.Exemplar(photo, mask=~hole)
+    choice = choose_for_hole(sample, canvas)
+    assert choice.method == "graphcut"
+    assert choice.parameters["lattice"] == four_numbers(find_lattice(sample))
+    for rows in (Lattice(((0.0, 68.0),), 0.9), None):
+        monkeypatch.setattr(rule, "find_lattice", lambda one, rows=rows: rows)
+        assert choose_for_hole(sample, canvas).method == "patch-sampling"
 
 
-@pytest.mark.parametrize("method", ["patch-sampling", "quilting", "graphcut", "near-regular"])
+@pytest.mark.parametrize("method", ["patch-sampling", "quilting", "graphcut"])
 def test_an_overlap_cuts_where_photo_and_filling_differ_least(method):
     photo = weftex.load_exemplar("sample:tiles").pixels[:200, :240]
     hole = np.zeros(photo.shape[:2], bool)

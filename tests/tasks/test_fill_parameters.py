@@ -29,8 +29,7 @@ def made(slug, given, photo):
     return result.image.tobytes() + result.source.tobytes()
 
 
-#: Blocks of near-regular synthesis are too large for these holes; its tests say what it refuses.
-ABLE = [slug for slug in METHODS if slug in supporting("known") and slug != "near-regular"]
+ABLE = [slug for slug in METHODS if slug in supporting("known")]
 
 
 @pytest.mark.parametrize("slug", ABLE)

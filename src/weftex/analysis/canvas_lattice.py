@@ -24,8 +24,6 @@ _TILES = 4  # that a sample must show, so that a block has more than one place t
 #: Strain of a lattice that goes around a canvas, from which it shows. Joints of bricks, tiles and a
 #: fence met at up to 0.07, whatever the tolerance; at 0.1 some were broken.
 VISIBLE_STRAIN = 0.07
-#: The unconstrained mode's vectors: any place is similar to any other (section 5.2).
-ANYWHERE = (1.0, 0.0, 0.0, 1.0)
 
 
 class Around(NamedTuple):
@@ -110,6 +108,28 @@ class CanvasLattice:
         tile = np.stack([0 * self.sample[0], *self.sample, self.sample.sum(axis=0)])
         near = (found + tile.max(axis=0) > -1) & (found + tile.min(axis=0) < (height, width))
         result: NDArray[np.int64] = np.rint(found[near.all(axis=1)] * _UNIT).astype(np.int64)
+        return result
+
+
+class MeanTile:
+    """The mean of all pixels at the same place of the tile, to about a pixel: what is regular."""
+
+    def __init__(self, pixels: NDArray[np.uint8], vectors: tuple[float, ...]) -> None:
+        self._lattice = CanvasLattice(vectors)
+        self._bins = [max(1, round(float(np.hypot(*v)))) for v in self._lattice.sample]
+        y, x = np.indices(pixels.shape[:2])
+        cell = self._lattice.cell(y, x, self._bins).ravel()
+        colors = pixels.reshape(-1, pixels.shape[2])
+        size = self._bins[0] * self._bins[1]
+        count = np.bincount(cell, minlength=size)
+        total = np.stack([np.bincount(cell, color, minlength=size) for color in colors.T], axis=1)
+        mean = np.rint(total / np.maximum(count, 1)[:, None])
+        mean[count == 0] = np.rint(colors.mean(axis=0))
+        self._mean = mean.astype(np.uint8)
+
+    def at(self, y: Any, x: Any) -> NDArray[np.uint8]:
+        """Return the colors (..., K) of pixels of the endless plane of mean tiles."""
+        result: NDArray[np.uint8] = self._mean[self._lattice.cell(y, x, self._bins)]
         return result
 
 

@@ -55,8 +55,8 @@ examples:
     "fill": _Help(
         """\
 Fill the holes in a photo. All other pixels stay unchanged unless --overlap is given. Without
---method and method parameters, weftex chooses a method: graphcut or near-regular for photos with a
-lattice or large features, patch-sampling for all others. patch-sampling has other defaults for
+--method and method parameters, weftex chooses a method: graphcut for photos with a lattice or
+large features, patch-sampling for all others. patch-sampling has other defaults for
 holes than those listed below: candidates 400, epsilon 0.02, boundary width 4, and a patch size that
 depends on the width of the holes.\
 """,

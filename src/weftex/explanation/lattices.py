@@ -7,11 +7,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from weftex.analysis.autocorrelations import autocorrelations
-from weftex.analysis.canvas_lattice import given_lattice
+from weftex.analysis.canvas_lattice import MeanTile, given_lattice
 from weftex.analysis.overlay import draw_correlation, draw_lattice
 from weftex.explanation.drawing import colors, enlarged, framed, heat, made
 from weftex.explanation.stages import Recorder, Stage
-from weftex.methods.lattices.mean_tile import MeanTile
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

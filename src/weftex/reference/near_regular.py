@@ -47,7 +47,7 @@ def near_regular(
     border : int
         Width of the borders in pixels, even: half of it lies on either side of a block's edge.
     blend : int
-        w, the width of the blending area in pixels, even, at most `border`; 0 does not blend.
+        w, the width of the blending area in pixels, even, less than `block`; 0 does not blend.
     tolerance : int
         How many pixels from a multiple of the vectors the patch of a gap may lie.
     match : {"difference", "gncc"}
@@ -76,10 +76,10 @@ def near_regular(
     """
     pixels, (height, width) = checked(sample, size)
     v = np.array(vectors, float)[:, ::-1]  # rows first
-    inverse, margin = np.linalg.inv(v), border // 2
+    inverse, margin = np.linalg.inv(v), max(border, blend) // 2
     side = fits("block with its border", block + 2 * margin, pixels)
-    if border % 2 or blend % 2 or not 0 <= blend <= border:
-        raise InvalidInputError(f"border is {border} and blend {blend}; even, blend the smaller")
+    if border % 2 or blend % 2 or not 0 <= blend < block:
+        raise InvalidInputError(f"border is {border} and blend {blend}; even, less than the block")
     patches = windows(pixels, side, side)  # only patches whose borders lie in the input
     steps = multiples_of(v, pixels.shape[:2])
 
@@ -100,12 +100,14 @@ def near_regular(
     def full_border(i: int, j: int) -> Any:
         """Fig. 4.9 (b): the wedges of a gap's border, from the sources of its four neighbors."""
         to_sides = np.stack([*np.indices((side, side)), *np.indices((side, side))[:, ::-1, ::-1]])
+        depth = to_sides.min(axis=0) - (margin - border // 2)
+        wedges = (depth >= 0) & (depth < border)
         nearest, colors = to_sides.argmin(axis=0), np.zeros((side, side, pixels.shape[2]), int)
         for k, (a, b) in enumerate([(-1, 0), (0, -1), (1, 0), (0, 1)]):
             y, x = np.array(drawn(i + a, j + b)) - (a * block, b * block)
-            v, u = np.nonzero((nearest == k) & (to_sides.min(axis=0) < 2 * margin))
+            v, u = np.nonzero((nearest == k) & wedges)
             colors[v, u] = pixels[y + v, x + u]
-        return colors, to_sides.min(axis=0) < 2 * margin
+        return colors, wedges
 
     @functools.cache
     def fitting(i: int, j: int) -> tuple[int, int]:

@@ -74,9 +74,9 @@ def fill(
         of the same roles.
     method : str or Method
         A name in `weftex.METHODS`, or a method with its parameters. By default `graphcut` for
-        photos up to 512x512 with a lattice, rows, or features larger than a twelfth of the side;
-        `near-regular` for larger photos with a lattice; else, and if `parameters` are given,
-        `patch-sampling`. The result's `provenance` has the reason.
+        photos with a lattice, and for photos up to 512x512 with rows or features larger than a
+        twelfth of the side; else, and if `parameters` are given, `patch-sampling`. The result's
+        `provenance` has the reason.
     overlap : int
         Pixels around the holes that may change too: the boundary between photo and filling is
         then cut where they differ least, so that it does not follow the outline of the mask.

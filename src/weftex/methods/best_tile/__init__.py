@@ -46,7 +46,7 @@ class BestTile(Method):
         "Near-regular texture synthesis by constrained random sampling and gap filling, a thesis: "
         "section 4.1"
     )
-    supports: ClassVar[frozenset[str]] = frozenset({"wrap", "known", "random_access", "many"})
+    supports: ClassVar[frozenset[str]] = frozenset({"wrap", "random_access", "many"})
 
     lattice: tuple[float, ...] | None = parameter(
         None,
@@ -142,8 +142,6 @@ class BestTileModel(LatticeModel):
         lattice = CanvasLattice(self.vectors, around, self.limit)
         tile = self.anchors, self.rows
         index = repeated(self.exemplar, *tile, lattice, canvas, origin, seed, progress, period)
-        if canvas.hole is not None:
-            index[~canvas.hole] = -1
         about: dict[str, object] = {"seed": seed, "anchor": self.anchors[0].tolist()}
         if any(around.wrap):
             about["strain"] = round(lattice.strain, 6)
@@ -152,6 +150,5 @@ class BestTileModel(LatticeModel):
             index,
             sample_shape=self.exemplar.shape,
             exemplar=self.exemplar,
-            known_from=canvas.known_from,
             provenance=self.method.describe() | about,
         )

@@ -10,7 +10,6 @@ from weftex.canvas import Canvas, as_canvas
 from weftex.endless.boxes import canvas_of
 from weftex.errors import UnsupportedError
 from weftex.method import Method, Model
-from weftex.methods.lattices.mean_tile import MeanTile
 from weftex.random import seed_number
 
 if TYPE_CHECKING:
@@ -24,12 +23,11 @@ if TYPE_CHECKING:
 class LatticeModel(Model):
     """Base of the models of methods over a lattice; a subclass defines `make`.
 
-    `vectors` are x1, y1, x2, y2 of the lattice in pixels, or empty where any window is similar to
-    any other.
+    `vectors` are x1, y1, x2, y2 of the lattice in pixels.
     """
 
     def __init__(self, method: Method, exemplar: Exemplar, vectors: tuple[float, ...]) -> None:
-        if exemplar.pieces and vectors:
+        if exemplar.pieces:
             raise UnsupportedError(
                 f"{method.slug} goes by one lattice, which several samples, or copies that "
                 "are turned, do not share; use one sample as it is, or another method"
@@ -63,15 +61,11 @@ class LatticeModel(Model):
         """See `Model.sample`; errors name a good size if the lattice would be strained too much.
 
         Where the canvas wraps, the lattice is stretched until whole tiles fit;
-        `provenance["strain"]` says how much. In a hole, the lattice around it continues.
+        `provenance["strain"]` says how much.
         """
         canvas = as_canvas(size, tileable)
         self.require(canvas)
-        canvas.check_known(self.exemplar)
-        origin = canvas.origin
-        if self.vectors:
-            origin = origin_of(canvas, self.exemplar, self.vectors)
-        return self.make(canvas, origin, seed_number(seed), threads, progress)
+        return self.make(canvas, canvas.origin, seed_number(seed), threads, progress)
 
     def make_window(
         self, box: Box, asked: PlaneRequest, progress: ProgressCallback | None = None
@@ -87,16 +81,6 @@ class LatticeModel(Model):
 
 def is_strained(model: Model, around: Canvas | Around) -> bool:
     """Whether a model's lattice would have to be stretched visibly to wrap."""
-    if not isinstance(model, LatticeModel) or not (model.vectors and any(around.wrap)):
+    if not isinstance(model, LatticeModel) or not any(around.wrap):
         return False
     return CanvasLattice(model.vectors, around).strain > VISIBLE_STRAIN
-
-
-def origin_of(canvas: Canvas, exemplar: Exemplar, vectors: tuple[float, ...]) -> tuple[int, int]:
-    """Where in the sample's plane a canvas's corner lies, by the pixels that it knows."""
-    if canvas.known_from is not None:
-        return canvas.known_from
-    if canvas.known is None or canvas.hole is None or canvas.hole.all():
-        return canvas.origin
-    known = exemplar.as_known(canvas.known)
-    return MeanTile(exemplar.matching(), vectors, exemplar.mask).offset(known, ~canvas.hole)

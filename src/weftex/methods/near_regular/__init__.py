@@ -2,23 +2,16 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from weftex.method import Method
 from weftex.methods.lattices.model import LatticeModel
 from weftex.methods.near_regular.blocks import Plan, draw_constrained_blocks, fill_gaps
-from weftex.methods.near_regular.defaults import (
-    blend_of,
-    check_border,
-    is_rows,
-    is_unconstrained,
-    resolve,
-)
-from weftex.methods.near_regular.holes import find_hole, known_sources
+from weftex.methods.near_regular.defaults import blend_of, check_block, is_rows, margin_of, resolve
 from weftex.methods.near_regular.layout import divide
-from weftex.methods.near_regular.sample import blockiness, prepare
-from weftex.methods.near_regular.seams import blend_linearly, cut_seams, keep_known, paste_blocks
+from weftex.methods.near_regular.sample import prepare
+from weftex.methods.near_regular.seams import blend_linearly, cut_seams, paste_blocks
 from weftex.notes import note
 from weftex.parameters import parameter
 from weftex.threads import thread_count, thread_map
@@ -28,10 +21,6 @@ if TYPE_CHECKING:
     from weftex.exemplar import Exemplar
     from weftex.progress import ProgressCallback
     from weftex.results.patches import PatchSynthesis
-
-_BLEND_WIDTH = 4  # px (section 5.2)
-_BLOCKY = 0.15  # blockiness from which blocks are visible
-_WIDE = 0.7  # of a block that is blended then
 
 
 @dataclass(frozen=True)
@@ -59,14 +48,14 @@ class NearRegular(Method):
         "Near-regular texture synthesis by constrained random sampling and gap filling, a thesis: "
         "chapter 4"
     )
-    supports: ClassVar[frozenset[str]] = frozenset({"wrap", "known", "random_access"})
+    supports: ClassVar[frozenset[str]] = frozenset({"wrap", "random_access"})
 
     lattice: tuple[float, ...] | None = parameter(
         None,
-        "translation vectors x1,y1,x2,y2; 1,0,0,P is rows P apart, 1,0,0,1 the unconstrained mode",
+        "translation vectors x1,y1,x2,y2; 1,0,0,P is rows P apart, 1,0,0,1 constrains nothing",
         count=4,
         unit="px",
-        default_text="found in the sample; unconstrained if there are none",
+        default_text="found in the sample",
     )
     preset: str = parameter(
         "weftex",
@@ -101,10 +90,10 @@ class NearRegular(Method):
     )
     blend_width: int | None = parameter(
         None,
-        "width of the feathered area between blocks, at most that of the borders",
+        "width of the feathered area between blocks; wider where blocks show",
         low=0,
         unit="px",
-        default_text="4, and 7/10 of a block where blocks would show",
+        default_text="4, at most that of the borders",
         needs=("blend", ("feather",)),
     )
     tolerance: int | None = parameter(
@@ -121,8 +110,8 @@ class NearRegular(Method):
         low=0,
         high=64,
         unit="px",
-        default_text="3, a tenth of the shorter vector at most; 0 in the paper, without a lattice, "
-        "with a mask or hole, and where the sample tiles",
+        default_text="3, a tenth of the shorter vector at most; 0 in the paper, with a mask, and "
+        "where the sample tiles",
     )
     match: str = parameter(
         "difference",
@@ -146,23 +135,18 @@ class NearRegular(Method):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        if self.block_size is not None and self.border_width is not None:
-            check_border(self.block_size, self.border_width)
+        if self.block_size is not None:
+            check_block(self.block_size, self.border_width, self.blend_width)
 
     @property
     def margin(self) -> int:
-        """How far a block's window reaches beyond the block: half a border."""
-        return (self.border_width or 0) // 2
+        """How far a block's window reaches beyond the block."""
+        return margin_of(self.border_width, self.blend_width)
 
     @property
     def window_side(self) -> int:
         """The side of a block's window."""
         return (self.block_size or 0) + 2 * self.margin
-
-    @property
-    def unconstrained(self) -> bool:
-        """Whether any window is similar to any other, as without a lattice (section 5.2)."""
-        return self.lattice is not None and is_unconstrained(self.lattice)
 
     @property
     def by_rows(self) -> bool:
@@ -196,7 +180,7 @@ class NearRegularModel(LatticeModel):
     Raises
     ------
     InvalidInputError
-        If the vectors or a block do not fit the sample.
+        If the sample has no lattice, or the vectors or a block do not fit it.
     """
 
     method: NearRegular
@@ -204,13 +188,7 @@ class NearRegularModel(LatticeModel):
     def __init__(self, method: NearRegular, exemplar: Exemplar) -> None:
         method = resolve(method, exemplar)
         self.blocks = prepare(method, exemplar)
-        if method.blend == "feather" and method.blend_width is None:
-            width = _BLEND_WIDTH
-            if method.preset != "paper" and blockiness(method, self.blocks.pixels) > _BLOCKY:
-                width = round(_WIDE * (method.block_size or 0))
-            method = replace(method, blend_width=min(width, method.border_width or 0))
-        vectors = () if method.unconstrained else method.lattice or ()
-        super().__init__(method, exemplar, vectors)
+        super().__init__(method, exemplar, method.lattice or ())
 
     def make(
         self,
@@ -227,18 +205,15 @@ class NearRegularModel(LatticeModel):
             # 4.2: split the output into square blocks; f[x] = f[x + a v1 + b v2] (eq. 4.3) says
             # which windows of the sample are similar to each.
             layout = divide(method, sample, canvas, origin, seed, period)
-            hole = find_hole(method, sample, layout)  # ours: holes, filled by the same steps
-            plan = Plan(method, sample, layout, hole, each)
-            sources = known_sources(sample, layout, hole)
-            sources = fill_gaps(plan, sources, hole.bound, "blocks", progress)
+            plan = Plan(method, sample, layout, each)
             # 4.2.1: every second block gets a similar window, drawn at random (Fig. 4.7):
             # `block_kernels.draw_blocks`.
-            sources = draw_constrained_blocks(plan, sources)
+            sources = draw_constrained_blocks(plan)
             note("drawn", sample=sample, layout=layout, sources=sources, vectors=self.vectors)
             # 4.2.2: each gap gets the window that best matches the wedge-shaped borders of its
             # neighbors (Fig. 4.8 and 4.9: `sample.wedges_of`; eq. 4.4), within a tolerance around
             # similar ones: `block_kernels.fill_gaps`.
-            sources = fill_gaps(plan, sources, layout.gap & hole.filling, "gaps", progress)
+            sources = fill_gaps(plan, sources, progress)
             note("filled", sample=sample, layout=layout, sources=sources, vectors=self.vectors)
             if method.blend == "cut":
                 # 6: seams of least error instead of blending.
@@ -246,6 +221,4 @@ class NearRegularModel(LatticeModel):
             else:
                 # 4.2.3: blend blocks linearly where they overlap (eqs. 4.6 to 4.10).
                 joints = blend_linearly(plan)
-            if hole.exists:
-                joints = keep_known(plan, joints)
             return paste_blocks(plan, sources, joints, method.describe())

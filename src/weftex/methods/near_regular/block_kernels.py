@@ -2,13 +2,8 @@
 """Kernels of near-regular synthesis: the source window of each block; compiled, see setup.py.
 
 A source is the flat index of a window's upper left corner in the sample's pixels. `sources` has one
-for each block of the layout, -1 where there is none yet. A row of `blocks` describes a block:
-
-    its index in `sources`, its phase y and x, its height and width, the offset to try first, and
-    the source that it gets if no window fits;
-
-a row of `near` describes a block beside it: its index or -1, and how far it is away, y and x.
-Phases (eq. 3.29) and offsets, sums of multiples of the lattice vectors, are in 1/65536 pixel.
+for each block of the layout, -1 where there is none yet. Phases (eq. 3.29) and offsets, sums of
+multiples of the lattice vectors, are in 1/65536 pixel.
 """
 
 import cython
@@ -20,28 +15,36 @@ from cython.cimports.weftex.search.window_kernels import gather_runs, run_distan
 NEVER = cython.declare(cython.longlong, 1 << 60)  # more than any mismatch
 HALF = cython.declare(cython.longlong, 1 << 15)  # a pixel, in 1/65536
 MOST_DRAWN = cython.declare(cython.Py_ssize_t, 256)  # windows that a drawn block tries
-KNOWN = cython.declare(cython.int, 5)  # the wedge of pixels that the canvas knows
+MOST_COMPARED = cython.declare(cython.Py_ssize_t, 512)  # similar windows that a gap compares
+
+Block = cython.struct(
+    index=cython.longlong,  # in `sources`
+    phase_y=cython.longlong,
+    phase_x=cython.longlong,
+    height=cython.longlong,
+    width=cython.longlong,
+    first=cython.longlong,  # the offset to try first
+    fallback=cython.longlong,  # the source if no similar window is usable
+)
+#: A block beside another: its index in `sources` or -1, and how far it is away.
+Near = cython.struct(index=cython.longlong, dy=cython.longlong, dx=cython.longlong)
 
 
 @cython.cclass
 class Gaps:
     """The border of gaps of one size, and how the sample's windows are compared with it.
 
-    `wedges` tells from which neighbor each pixel comes, or that `border` has it already; `runs`
-    (y, x, length) cover the border, and similar windows are compared by the first `few` of them.
-    `rule` is the tolerance, the number of windows to compare, `variety` in 1/256, and
-    whether they are compared by correlation. The best windows are kept in `keys` and `places`.
+    `wedges` tells from which neighbor each pixel comes; `runs` (y, x, length) cover the border.
+    `variety` is in 1/256. The best windows are listed in `keys` and `places`.
     """
 
     sample: Sample
     wedges: cython.const[cython.uchar][:, ::1]
     runs: cython.const[cython.int][:, ::1]
-    border: cython.uchar[:, :, ::1]
     tolerance: cython.Py_ssize_t
-    most: cython.Py_ssize_t
-    few: cython.Py_ssize_t
     variety: cython.longlong
     by_correlation: cython.bint
+    border: cython.uchar[:, :, ::1]
     query: cython.uchar[::1]  # the bytes of the border, run after run
     keys: cython.longlong[::1]
     places: cython.int[::1]
@@ -52,12 +55,10 @@ class Gaps:
     dy: cython.longlong[4]
     dx: cython.longlong[4]
 
-    def __init__(self, sample: Sample, border, few, rule, query, keys, places):
-        self.sample = sample
-        self.wedges, self.runs, self.border = border
-        self.tolerance, self.most, self.variety, self.by_correlation = rule
-        self.few = min(few, len(self.runs))
-        self.query, self.keys, self.places = query, keys, places
+    def __init__(self, sample: Sample, wedges, runs, tolerance, variety, by_correlation, scratch):
+        self.sample, self.wedges, self.runs = sample, wedges, runs
+        self.tolerance, self.variety, self.by_correlation = tolerance, variety, by_correlation
+        self.border, self.query, self.keys, self.places = scratch
 
 
 @cython.cfunc
@@ -67,11 +68,11 @@ class Gaps:
 def similar(
     sample: Sample,
     offsets: cython.const[cython.longlong][:, ::1], k: cython.Py_ssize_t,
-    blocks: cython.const[cython.longlong][:, ::1], n: cython.Py_ssize_t,
+    blocks: cython.const[Block][::1], n: cython.Py_ssize_t,
 ) -> cython.Py_ssize_t:  # fmt: skip
     """The window that is similar to block n by the k-th offset (eq. 4.3, Fig. 4.7b), or -1."""
-    y: cython.longlong = (blocks[n, 1] + offsets[k, 0] + HALF) >> 16
-    x: cython.longlong = (blocks[n, 2] + offsets[k, 1] + HALF) >> 16
+    y: cython.longlong = (blocks[n].phase_y + offsets[k, 0] + HALF) >> 16
+    x: cython.longlong = (blocks[n].phase_x + offsets[k, 1] + HALF) >> 16
     return usable_place(sample.usable, sample.period, y, x)
 
 
@@ -94,8 +95,8 @@ def common_pixels(
 def draw_blocks(
     sample: Sample,
     offsets: cython.const[cython.longlong][:, ::1],
-    blocks: cython.const[cython.longlong][:, ::1],
-    near: cython.const[cython.longlong][:, :, ::1],
+    blocks: cython.const[Block][::1],
+    near: cython.const[Near][:, ::1],
     sources: cython.int[::1],
 ):
     """Draw a source for each block among the windows similar to it (section 4.2.1).
@@ -111,10 +112,10 @@ def draw_blocks(
     count: cython.Py_ssize_t = offsets.shape[0]
     with cython.nogil:
         for n in range(blocks.shape[0]):
-            height = blocks[n, 3]
-            width = blocks[n, 4]
-            k = blocks[n, 5]
-            best = cython.cast(cython.int, blocks[n, 6])
+            height = blocks[n].height
+            width = blocks[n].width
+            k = blocks[n].first
+            best = cython.cast(cython.int, blocks[n].fallback)
             least = NEVER
             tried = 0
             for t in range(count):
@@ -124,9 +125,9 @@ def draw_blocks(
                     continue
                 repeated = 0
                 for m in range(near.shape[1]):
-                    if near[n, m, 0] >= 0:
+                    if near[n, m].index >= 0:
                         repeated += common_pixels(
-                            here, sources[near[n, m, 0]], near[n, m, 1], near[n, m, 2],
+                            here, sources[near[n, m].index], near[n, m].dy, near[n, m].dx,
                             height, width, sample.usable.shape[1],
                         )  # fmt: skip
                 if repeated < least:
@@ -135,15 +136,13 @@ def draw_blocks(
                 tried += 1
                 if 8 * least <= height * width or tried >= MOST_DRAWN:
                     break
-            sources[blocks[n, 0]] = best
+            sources[blocks[n].index] = best
 
 
 @cython.cfunc
 @cython.nogil
 @cython.exceptval(check=False)
-def correlation(
-    gaps: Gaps, y: cython.Py_ssize_t, x: cython.Py_ssize_t, few: cython.Py_ssize_t
-) -> cython.longlong:
+def correlation(gaps: Gaps, y: cython.Py_ssize_t, x: cython.Py_ssize_t) -> cython.longlong:
     """2**40 (1 - gamma) by eq. (3.13) of the border and the window at (y, x)."""
     cython.declare(r=cython.Py_ssize_t, i=cython.Py_ssize_t, k=cython.Py_ssize_t)
     cython.declare(f=cython.longlong, g=cython.longlong, n=cython.longlong)
@@ -156,7 +155,7 @@ def correlation(
         for i in range(5):
             sums[i] = 0
         n = 0
-        for r in range(few):
+        for r in range(gaps.runs.shape[0]):
             here = cython.address(gaps.border[gaps.runs[r, 0], gaps.runs[r, 1], 0])
             there = cython.address(gaps.sample.pixels[y + gaps.runs[r, 0], x + gaps.runs[r, 1], 0])
             for i in range(gaps.runs[r, 2]):
@@ -180,9 +179,7 @@ def correlation(
 @cython.cfunc
 @cython.nogil
 @cython.exceptval(check=False)
-def mismatch(
-    gaps: Gaps, here: cython.int, few: cython.Py_ssize_t, bound: cython.longlong
-) -> cython.longlong:
+def mismatch(gaps: Gaps, here: cython.int, bound: cython.longlong) -> cython.longlong:
     """How badly a window fits the border: eq. (4.4), or by the GNCC; may stop past `bound`.
 
     A window that repeats its neighbors counts as worse, by `variety` where it repeats all.
@@ -200,9 +197,9 @@ def mismatch(
     y = here // columns
     x = here % columns
     if gaps.by_correlation:
-        return factor * correlation(gaps, y, x, few)
+        return factor * correlation(gaps, y, x)
     return factor * run_distance(
-        gaps.sample.pixels, y, x, gaps.runs, few, gaps.query, bound // factor
+        gaps.sample.pixels, y, x, gaps.runs, gaps.runs.shape[0], gaps.query, bound // factor
     )
 
 
@@ -218,7 +215,7 @@ def compose_border(gaps: Gaps) -> cython.void:
     for v in range(gaps.wedges.shape[0]):
         for u in range(gaps.wedges.shape[1]):
             wedge = gaps.wedges[v, u]
-            if wedge == 0 or wedge == KNOWN:
+            if wedge == 0:
                 continue
             wedge -= 1
             p = gaps.other[wedge] + (gaps.dy[wedge] + v) * gaps.sample.pixels.shape[1]
@@ -237,7 +234,7 @@ def compose_border(gaps: Gaps) -> cython.void:
 def best_similar(
     gaps: Gaps,
     offsets: cython.const[cython.longlong][:, ::1],
-    blocks: cython.const[cython.longlong][:, ::1],
+    blocks: cython.const[Block][::1],
     n: cython.Py_ssize_t,
 ) -> cython.Py_ssize_t:
     """List the windows similar to block n that fit its border best; return how many."""
@@ -245,13 +242,13 @@ def best_similar(
     wanted: cython.Py_ssize_t = gaps.keys.shape[0]
     count: cython.Py_ssize_t = 0
     tried: cython.Py_ssize_t = 0
-    k: cython.Py_ssize_t = blocks[n, 5]
+    k: cython.Py_ssize_t = blocks[n].first
     for t in range(offsets.shape[0]):
         here = similar(gaps.sample, offsets, k, blocks, n)
         k = k + 1 if k + 1 < offsets.shape[0] else 0
         if here < 0:
             continue
-        key = mismatch(gaps, here, gaps.few, gaps.keys[wanted - 1] if count == wanted else NEVER)
+        key = mismatch(gaps, here, gaps.keys[wanted - 1] if count == wanted else NEVER)
         if count < wanted or key < gaps.keys[wanted - 1]:
             i = min(count, wanted - 1)
             while i > 0 and gaps.keys[i - 1] > key:
@@ -262,7 +259,7 @@ def best_similar(
             gaps.places[i] = here
             count = min(count + 1, wanted)
         tried += 1
-        if tried == gaps.most:
+        if tried == MOST_COMPARED:
             break
     return count
 
@@ -275,11 +272,10 @@ def best_within_tolerance(gaps: Gaps, count: cython.Py_ssize_t) -> cython.int:
     cython.declare(t=cython.Py_ssize_t, y=cython.longlong, x=cython.longlong, v=cython.longlong)
     cython.declare(u=cython.longlong, key=cython.longlong, here=cython.int)
     columns: cython.Py_ssize_t = gaps.sample.pixels.shape[1]
-    every: cython.Py_ssize_t = gaps.runs.shape[0]
     if count == 0:
         return -1
     best: cython.int = gaps.places[0]
-    least: cython.longlong = mismatch(gaps, best, every, NEVER)
+    least: cython.longlong = mismatch(gaps, best, NEVER)
     for t in range(count):
         for y in range(-gaps.tolerance, gaps.tolerance + 1):
             for x in range(-gaps.tolerance, gaps.tolerance + 1):
@@ -288,7 +284,7 @@ def best_within_tolerance(gaps: Gaps, count: cython.Py_ssize_t) -> cython.int:
                 here = usable_place(gaps.sample.usable, gaps.sample.period, v, u)
                 if here < 0:
                     continue
-                key = mismatch(gaps, here, every, least)
+                key = mismatch(gaps, here, least)
                 if key < least or (key == least and here < best):
                     least = key
                     best = here
@@ -298,8 +294,8 @@ def best_within_tolerance(gaps: Gaps, count: cython.Py_ssize_t) -> cython.int:
 def fill_gaps(
     gaps: Gaps,
     offsets: cython.const[cython.longlong][:, ::1],
-    blocks: cython.const[cython.longlong][:, ::1],
-    near: cython.const[cython.longlong][:, :, ::1],
+    blocks: cython.const[Block][::1],
+    near: cython.const[Near][:, ::1],
     sources: cython.int[::1],
 ):
     """Choose the source of each gap by the borders of its four neighbors (section 4.2.2).
@@ -309,12 +305,14 @@ def fill_gaps(
     cython.declare(n=cython.Py_ssize_t, m=cython.Py_ssize_t, best=cython.int)
     with cython.nogil:
         for n in range(blocks.shape[0]):
-            gaps.height = blocks[n, 3]
-            gaps.width = blocks[n, 4]
+            gaps.height = blocks[n].height
+            gaps.width = blocks[n].width
             for m in range(4):
-                gaps.other[m] = sources[near[n, m, 0]] if near[n, m, 0] >= 0 else -1
-                gaps.dy[m] = near[n, m, 1]
-                gaps.dx[m] = near[n, m, 2]
+                gaps.other[m] = sources[near[n, m].index] if near[n, m].index >= 0 else -1
+                gaps.dy[m] = near[n, m].dy
+                gaps.dx[m] = near[n, m].dx
             compose_border(gaps)
             best = best_within_tolerance(gaps, best_similar(gaps, offsets, blocks, n))
-            sources[blocks[n, 0]] = best if best >= 0 else cython.cast(cython.int, blocks[n, 6])
+            sources[blocks[n].index] = (
+                best if best >= 0 else cython.cast(cython.int, blocks[n].fallback)
+            )

@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from weftex.analysis.canvas_lattice import (
-    ANYWHERE,
     CanvasLattice,
     check_lattice,
     found_vectors,
@@ -31,45 +30,39 @@ _WINDOWS = 6.0  # similar windows that a block should have to choose from
 _ROWS = 3  # rows to choose from, where nothing else repeats
 _TOLERANCE = 3  # px (section 4.2.2)
 _ALL_SIMILAR = 512  # candidates: all that a gap compares
-_FREE = 4.0  # pixels of a tile so small that any window is similar to any other
+_BLEND_WIDTH = 4  # px (section 5.2)
 _STRAIN = 0.02  # of a sample that tiles; past it windows do not cross its border
 _CELL = 1.5  # pixels; a tile is cut into such cells to see whether all of them have a window
 
 
 def resolve(method: Any, exemplar: Exemplar) -> Any:
-    """Return a NearRegular whose parameters fit the sample; only `blend_width` may be open.
+    """Return a NearRegular whose parameters fit the sample.
 
-    Raises `InvalidInputError` if vectors or blocks do not fit, or a parameter has no effect.
+    Raises `InvalidInputError` without a lattice, if vectors or blocks do not fit the sample, or if
+    a parameter has no effect.
     """
     paper = method.preset == "paper"
     if method.lattice is not None:
         check_lattice(method.lattice, exemplar)
     vectors = _rows_first(method.lattice or _found(exemplar))
-    by_rows, unconstrained = is_rows(vectors), is_unconstrained(vectors)
+    by_rows = is_rows(vectors)
     x1, y1, x2, y2 = vectors
     lengths = float(np.hypot(x1, y1)), np.inf if by_rows else float(np.hypot(x2, y2))
     tolerance, rectify = method.tolerance, method.rectify
     if tolerance is None:
         # In a small tile, a few pixels away is another part of it.
         side = lengths[0] if by_rows else _area(vectors) ** 0.5
-        at_most = _TOLERANCE if paper or vectors == ANYWHERE else int(side / 4)
-        tolerance = min(_TOLERANCE, at_most)
+        tolerance = _TOLERANCE if paper else min(_TOLERANCE, int(side / 4))
     if rectify is None:
         # Far less than the tile, or one feature would be taken for the next.
         rectify = 0 if paper else min(_TOLERANCE, round(min(lengths) / 10))
-    size, border = _block(method, exemplar, vectors, by_rows)
-    if method.blend_width is not None and method.blend_width > border:
-        raise InvalidInputError(
-            f"blend_width is {method.blend_width}; it must be at most the border_width, "
-            f"which is {border}"
-        )
+    size, border, blend_width = _block(method, exemplar, vectors, by_rows)
     for name, default in (("match", "difference"), ("seam_cost", "gradient")):
         if border == 0 and getattr(method, name) != default:
             raise InvalidInputError(f"{name} has no effect without borders; border_width is 0")
     around = vectors_around(vectors, exemplar)
     unmoved = {
-        "without a lattice": unconstrained,
-        f"where {exemplar.name} has a mask or a hole": exemplar.mask is not None,
+        f"where {exemplar.name} has a mask": exemplar.mask is not None,
         f"where {exemplar.name} tiles": around is not None,
     }
     for case in (case for case, holds in unmoved.items() if holds):
@@ -82,9 +75,10 @@ def resolve(method: Any, exemplar: Exemplar) -> Any:
         block_size=size,
         border_width=border,
         blend=blend_of(method),
+        blend_width=blend_width,
         tolerance=tolerance,
         rectify=rectify,
-        candidates=method.candidates or (_ALL_SIMILAR if paper and not unconstrained else 6),
+        candidates=method.candidates or (_ALL_SIMILAR if paper else 6),
         variety=(0.0 if paper else 1.0) if method.variety is None else method.variety,
     )
 
@@ -96,14 +90,9 @@ def blend_of(method: Any) -> str:
     return "feather" if method.preset == "paper" else "cut"
 
 
-def is_unconstrained(vectors: Vectors) -> bool:
-    """Whether the tile is so small that any window is similar to any other (section 5.2)."""
-    return _area(vectors) < _FREE
-
-
 def is_rows(vectors: Vectors) -> bool:
     """Whether the sample repeats from row to row only, and along rows any window is similar."""
-    return not is_unconstrained(vectors) and len(given_lattice(vectors).vectors) == 1
+    return len(given_lattice(vectors).vectors) == 1
 
 
 def vectors_around(vectors: Vectors, exemplar: Exemplar) -> Vectors | None:
@@ -116,18 +105,27 @@ def vectors_around(vectors: Vectors, exemplar: Exemplar) -> Vectors | None:
     return None
 
 
-def check_border(size: int, border: int) -> None:
-    """Refuse borders as wide as their block."""
-    if border >= size:
-        raise InvalidInputError(f"border_width is {border}; it must be less than the block, {size}")
+def check_block(size: int, border: int | None, blend: int | None) -> None:
+    """Refuse borders and blends as wide as their block."""
+    for name, width in (("border_width", border), ("blend_width", blend)):
+        if width is not None and width >= size:
+            raise InvalidInputError(f"{name} is {width}; it must be less than the block, {size}")
+
+
+def margin_of(border: int | None, blend: int | None) -> int:
+    """How far a block's window reaches beyond the block: half a border, or half a wider blend."""
+    return max(border or 0, (blend or 0) + 1) // 2
 
 
 def _found(exemplar: Exemplar) -> Vectors:
-    """The sample's own vectors, or those of the unconstrained mode."""
+    """The sample's own vectors, of rows with a second one along them."""
     vectors = found_vectors(exemplar)
-    if len(vectors) == 2:
-        return four_numbers(Lattice((vectors,)))
-    return vectors or ANYWHERE
+    if not vectors:
+        raise InvalidInputError(
+            f"{exemplar.name} has neither a lattice nor rows; give its translation vectors "
+            "(lattice), or use graphcut, which needs none"
+        )
+    return four_numbers(Lattice((vectors,))) if len(vectors) == 2 else vectors
 
 
 def _rows_first(vectors: Vectors) -> Vectors:
@@ -141,29 +139,35 @@ def _area(vectors: Vectors) -> float:
     return abs(x1 * y2 - x2 * y1)
 
 
-def _block(method: Any, exemplar: Exemplar, vectors: Vectors, by_rows: bool) -> tuple[int, int]:
-    """The side of blocks and the width of borders, checked."""
+def _block(
+    method: Any, exemplar: Exemplar, vectors: Vectors, by_rows: bool
+) -> tuple[int, int, int | None]:
+    """The side of blocks, the width of borders, and of blends if there are any; checked."""
     paper, shorter = method.preset == "paper", min(exemplar.shape)
-    size, border = method.block_size, method.border_width
+    size, border, blend = method.block_size, method.border_width, method.blend_width
     if size is None and paper:
         size = max(1, int(_PAPERS_BLOCK * shorter))
     elif size is None:
-        size = _largest_block(vectors, exemplar, border, by_rows)
+        size = _largest_block(vectors, exemplar, border, blend or 0, by_rows)
     if border is None:
         border = 10 if paper else _border(size)
         border = min(border, (size - 1) // 2 * 2, max(0, shorter - size) // 2 * 2)
-    check_border(size, border)
-    if size + border > shorter:
+    if blend is None and blend_of(method) == "feather":
+        blend = min(_BLEND_WIDTH, border)
+    check_block(size, border, blend)
+    around = 2 * margin_of(border, blend)
+    if size + around > shorter:
+        wide = "border_width" if around == border else "blend_width"
         raise InvalidInputError(
-            f"block_size is {size} and border_width {border}; {exemplar.name} is "
+            f"block_size is {size} and {wide} {around}; {exemplar.name} is "
             f"{exemplar.shape[1]}x{exemplar.shape[0]}, which has room for {shorter} together"
         )
-    if not _fits(exemplar, size + border):
+    if not _fits(exemplar, size + around):
         raise InvalidInputError(
-            f"no block of {size} pixels with a border of {border} lies on usable pixels of "
+            f"no block of {size} pixels with a border of {around} lies on usable pixels of "
             f"{exemplar.name}; make them smaller"
         )
-    return size, border
+    return size, border, blend
 
 
 def _border(size: int) -> int:
@@ -171,14 +175,16 @@ def _border(size: int) -> int:
     return size // 3 * 2
 
 
-def _largest_block(vectors: Vectors, exemplar: Exemplar, border: int | None, by_rows: bool) -> int:
+def _largest_block(
+    vectors: Vectors, exemplar: Exemplar, border: int | None, blend: int, by_rows: bool
+) -> int:
     """The side of the largest block, up to the paper's, that has a choice of windows."""
     x1, y1, _, _ = vectors
     shorter = min(exemplar.shape)
     size, least = int(_PAPERS_BLOCK * shorter), max(1, round(_SMALLEST_BLOCK * shorter))
 
     def window(size: int) -> int:
-        return size + (_border(size) if border is None else border)
+        return size + 2 * margin_of(_border(size) if border is None else border, blend)
 
     def choice(size: int) -> tuple[int, int]:
         """The number of windows, and of rows that they lie in."""

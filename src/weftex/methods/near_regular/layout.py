@@ -10,19 +10,20 @@ import numpy as np
 
 from weftex.analysis.canvas_lattice import VISIBLE_STRAIN, Around, CanvasLattice
 from weftex.endless.boxes import check_period
-from weftex.methods.near_regular.rows import ANY, Courses, choose_rows
 from weftex.random import draw
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from weftex.canvas import Canvas
-    from weftex.methods.near_regular.sample import BlockSample
+    from weftex.methods.near_regular.sample import BlockSample, Courses
 
 #: Blocks around the visible ones that their sources depend on: 1 beside a gap, and 2 for each color
 #: but the last, which is drawn with regard to the ones before.
 _RING = 7
 _UNIT = 1 << 16  # of a pixel, that distances of blocks are in
+#: Stands for any rows.
+ANY = -(2**31)
 
 
 class Cuts:
@@ -171,7 +172,8 @@ class Layout:
     lattice: CanvasLattice  # stretched to wrap around the canvas
     rows: Axis
     columns: Axis
-    reach: int  # how far seams leave edges of blocks: the margin, or less where blocks are small
+    reach: int  # how far blocks overlap past their edges: the margin, or less for small blocks
+    half_border: int  # how far the borders that match reach past edges: at most that
     bits: NDArray[np.uint64]  # (rows, columns), random ones
     phase: NDArray[np.int64]  # (rows, columns, 2): of windows in the first tile (eq. 3.29), 1/65536
     row: NDArray[np.int64] | None  # (rows, columns): rows of the sample to contain, see `_rows`
@@ -187,6 +189,13 @@ class Layout:
         """The blocks that are on the canvas or overlap it."""
         return self.rows.visible, self.columns.visible
 
+    @property
+    def visible_gaps(self) -> NDArray[np.int64]:
+        """Rows and columns (n, 2) of the gaps among them."""
+        start = self.rows.visible.start, self.columns.visible.start
+        found: NDArray[np.int64] = np.argwhere(self.gap[self.visible]) + start
+        return found
+
     def preview(self, sample: BlockSample, sources: NDArray[np.int32]) -> NDArray[np.uint8]:
         """The blocks that have a source, with straight edges."""
         canvas = np.zeros((*self.canvas.shape, sample.exemplar.channels), np.uint8)
@@ -198,10 +207,6 @@ class Layout:
             part = canvas[top + v : self.rows.edges[i + 1], left + u : self.columns.edges[j + 1]]
             y, x = y + self.rows.margin + v, x + self.rows.margin + u
             part[:] = sample.pixels[y : y + part.shape[0], x : x + part.shape[1], : canvas.shape[2]]
-        if self.canvas.known is not None and self.canvas.hole is not None:
-            there = ~self.canvas.hole
-            known = sample.exemplar.as_known(self.canvas.known)
-            canvas[there] = known[there][:, : canvas.shape[2]]
         return canvas
 
 
@@ -223,17 +228,17 @@ def divide(
     around = canvas if period is None else Around(*period)
     limit = max(VISIBLE_STRAIN, method.tolerance / size)
     lattice = CanvasLattice(method.lattice, around, limit)
-    courses = sample.courses if canvas.known is None else (None, None)  # known rows stay in place
     rows, columns = (
         Axis(length, at, wraps, plane_period, method, own)
         for length, at, wraps, plane_period, own in zip(
-            canvas.shape, origin, canvas.wrap, period or (0, 0), courses, strict=True
+            canvas.shape, origin, canvas.wrap, period or (0, 0), sample.courses, strict=True
         )
     )
     phase = lattice.phase(rows.corners[:, None], columns.corners[None, :])
     row = None
-    if sample.row_axis is not None and canvas.known is None:
+    if sample.row_axis is not None:
         row = _rows(sample, sample.row_axis, lattice, (rows, columns), phase, seed)
+    most = max(0, min(rows.least, columns.least) - 1) // 2
     return Layout(
         canvas=canvas,
         origin=origin,
@@ -241,7 +246,8 @@ def divide(
         lattice=lattice,
         rows=rows,
         columns=columns,
-        reach=min(method.margin, max(0, min(rows.least, columns.least) - 1) // 2),
+        reach=min(method.margin, most),
+        half_border=min(method.border_width // 2, most),
         bits=draw(seed, "block", rows.numbers[:, None], columns.numbers[None, :]),
         phase=np.ascontiguousarray(phase),
         row=row,
@@ -269,7 +275,7 @@ def _rows(
     stretched = float(lattice.sample[0, axis] / lattice.canvas[0, axis])
     apart = along.last_of_row - along.first_of_row
     reach = np.ceil(apart * stretched).astype(np.int64) + (apart > 0)
-    row = choose_rows(
+    row = _choose_rows(
         np.any(windows.usable > 0, axis=1 - axis),
         int(windows.period[2 + axis]),
         multiples,
@@ -281,3 +287,35 @@ def _rows(
     # The same row of the sample, counted from the tile that this block begins in.
     beyond = (from_first + on.reshape(shape) * _UNIT - phase[..., axis]) / height
     return np.where(row == ANY, row, row + np.rint(beyond).astype(np.int64))
+
+
+def _choose_rows(
+    whole: NDArray[np.bool_],
+    period: int,
+    multiples: NDArray[np.int64],
+    places: NDArray[np.int64],
+    reach: NDArray[np.int64],
+    numbers: NDArray[np.int64],
+    seed: int,
+) -> NDArray[np.int64]:
+    """The multiple of the first vector for each block, one after the other from row to row.
+
+    `places` (rows, columns, k) are where `multiples` lead for the first of the blocks that share a
+    row, the last is `reach` further; `ANY` where not all of these are `whole` windows.
+    """
+    there = np.ones(places.shape, bool)
+    for ends in (places, places + reach[..., None]):
+        if period:
+            ends = ends % period
+        inside = (ends >= 0) & (ends < len(whole))
+        inside[inside] = whole[ends[inside]]
+        there &= inside
+    # One after the other, up or down, from a row that is drawn for every round of them.
+    count = np.maximum(there.sum(axis=-1), 1)
+    rounds, turn = np.divmod(np.broadcast_to(numbers, count.shape), count)
+    bits = draw(seed, "rows", rounds)
+    turn = np.where(bits >> np.uint64(63), turn, -turn)
+    chosen = ((bits % count.astype(np.uint64)).astype(np.int64) + turn) % count
+    first = (there.cumsum(axis=-1) == chosen[..., None] + 1).argmax(axis=-1)
+    result: NDArray[np.int64] = np.where(there.any(axis=-1), multiples[first], ANY)
+    return result

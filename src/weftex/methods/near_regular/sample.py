@@ -1,17 +1,20 @@
-"""A sample prepared for near-regular synthesis: windows, borders, rectified pixels."""
+"""A sample prepared for near-regular synthesis: windows, borders, rows, rectified pixels.
+
+Rows are for samples that repeat from row to row only and whose rows have a color each, such as
+boards: blocks beside each other get the same rows, or every board would end with its block.
+"""
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from weftex.analysis.canvas_lattice import CanvasLattice
+from weftex.analysis.canvas_lattice import CanvasLattice, MeanTile
 from weftex.exemplar import Exemplar
-from weftex.methods.lattices.mean_tile import MeanTile
 from weftex.methods.near_regular.defaults import vectors_around
-from weftex.methods.near_regular.rows import Courses, axis_of_rows, courses_of
 from weftex.random import draw
 from weftex.raster.boxes import extended_sums, sums_along
 from weftex.search.picture_kernels import Sample
@@ -25,6 +28,28 @@ _ROUNDS = 2  # the mean tile gets sharper by the first
 _GRID = 4  # px between the places where the shift is found
 _GAIN = (3, 4)  # pixels move only if that leaves at most 3/4 of the difference
 _NEAREST, _FARTHEST = 4, 12  # px around a place that are compared
+_SLANT = 0.1  # of rows that blocks still follow
+_SHARE = (2, 5)  # of the variance of colors, from which rows continue; boards 0.5 to 0.8, roofs 0.1
+_JOINT = 12  # of a row's height, over which a joint is looked for
+
+
+@dataclass(frozen=True)
+class Courses:
+    """Rows that blocks keep to: their height in pixels, and where the first joint is."""
+
+    height: float
+    joint: int
+
+    def division(self, size: int, height: float | None = None) -> tuple[int, int]:
+        """How many rows a block no larger than `size` has, and how many blocks share a row.
+
+        One of the two is 1. On a canvas that wraps rows have another `height`.
+
+        >>> Courses(8.0, 0).division(20), Courses(50.0, 0).division(20)
+        ((2, 1), (1, 3))
+        """
+        height = height or self.height
+        return max(1, int(size / height + 1e-9)), math.ceil(height / size - 1e-9)
 
 
 class Border(NamedTuple):
@@ -39,7 +64,7 @@ class BlockSample:
     """All that outputs of one sample have in common.
 
     An offset leads from a block's phase to a similar window: a sum of multiples of the lattice
-    vectors in 1/65536 pixel. In the unconstrained mode all windows are offsets, from phase 0.
+    vectors in 1/65536 pixel.
     """
 
     exemplar: Exemplar
@@ -48,14 +73,14 @@ class BlockSample:
     pixels: NDArray[np.uint8]  # (H', W', K), the windows' pixels, rectified
     visibility: NDArray[np.uint16]  # (H', W'), of a seam at each of them
     offsets: NDArray[np.int64]  # (n, 2), shuffled
-    multiples: NDArray[np.int64]  # (n,), of the first vector in each; empty if unconstrained
+    multiples: NDArray[np.int64]  # (n,), of the first vector in each
     row_axis: int | None  # along which rows change that have a color each, see `axis_of_rows`
     courses: tuple[Courses | None, ...]  # rows that blocks keep to, along both axes
     _borders: dict[tuple[int, ...], Border] = field(default_factory=dict, repr=False)
 
-    def border(self, height: int, width: int, margin: int, reach: int) -> Border:
+    def border(self, height: int, width: int, margin: int, half: int) -> Border:
         """The border of gaps of one size, see `wedges_of`."""
-        key = height, width, margin, reach
+        key = int(height), int(width), margin, half
         if key not in self._borders:
             wedges = wedges_of(*key)
             self._borders[key] = Border(wedges, runs_of(wedges > 0))
@@ -65,16 +90,6 @@ class BlockSample:
     def kernel(self) -> Sample:
         """The windows as kernels take them."""
         return Sample(self.pixels, self.windows.usable, self.windows.period)
-
-    def has_window(self, y: NDArray[np.int64], x: NDArray[np.int64]) -> NDArray[np.bool_]:
-        """Whether whole windows begin at these places, which wrap where the sample tiles."""
-        usable, (height, width) = self.windows.usable, self.windows.period[2:]
-        if height:
-            y, x = y % height, x % width
-        inside = (y >= 0) & (x >= 0) & (y < usable.shape[0]) & (x < usable.shape[1])
-        inside[inside] = usable[y[inside], x[inside]] > 0
-        result: NDArray[np.bool_] = inside
-        return result
 
 
 def prepare(method: Any, exemplar: Exemplar) -> BlockSample:
@@ -90,17 +105,12 @@ def prepare(method: Any, exemplar: Exemplar) -> BlockSample:
         pixels = np.ascontiguousarray(pixels.reshape(-1, pixels.shape[2])[lookup])
     row_axis = None
     courses: list[Courses | None] = [None, None]
-    if method.unconstrained:
-        offsets = np.stack(np.divmod(windows.centers, pixels.shape[1]), axis=1).astype(np.int64)
-        offsets, multiples = shuffled(offsets, "steps") << 16, np.zeros(0, np.int64)
-    else:
-        lattice = CanvasLattice(vectors)
-        offsets = shuffled(lattice.steps(*exemplar.shape), "steps")
-        multiples = np.rint(offsets @ lattice.inverse[:, 0] / 65536).astype(np.int64)
-        if method.by_rows and exemplar.mask is None:
-            row_axis = axis_of_rows(pixels, vectors)
-        if row_axis is not None:
-            courses[row_axis] = courses_of(pixels, vectors, row_axis)
+    lattice = CanvasLattice(vectors)
+    offsets = shuffled(lattice.steps(*exemplar.shape), "steps")
+    if method.by_rows and exemplar.mask is None:
+        row_axis = axis_of_rows(pixels, vectors)
+    if row_axis is not None:
+        courses[row_axis] = courses_of(pixels, vectors, row_axis)
     return BlockSample(
         exemplar=exemplar,
         windows=windows,
@@ -108,14 +118,14 @@ def prepare(method: Any, exemplar: Exemplar) -> BlockSample:
         pixels=pixels,
         visibility=visibility(pixels, method.seam_cost == "gradient"),
         offsets=offsets,
-        multiples=multiples,
+        multiples=np.rint(offsets @ lattice.inverse[:, 0] / 65536).astype(np.int64),
         row_axis=row_axis,
         courses=tuple(courses),
     )
 
 
-def wedges_of(height: int, width: int, margin: int, reach: int) -> NDArray[np.uint8]:
-    """Wedge-shaped borders (Fig. 4.8b), 2 * `reach` wide, of a block's window, see `Border`.
+def wedges_of(height: int, width: int, margin: int, half: int) -> NDArray[np.uint8]:
+    """Wedge-shaped borders (Fig. 4.8b), 2 * `half` wide, of a block's window, see `Border`.
 
     >>> wedges_of(4, 4, 1, 1)[:3]
     array([[1, 1, 1, 1, 1, 1],
@@ -123,9 +133,9 @@ def wedges_of(height: int, width: int, margin: int, reach: int) -> NDArray[np.ui
            [2, 2, 0, 0, 4, 4]], dtype=uint8)
     """
     v, u = np.indices((height + 2 * margin, width + 2 * margin))
-    away = np.stack([v, u, v[::-1], u[:, ::-1]]) - (margin - reach)
+    away = np.stack([v, u, v[::-1], u[:, ::-1]]) - (margin - half)
     nearest = away.min(axis=0)
-    border = (nearest >= 0) & (nearest < 2 * reach)
+    border = (nearest >= 0) & (nearest < 2 * half)
     return np.where(border, away.argmin(axis=0) + 1, 0).astype(np.uint8)
 
 
@@ -163,20 +173,64 @@ def visibility(pixels: NDArray[np.uint8], gradient: bool) -> NDArray[np.uint16]:
     return result
 
 
-def blockiness(method: Any, pixels: NDArray[np.uint8]) -> float:
-    """Return the share, 0 to 1, of the variance of similar pixels that whole blocks differ by.
+def axis_of_rows(pixels: NDArray[np.uint8], vectors: tuple[float, ...]) -> int | None:
+    """Along which axis the rows of a sample change, if each row keeps its color.
 
-    Where it is high, blocks are visible by their brightness or color (Fig. 5.12).
+    0 if rows lie, 1 if they stand, None if they are slanted or of mixed colors. The first vector
+    leads from row to row.
+
+    >>> boards = np.repeat(np.uint8([90, 120, 100, 140, 95, 130]), 8)
+    >>> axis_of_rows(np.tile(boards, (48, 1))[..., None], (8, 0, 0, 7))
+    1
     """
-    side = max(1, method.window_side // 2)
-    rest = pixels.astype(np.int64)
-    if not method.unconstrained:
-        rest -= MeanTile(pixels, method.lattice).at(*np.indices(pixels.shape[:2]))
-    rows, columns = (n // side for n in rest.shape[:2])
-    parts = rest[: rows * side, : columns * side].reshape(rows, side, columns, side, -1)
-    means = parts.mean(axis=(1, 3))
-    whole = float(parts.var(axis=(0, 1, 2, 3)).sum())
-    return float(means.var(axis=(0, 1)).sum()) / whole if whole > 0 else 0.0
+    x, y = abs(vectors[0]), abs(vectors[1])
+    if min(x, y) > _SLANT * max(x, y):
+        return None
+    axis = 0 if y > x else 1
+    period = round(max(x, y))
+    tile = MeanTile(pixels, vectors).at(*np.indices(pixels.shape[:2]))
+    rest = np.moveaxis(pixels.astype(np.int64) - tile, axis, 0)
+    # Colors of boxes as long as rows are high, or half the sample, and half as high.
+    high, period = max(1, period // 2), min(period, rest.shape[1] // 2)
+    count = rest.shape[1] // max(1, period)
+    if count < 2 or len(rest) < high:
+        return None
+    parts = rest[:, : count * period].reshape(len(rest), count, period, -1).sum(axis=2)
+    first = np.arange(len(parts) - high + 1)
+    parts = sums_along(parts, 0, first, first + high)
+    whole = parts.sum(axis=(0, 1)) ** 2
+    number = parts.shape[0] * count
+    rows = (parts.sum(axis=1) ** 2).sum(axis=0) * len(parts) - whole
+    total = (parts**2).sum(axis=(0, 1)) * number - whole
+    if total.sum() > 0 and _SHARE[1] * int(rows.sum()) >= _SHARE[0] * int(total.sum()):
+        return axis
+    return None
+
+
+def courses_of(pixels: NDArray[np.uint8], vectors: tuple[float, ...], axis: int) -> Courses:
+    """Find where the rows of a sample end: where all rows look most alike, in joints.
+
+    >>> rows = np.repeat(np.uint8([90, 120, 100, 140, 95, 130]), 8)
+    >>> rows[4::8] = 30
+    >>> boards = np.tile(rows[:, None, None], (1, 48, 1))
+    >>> courses_of(boards, (0, 8, 7, 0), 0)
+    Courses(height=8, joint=4)
+    """
+    period = abs(vectors[1 - axis])
+    lines = np.moveaxis(pixels, axis, 0).sum(axis=1, dtype=np.int64)
+    at = np.arange(len(lines))
+    number = np.floor(at / period).astype(np.int64)
+    place = np.floor(at - number * period).astype(np.int64)
+    count = np.bincount(place)
+    variance = np.zeros(len(count), np.int64)
+    for line in lines.T:
+        total, squares = np.zeros_like(count), np.zeros_like(count)
+        np.add.at(total, place, line)
+        np.add.at(squares, place, line**2)
+        variance += (squares * count - total**2) // count**2
+    near = max(0, round(period / _JOINT) // 2)
+    around = np.stack([np.roll(variance, k) for k in range(-near, near + 1)]).sum(axis=0)
+    return Courses(period, int(around.argmin()))
 
 
 def rectified(

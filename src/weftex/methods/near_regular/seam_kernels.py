@@ -1,34 +1,43 @@
 # mypy: ignore-errors
 """Kernels of near-regular synthesis: where blocks meet; compiled, see setup.py.
 
-Two blocks overlap in a band, `depth` pixels deep. `state` and `known` have the canvas's pixels
-around a hole, and are empty without a hole. Positions in a band are flat indices into the sample.
+Two blocks overlap in a band, `depth` pixels deep. Positions in it are flat indices into the sample.
 """
 
 import cython
 
 BOX = cython.declare(cython.Py_ssize_t, 3)  # half the side of what is compared at a corner
-BESIDE = cython.declare(cython.int, 1)  # the state of a known pixel beside a hole; 0 in the hole
-OFF = cython.declare(cython.int, 2)  # the state of any other
 NEVER = cython.declare(cython.longlong, 1 << 60)  # more than any boundary costs
+
+
+#: Where two drawn blocks begin, in the sample, that a corner is compared by.
+Vertex = cython.struct(one=cython.longlong, other=cython.longlong)
+#: Where two blocks begin, the first line of their edge and the number of lines, and where the path
+#: begins and ends.
+Edge = cython.struct(
+    one=cython.longlong,
+    other=cython.longlong,
+    start=cython.longlong,
+    length=cython.longlong,
+    begin=cython.longlong,
+    end=cython.longlong,
+)
 
 
 @cython.cclass
 class Band:
-    """The costs of a band: `error` (lines, depth), `beyond` (lines or 0, depth + 1) of crossings.
+    """The costs of a band: `error` (lines, depth).
 
     `total`, `came` are scratch; `path` (lines,) receives the boundary.
     """
 
     error: cython.longlong[:, ::1]
-    beyond: cython.longlong[:, ::1]
     total: cython.longlong[:, ::1]
     came: cython.int[:, ::1]
     path: cython.int[::1]
 
-    def __init__(self, error, beyond, total, came, path):
-        self.error, self.beyond, self.total, self.came = error, beyond, total, came
-        self.path = path
+    def __init__(self, error, total, came, path):
+        self.error, self.total, self.came, self.path = error, total, came, path
 
 
 @cython.cfunc
@@ -72,15 +81,13 @@ def find_corners(
     pixels: cython.const[cython.uchar][:, :, ::1],
     visibility: cython.const[cython.ushort][:, ::1],
     slack: cython.Py_ssize_t,
-    state: cython.const[cython.uchar][:, ::1],
-    vertices: cython.const[cython.longlong][:, ::1],
+    vertices: cython.const[Vertex][::1],
     band: Band,
     corners: cython.int[:, ::1],
 ):
     """Find where four blocks meet: at most `slack` from their common vertex, either way.
 
-    A row of `vertices` has where the two drawn blocks begin, and y and x in `state`. A row of
-    `corners` gets (dy, dx) of the box that differs least. Pixels off a hole do not count.
+    A row of `corners` gets (dy, dx) of the box that differs least.
     """
     cython.declare(n=cython.Py_ssize_t, v=cython.Py_ssize_t, u=cython.Py_ssize_t)
     cython.declare(y=cython.Py_ssize_t, x=cython.Py_ssize_t)
@@ -91,12 +98,15 @@ def find_corners(
     with cython.nogil:
         for n in range(vertices.shape[0]):
             compare(
-                pixels, visibility, vertices[n, 0], vertices[n, 1], pixels.shape[1], 1, depth, band
+                pixels,
+                visibility,
+                vertices[n].one,
+                vertices[n].other,
+                pixels.shape[1],
+                1,
+                depth,
+                band,
             )
-            for v in range(depth if state.shape[0] else 0):
-                for u in range(depth):
-                    if state[vertices[n, 2] + v, vertices[n, 3] + u] == OFF:
-                        band.error[v, u] = 0
             least = -1
             for y in range(-slack, slack + 1):
                 for x in range(-slack, slack + 1):
@@ -153,84 +163,37 @@ def least_boundary(
                 band.total[i, k] = NEVER
             elif band.total[i, k] < NEVER:
                 band.total[i, k] += band.error[i, k - 1] + band.error[i, k]
-                if band.beyond.shape[0]:
-                    band.total[i, k] += band.beyond[i, k]
     k = end
     for i in range(length - 1, -1, -1):
         band.path[i] = cython.cast(cython.int, k)
         k = band.came[i, k]
 
 
-@cython.cfunc
-@cython.inline
-@cython.nogil
-@cython.exceptval(check=False)
-def continues(
-    pixels: cython.const[cython.uchar][:, :, ::1],
-    visibility: cython.const[cython.ushort][:, ::1],
-    at: cython.Py_ssize_t,
-    known: cython.const[cython.uchar][:, :, ::1],
-    y: cython.Py_ssize_t,
-    x: cython.Py_ssize_t,
-) -> cython.longlong:
-    """Twice the weighted difference of a pixel of the sample and a known pixel of the canvas."""
-    cython.declare(k=cython.Py_ssize_t, d=cython.longlong)
-    v: cython.Py_ssize_t = at // pixels.shape[1]
-    u: cython.Py_ssize_t = at % pixels.shape[1]
-    total: cython.longlong = 0
-    for k in range(pixels.shape[2]):
-        d = cython.cast(cython.int, pixels[v, u, k]) - known[y, x, k]
-        total += d * d
-    return 4 * total * visibility[v, u]
-
-
 def cut_edges(
     pixels: cython.const[cython.uchar][:, :, ::1],
     visibility: cython.const[cython.ushort][:, ::1],
     upright: cython.bint,
-    known: cython.const[cython.uchar][:, :, ::1],
-    state: cython.const[cython.uchar][:, ::1],
-    edges: cython.const[cython.longlong][:, ::1],
+    edges: cython.const[Edge][::1],
     band: Band,
     paths: cython.int[:, ::1],
 ):
-    """Cut along edges of blocks: for each line of a window the pixel where the second one begins.
-
-    A row of `edges` has where the two blocks begin, the first line and the number of lines, the
-    first and last place of the path, and y and x in `state`. In a hole, differences of known
-    pixels do not count, but how well either block continues into those beside the hole does.
-    """
-    cython.declare(e=cython.Py_ssize_t, n=cython.Py_ssize_t, k=cython.Py_ssize_t)
-    cython.declare(t=cython.Py_ssize_t, start=cython.Py_ssize_t, length=cython.Py_ssize_t)
-    cython.declare(y=cython.Py_ssize_t, x=cython.Py_ssize_t, kind=cython.int)
+    """Cut along edges: `paths` gets the pixel of each line of a window where the second begins."""
+    cython.declare(e=cython.Py_ssize_t, t=cython.Py_ssize_t)
+    cython.declare(start=cython.Py_ssize_t, length=cython.Py_ssize_t)
     width: cython.Py_ssize_t = pixels.shape[1]
     along: cython.Py_ssize_t = width if upright else 1
     across: cython.Py_ssize_t = 1 if upright else width
     depth: cython.Py_ssize_t = band.error.shape[1]
     with cython.nogil:
         for e in range(edges.shape[0]):
-            start = edges[e, 2]
-            length = edges[e, 3]
-            compare(pixels, visibility, edges[e, 0], edges[e, 1], along, across, length, band)
-            for n in range(length if state.shape[0] else 0):
-                band.beyond[n, 0] = 0
-                for k in range(depth):
-                    y = edges[e, 6] + (n if upright else k)
-                    x = edges[e, 7] + (k if upright else n)
-                    kind = state[y, x]
-                    band.beyond[n, k + 1] = band.beyond[n, k]
-                    if kind == OFF:
-                        band.error[n, k] = 0
-                    if kind == BESIDE:  # a path past this pixel leaves it to the first block
-                        t = n * along + k * across
-                        band.beyond[n, k + 1] += continues(
-                            pixels, visibility, edges[e, 0] + t, known, y, x
-                        ) - continues(pixels, visibility, edges[e, 1] + t, known, y, x)
-            least_boundary(band, length, depth, edges[e, 4], edges[e, 5])
+            start = edges[e].start
+            length = edges[e].length
+            compare(pixels, visibility, edges[e].one, edges[e].other, along, across, length, band)
+            least_boundary(band, length, depth, edges[e].begin, edges[e].end)
             for t in range(paths.shape[1]):
                 if t < start:
-                    paths[e, t] = cython.cast(cython.int, edges[e, 4])
+                    paths[e, t] = cython.cast(cython.int, edges[e].begin)
                 elif t >= start + length:
-                    paths[e, t] = cython.cast(cython.int, edges[e, 5])
+                    paths[e, t] = cython.cast(cython.int, edges[e].end)
                 else:
                     paths[e, t] = band.path[t - start]

@@ -33,8 +33,6 @@ class _Cutter:
         self.plan, self.sources, layout = plan, sources, plan.layout
         self.reach, self.side = layout.reach, layout.rows.side
         self.inset = layout.rows.margin - self.reach  # of the outermost seam, in a window
-        self.pad = 2 * self.side
-        self.known, self.state = plan.hole.around(layout, self.pad)
         least = min(int(axis.sizes.min()) for axis in (layout.rows, layout.columns))
         self.slack = min(self.reach // 2, (least - 1) // 4)  # that corners move, at most
 
@@ -42,13 +40,12 @@ class _Cutter:
         lines, depth = self.side, 2 * self.reach
         return kernels.Band(
             np.empty((lines, depth), np.int64),
-            np.empty((lines if len(self.state) else 0, depth + 1), np.int64),
             np.empty((lines, depth + 1), np.int64),
             np.empty((lines, depth + 1), np.int32),
             np.empty(lines, np.int32),
         )
 
-    def _each(self, work: Any, table: NDArray[np.int64], found: NDArray[np.int32]) -> None:
+    def _each(self, work: Any, table: NDArray[np.void], found: NDArray[np.int32]) -> None:
         """Run a kernel over portions of a table, into the same rows of `found`."""
         parts = [slice(k, k + _AT_A_TIME) for k in range(0, len(table), _AT_A_TIME)]
         list(self.plan.each(lambda part: work(table[part], self._band(), found[part]), parts))
@@ -56,9 +53,9 @@ class _Cutter:
     def corners(self) -> NDArray[np.int32]:
         """How far from their vertex four blocks meet: (dy, dx) for (rows + 1, columns + 1)."""
         sample, layout = self.plan.sample, self.plan.layout
-        i, up, down, above = _before_and_after(layout.rows)
-        j, left, right, beside = _before_and_after(layout.columns)
-        corners = np.zeros((len(i), len(j), 2), np.int32)
+        up, down, above = _before_and_after(layout.rows)
+        left, right, beside = _before_and_after(layout.columns)
+        corners = np.zeros((len(up), len(left), 2), np.int32)
         if self.slack == 0:
             return corners
         # The blocks above to the left and below to the right are drawn, or the two others are.
@@ -69,10 +66,9 @@ class _Cutter:
         width, inset = sample.pixels.shape[1], self.inset
         one = one + (inset + above[:, None]) * width + inset + beside * falls
         other = other + inset * width + inset + beside * ~falls
-        y, x = np.ix_(layout.rows.edges[i], layout.columns.edges[j])
-        table = _table(there, one, other, y - self.reach + self.pad, x - self.reach + self.pad)
+        table = _table(there, one=one, other=other)
         found = np.zeros((len(table), 2), np.int32)
-        still = sample.pixels, sample.visibility, self.slack, self.state
+        still = sample.pixels, sample.visibility, self.slack
         self._each(lambda *work: kernels.find_corners(*still, *work), table, found)
         corners[there] = found
         return corners
@@ -88,20 +84,19 @@ class _Cutter:
             along, across, step = across, along, step[::-1]
             sources, corners = sources.T, corners.transpose(1, 0, 2)[..., ::-1]
         i = np.arange(along.visible.start, along.visible.stop)
-        j, before, after, size = _before_and_after(across)
+        before, after, size = _before_and_after(across)
         one, other = sources[np.ix_(i, before)], sources[np.ix_(i, after)]
         start = corners[:-1, :, 0] + self.reach + self.inset
         stop = corners[1:, :, 0] + self.reach + self.inset + along.sizes[i][:, None]
         there = (one >= 0) & (other >= 0) & (stop > start)
         one = one + start * step[0] + (self.inset + size) * step[1]
         other = other + start * step[0] + self.inset * step[1]
-        line = along.edges[i][:, None] - self.reach + self.pad + start - self.inset
-        place = across.edges[j][None, :] - self.reach + self.pad
         begin, end = corners[:-1, :, 1] + self.reach, corners[1:, :, 1] + self.reach
-        where = (line, place) if upright else (place, line)
-        table = _table(there, one, other, start, stop - start, begin, end, *where)
+        table = _table(
+            there, one=one, other=other, start=start, length=stop - start, begin=begin, end=end
+        )
         found = np.empty((len(table), self.side), np.int32)
-        still = sample.pixels, sample.visibility, upright, self.known, self.state
+        still = sample.pixels, sample.visibility, upright
         self._each(lambda *work: kernels.cut_edges(*still, *work), table, found)
         paths = np.full((*there.shape, self.side), self.inset + self.reach, np.int32)
         paths[there] = found + self.inset
@@ -110,24 +105,23 @@ class _Cutter:
 
 def _before_and_after(
     axis: Axis,
-) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.int64], NDArray[np.int64]]:
-    """The edges of visible blocks, the blocks before and after each, and sizes of those before."""
+) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.int64]]:
+    """The blocks before and after each edge of visible blocks, and the sizes of those before."""
     edges = np.arange(axis.visible.start, axis.visible.stop + 1)
     before, after = ((edges + by) % len(axis.sizes) for by in (-1, 0))
-    return edges, before, after, axis.sizes[before]
+    return before, after, axis.sizes[before]
 
 
-def _table(there: NDArray[np.bool_], *columns: NDArray[Any]) -> NDArray[np.int64]:
-    """Columns of a table for kernels, of the places where there is something."""
-    spread = [np.broadcast_to(column, there.shape)[there] for column in columns]
-    return np.stack(spread, axis=1).astype(np.int64).reshape(-1, len(columns))
+def _table(there: NDArray[np.bool_], **columns: NDArray[Any]) -> NDArray[np.void]:
+    """A table of vertices or edges as `seam_kernels` has them, of the places that are there."""
+    table = np.empty(np.count_nonzero(there), [(name, np.int64) for name in columns])
+    for name, column in columns.items():
+        table[name] = np.broadcast_to(column, there.shape)[there]
+    return table
 
 
 def cut_seams(plan: Plan, sources: NDArray[np.int32]) -> Joints:
-    """Cut blocks along the paths of least error through their overlaps (chapter 6).
-
-    Beside a hole, how well either block continues beyond it counts, too.
-    """
+    """Cut blocks along the paths of least error through their overlaps (chapter 6)."""
     layout = plan.layout
     rows, columns = layout.rows.sizes[layout.visible[0]], layout.columns.sizes[layout.visible[1]]
     if layout.reach:
@@ -220,33 +214,11 @@ def _weights(
     return result.astype(np.uint16)
 
 
-def keep_known(plan: Plan, joints: Joints) -> Joints:
-    """Return joints that give blocks no weight on known pixels."""
-    layout, hole = plan.layout, plan.hole
-    rows, columns = layout.visible
-    lines, first = layout.rows.pasted(layout.reach)
-    across, begin = layout.columns.pasted(layout.reach)
-    zones, found = joints.zones.copy(), dict[bytes, int]()
-    weights = [np.zeros_like(joints.weights[0])]
-    for i, j in np.argwhere(hole.filling[rows, columns]).tolist():
-        y, inside = layout.rows.lines(i + rows.start)
-        x, within = layout.columns.lines(j + columns.start)
-        missing = hole.missing[np.ix_(y, x)] & inside[:, None] & within
-        v, u = int(first[i]), int(begin[j])
-        weight = joints.weights[zones[i, j]] * missing[v : v + lines, u : u + across]
-        key = weight.tobytes()
-        if key not in found:
-            found[key] = len(weights)
-            weights.append(weight)
-        zones[i, j] = found[key]
-    return Joints(joints.cuts, zones, np.stack(weights))
-
-
 def paste_blocks(
     plan: Plan, sources: NDArray[np.int32], joints: Joints, provenance: dict[str, Any]
 ) -> PatchSynthesis:
     """Paste blocks by kind: drawn ones of even rows, of odd rows, then the gaps."""
-    _, sample, layout, hole, _ = plan
+    method, sample, layout, _ = plan
     rows, columns = layout.visible
     margin, (height, width) = layout.rows.margin, sample.exemplar.shape
     flat = sample.windows.to_sample(sources[layout.visible].ravel())
@@ -262,7 +234,6 @@ def paste_blocks(
     table = np.stack([np.broadcast_to(p, y.shape) for p in placements], axis=-1).reshape(-1, 5)
     kind = 2 * layout.gap[layout.visible] + layout.rows.numbers[rows][:, None] % 2
     order = np.argsort(kind.ravel(), kind="stable")
-    order = order[hole.filling[layout.visible].ravel()[order]]
     cuts = joints.cuts
     if cuts.ndim == 3:
         cuts = np.ascontiguousarray(cuts.reshape(kind.size, -1)[order])
@@ -271,12 +242,11 @@ def paste_blocks(
         facts["origin"] = list(layout.origin)
     if any(layout.canvas.wrap):
         facts["strain"] = round(layout.lattice.strain, 6)
-    if layout.reach < margin:  # blocks of a small canvas that wraps
-        facts["border_narrowed_to"] = 2 * layout.reach
+    if 2 * layout.half_border < method.border_width:  # blocks of a small canvas that wraps
+        facts["border_narrowed_to"] = 2 * layout.half_border
     about: dict[str, Any] = {
         "sample_shape": sample.exemplar.shape,
         "exemplar": sample.exemplar,
-        "known_from": layout.canvas.known_from,
         "provenance": provenance | facts,
     }
     pasted = layout.canvas, table[order].astype(np.int32), joints.weights, cuts

@@ -144,14 +144,16 @@ def choose_for_hole(exemplar: Exemplar, canvas: Canvas) -> Choice:
     if lattice is None or not is_sure(lattice, small.shape):
         return Choice("patch-sampling", {}, "there is no sure lattice around the hole")
     found = Lattice(tuple((x * step, y * step) for x, y in lattice.vectors), lattice.confidence)
-    vectors, because = four_numbers(found), f"the photo around the hole has {words(found)}"
-    if _strained(vectors, canvas):
+    because = f"the photo around the hole has {words(found)}"
+    if not _is_small(exemplar.shape):  # the smaller copy's vectors are not exact enough
+        exact = find_lattice(exemplar) if found.area else None
+        if exact is None or not exact.area:
+            return Choice("patch-sampling", {}, f"{because}, and is large")
+        found = exact
+    vectors = four_numbers(found)
+    if CanvasLattice(vectors, canvas).strain > _STIFF:
         return Choice("patch-sampling", {}, f"{because}, which do not fit {_size(canvas.shape)}")
-    if _is_small(exemplar.shape) and CanvasLattice(vectors, canvas).strain <= _STIFF:
-        return Choice("graphcut", {**WHOLE, "lattice": vectors}, because)
-    if not lattice.area:
-        return Choice("patch-sampling", {}, f"{because}, and is large")
-    return Choice("near-regular", {"lattice": vectors} if step == 1 else {}, because)
+    return Choice("graphcut", {**WHOLE, "lattice": vectors}, because)
 
 
 def is_sure(lattice: Lattice, shape: tuple[int, int]) -> bool:
