@@ -15,20 +15,20 @@ TESTS = Path(__file__).parent
 READ = ("methods", "repeats", "search", "seams")
 #: Lower a ceiling when the code has become smaller; a feature that needs room removes something.
 CEILINGS = {
-    "lines of Python in src": 47_094,
-    "of these code": 33_001,
-    "modules": 298,
+    "lines of Python in src": 46_787,
+    "of these code": 32_774,
+    "modules": 295,
     "kernel classes": 24,
     "names that several kernel classes have": 0,
-    "lines of tests": 25_512,
+    "lines of tests": 26_232,
     "quilting: files to read": 12,
     "quilting: lines to read": 2_823,
     "graphcut: files to read": 18,
     "graphcut: lines to read": 4_222,
     "efros-leung: files to read": 8,
     "efros-leung: lines to read": 1_336,
-    "near-regular: files to read": 17,
-    "near-regular: lines to read": 3_031,
+    "near-regular: files to read": 13,
+    "near-regular: lines to read": 2_596,
 }
 
 

@@ -25,7 +25,6 @@ SETTINGS = [
     ("efros-leung", {"window_width": 5}),
     ("exact-matching", {"window_width": 5, "levels": 2, "tileable": "y"}),
     ("exact-matching", {"window_width": 5, "levels": 2}),
-    ("best-tile", {}),
     ("wei-levoy", {"window_width": 5}),
 ]
 

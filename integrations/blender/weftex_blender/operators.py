@@ -14,7 +14,7 @@ import bpy
 
 from weftex.errors import InvalidInputError, WeftexError
 from weftex.recipe import Recipe
-from weftex.recipe.making import opened
+from weftex.recipe.opening import open_recipe
 from weftex.roles import role_of
 
 from . import images, materials
@@ -104,7 +104,7 @@ class _Making:
                     raise InvalidInputError(f"there is no image '{self.mask}'")
                 pictures["the mask"] = images.mask_of(mask)
                 fields["mask"] = "the mask"
-            self.opened = opened(Recipe.from_json(fields), open_picture=pictures.__getitem__)
+            self.opened = open_recipe(Recipe.from_json(fields), open_picture=pictures.__getitem__)
         except WeftexError as error:
             self.report({"ERROR"}, str(error))
             return False

@@ -123,3 +123,28 @@ def add_shifts(
                     else:
                         number = min(max(result[v, u, c] + number, least[c]), most[c])
                         result[v, u, c] = number
+
+
+def solve_screened(
+    shifts: cython.double[:, ::1],
+    steps: cython.const[cython.double][:, ::1],
+    beside: cython.const[cython.int][:, ::1],
+    diagonal: cython.const[cython.double][::1],
+    relaxation: cython.double,
+    sweeps: cython.Py_ssize_t,
+):
+    """Solve diagonal x shifts - shifts beside = steps by successive over-relaxation, in place.
+
+    `beside` has the numbers of neighbors, -1 for none; `shifts` and `steps` are (channels, n).
+    """
+    cython.declare(c=cython.Py_ssize_t, i=cython.Py_ssize_t, k=cython.Py_ssize_t)
+    cython.declare(sweep=cython.Py_ssize_t, total=cython.double)
+    with cython.nogil:
+        for c in range(steps.shape[0]):
+            for sweep in range(sweeps):
+                for i in range(steps.shape[1]):
+                    total = steps[c, i]
+                    for k in range(4):
+                        if beside[i, k] >= 0:
+                            total += shifts[c, beside[i, k]]
+                    shifts[c, i] += relaxation * (total / diagonal[i] - shifts[c, i])

@@ -16,7 +16,6 @@ import numpy as np
 
 from weftex.raster.mixing import Kind
 from weftex.results import height_kernels as kernels
-from weftex.results.tone import has_few_colors
 from weftex.threads import thread_map
 
 if TYPE_CHECKING:
@@ -30,6 +29,7 @@ if TYPE_CHECKING:
     #: (top, left, height, width) in output pixels.
     Window = tuple[int, int, int, int]
 
+_FEW = 32  # different colors: a drawing or a map of labels, which has no tones between
 _HEIGHTS = 24.0  # sample pixels in which what raises an edge of a height map falls to a third
 _MARGIN = 8  # reaches from which on nothing is felt
 _BLOCK = 1024  # pixels a side that are solved at once
@@ -52,14 +52,28 @@ class PastedPieces(NamedTuple):
 def reach_of(given: Exemplar, tones: float, hole: NDArray[np.bool_] | None) -> float:
     """Pixels over which steps of this map are spread; 0 leaves them as they are.
 
-    Heights are always joined; colors within `tones` pixels if they have continuous tones, and not
-    in a hole, which `weftex.results.tone` handles.
+    Heights are always joined; colors within `tones` pixels if they have continuous tones, those
+    with alpha only in a hole.
     """
     if given.role.kind == "height":
         return _HEIGHTS
-    if hole is not None or not tones or given.mixing.kind != Kind.MEAN:
+    kinds = (Kind.MEAN,) if hole is None else (Kind.MEAN, Kind.ALPHA)
+    if not tones or given.mixing.kind not in kinds:
         return 0.0
     return 0.0 if has_few_colors(given.pixels.reshape(-1, given.channels)) else tones
+
+
+def has_few_colors(colors: NDArray[Any]) -> bool:
+    """Whether at most 32 of the colors (N, C) differ, as in drawings and label maps."""
+
+    def few(left: NDArray[Any]) -> bool:
+        for _ in range(_FEW):
+            if not len(left):
+                break
+            left = left[(left != left[0]).any(axis=1)]  # not np.unique, which loads masked arrays
+        return not len(left)
+
+    return few(colors[: _FEW**2]) and few(colors)
 
 
 def join_steps(laid: PastedPieces, given: Exemplar, reach: float, window: Window) -> NDArray[Any]:
@@ -69,11 +83,11 @@ def join_steps(laid: PastedPieces, given: Exemplar, reach: float, window: Window
     whole. Values are cut to what an integer type holds (heights), or to the sample's range.
     """
     made = laid.pixels(window)
-    if not reach or not _has_squares(made, given.pixels):
+    if not reach or not has_squares(made, given.pixels):
         return made
     source = given.pixels.reshape(*given.shape, -1)
     result = made.reshape(*made.shape[:2], -1)
-    least, most = (np.array(ends, np.float64) for ends in _ends(source, given.role.kind))
+    least, most = (np.array(ends, np.float64) for ends in ends_of(source, given.role.kind))
     top, left, height, width = window
     side = max(1, _BLOCK // laid.scale)
     margin = int(_MARGIN * reach)
@@ -107,12 +121,12 @@ def join_steps(laid: PastedPieces, given: Exemplar, reach: float, window: Window
     return result.reshape(made.shape)
 
 
-def _has_squares(*pictures: NDArray[Any]) -> bool:
+def has_squares(*pictures: NDArray[Any]) -> bool:
     """Whether no number is so large that its square is none."""
     return all(a.dtype.kind == "u" or float(np.abs(a).max()) <= _LARGEST for a in pictures)
 
 
-def _ends(source: NDArray[Any], kind: str) -> tuple[Any, Any]:
+def ends_of(source: NDArray[Any], kind: str) -> tuple[Any, Any]:
     """The least and the largest value that each channel may have."""
     if kind != "height":
         return source.min(axis=(0, 1)), source.max(axis=(0, 1))
@@ -164,7 +178,7 @@ def _divergence(
     made = made.reshape(*made.shape[:2], -1)
     coordinates, shares = (_as_one([[one[k] for one in row] for row in layers_of]) for k in (0, 1))
     layers = int((shares > 0).any(axis=(0, 1)).sum()) or 1  # the heaviest first
-    coordinates, shares = _finer(coordinates[:, :, :layers], shares[:, :, :layers], laid.scale)
+    coordinates, shares = finer(coordinates[:, :, :layers], shares[:, :, :layers], laid.scale)
     height = len(made)
     if rows.around:  # the first line again, below the last one
         made, coordinates, shares = (
@@ -184,7 +198,7 @@ def _as_one(pieces: list[list[NDArray[Any]]]) -> NDArray[Any]:
     return rows[0] if len(rows) == 1 else np.concatenate(rows)
 
 
-def _finer(
+def finer(
     coordinates: NDArray[np.int32], shares: NDArray[np.float32], scale: int
 ) -> tuple[NDArray[np.int32], NDArray[np.float32]]:
     """The same for pixels `scale` times as fine."""

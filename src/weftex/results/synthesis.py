@@ -13,12 +13,11 @@ from weftex.errors import InvalidInputError, shown
 from weftex.exemplar import Exemplar
 from weftex.exemplar.turns import as_copies, as_made_from
 from weftex.io.display import Displayable
-from weftex.raster.mixing import Kind
 from weftex.raster.turning import in_first_copy
 from weftex.results import drawing, scales
+from weftex.results.cloning import TONE_REACH, join_filling
 from weftex.results.files import ABOUT, Facts, arrays_of, one_line_errors, read_result, write_result
 from weftex.results.joining import PastedPieces, join_steps, reach_of
-from weftex.results.tone import match_tone
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -51,7 +50,7 @@ class Synthesis(Displayable, ABC):
     picture : array, optional
         The finished picture, when making it was part of the work.
     match_tone : bool
-        Shift the tone inside a filled hole to that around it, see `weftex.results.tone`.
+        Join the tones of a filled hole to those around it, see `weftex.results.cloning`.
     tone_reach : float
         Pixels in which steps of tone between pieces are spread, see `weftex.results.joining`; 0
         leaves pixels as they are, as holes, drawings, vectors and colors with alpha always are.
@@ -271,7 +270,10 @@ class Synthesis(Displayable, ABC):
             background = self.canvas.known if own else self.canvas.known_maps.get(given.name)
         shape = scales.shape_of(given, self.sample_shape, self.turn, self.copy_shape)
         ratio = scales.scale_to(given, shape)
-        if self.match_tone and not whole:  # what is around must be seen
+        hole = self.canvas.hole
+        tones = self.tone_reach if hole is None else TONE_REACH * self.match_tone
+        reach = 0.0 if self.is_window else reach_of(given, tones, hole)
+        if hole is not None and reach and not whole:  # what is around must be seen
             made = self.render(given, background=background)
             ends = ((top, top + height), (left, left + width))
             rows, columns = (slice(int(start * ratio), int(end * ratio)) for start, end in ends)
@@ -286,7 +288,7 @@ class Synthesis(Displayable, ABC):
             given = as_copies(given, self.turn, int(ratio))
         scale, pixels, mixing = int(ratio), given.pixels, given.mixing
         base: NDArray[Any] | None = None
-        if self.canvas.hole is not None:
+        if hole is not None:
             base = scales.background_of(pixels, self.shape, scale, self.known_from, background)
 
         def lay(part: Window) -> NDArray[Any]:
@@ -298,19 +300,19 @@ class Synthesis(Displayable, ABC):
             self._lay(below, planes, part, mixing)
             return out
 
-        reach = 0.0 if self.is_window else reach_of(given, self.tone_reach, self.canvas.hole)
-        laid = PastedPieces(
-            lay, self._pictured_layers, self.shape, self.canvas.wrap, scale, self.threads
-        )
-        out = join_steps(laid, given, reach, (top, left, height, width))
-        if self.canvas.hole is not None and base is not None:  # patches may hang over the hole
-            known = ~self.canvas.hole[top : top + height, left : left + width]
-            known = known.repeat(scale, 0).repeat(scale, 1)
+        window = top, left, height, width
+        if hole is None or base is None:
+            layers, wrap = self._pictured_layers, self.canvas.wrap
+            laid = PastedPieces(lay, layers, self.shape, wrap, scale, self.threads)
+            out = join_steps(laid, given, reach, window)
+        else:
+            out = lay(window)
+            known = ~hole[top : top + height, left : left + width]
+            known = known.repeat(scale, 0).repeat(scale, 1)  # patches may hang over the hole
             out[known] = base[top * scale :, left * scale :][: len(known), : known.shape[1]][known]
-            if self.match_tone and mixing.kind in (Kind.MEAN, Kind.ALPHA):
-                planes, wrap = out.reshape(*out.shape[:2], -1), self.canvas.wrap
-                even = match_tone(planes, ~known, wrap, alpha=given.alpha, scale=scale)
-                out = even.reshape(out.shape)
+            if reach:
+                layers_here = self._pictured_layers(window)
+                join_filling(out, given, layers_here, self.canvas, self.known_from, scale, reach)
         if own and whole and self._picture is None:
             self._picture = out
         return out

@@ -31,8 +31,8 @@ if TYPE_CHECKING:
 def fitted_starts(method: Any, exemplar: Exemplar) -> dict[str, Model]:
     """Return the models that make the start, by slug; none for seed points.
 
-    If `init` was not given: near-regular synthesis for a confident lattice, then quilting. A later
-    model makes the canvases that an earlier one refuses.
+    If `init` was not given: near-regular synthesis for a confident lattice (graph cut in holes),
+    then quilting. A later model makes the canvases that an earlier one refuses.
     """
     names, may_fail = [method.init], False
     if method.init == "auto":
@@ -87,6 +87,8 @@ def result_of(prepared: Prepared, growth: Growth) -> tuple[str, NDArray[np.int32
             canvas = dataclasses.replace(canvas, guide=None)
         try:
             if canvas.hole is not None:
+                if prepared.by_canvas:  # near-regular synthesis fills no holes
+                    name = name.replace("near-regular", "graphcut")
                 start = hole_start(name, canvas.hole, growth.exemplar)
             return name, start.sample(canvas, seed=growth.seed, threads=growth.threads).source
         except InvalidInputError as error:
