@@ -222,7 +222,7 @@ def fill_hole(prepared: Prepared, growth: Growth) -> None:
     """Beyond the paper: make a hole from its border inwards, at a single resolution."""
     lists = prepared.levels[0].around
     growth.about["levels"] = 1
-    sheet = Sheet(lists, growth.canvas.shape, growth.canvas.wrap)
+    sheet = Sheet(lists, growth.canvas.shape, growth.canvas.wrap, level=0)
     sheet.pixels, sheet.done = growth.pixels, growth.done
     sheet.source = lists.windows.from_sample(growth.source)
     sheet.name_colors()

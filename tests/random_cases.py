@@ -1,0 +1,86 @@
+"""Random cases for the tests in `brute_force`; WEFTEX_RANDOM_SEED chooses which."""
+
+import os
+
+import numpy as np
+import pytest
+
+import weftex
+from weftex.notes import Listener, listening
+
+SEED = int(os.environ.get("WEFTEX_RANDOM_SEED", "1"))
+
+
+def random_cases(count):
+    """Run a test with `count` generators `rng`; the name of a failed test has the seed."""
+    numbers = range(count)
+    return pytest.mark.parametrize(
+        "rng",
+        [np.random.default_rng([SEED, k]) for k in numbers],
+        ids=[f"WEFTEX_RANDOM_SEED={SEED} case {k}" for k in numbers],
+    )
+
+
+def random_crop(rng, height, width):
+    """Part of a sample that comes with weftex, in color; sometimes of four levels, for ties."""
+    name = rng.choice(["bricks", "grass", "leaves", "pebbles", "weave", "wood"])
+    pixels = np.atleast_3d(weftex.load_exemplar(f"sample:{name}").pixels)
+    y, x = rng.integers(0, 192 - height + 1), rng.integers(0, 192 - width + 1)
+    crop = pixels[y : y + height, x : x + width] * np.ones(3, np.uint8)
+    return crop // 64 * 64 if rng.integers(3) == 0 else crop
+
+
+def random_exemplar(rng, height, width):
+    """A crop, which may tile and may have a few unusable pixels in its first rows."""
+    mask = np.ones((height, width), bool)
+    mask[: rng.integers(3), rng.integers(width) :] = False
+    pixels = random_crop(rng, height, width)
+    return weftex.Exemplar(pixels, tileable=bool(rng.integers(2)), mask=mask)
+
+
+def random_canvas(rng, height, width, wrap=None, hole=None):
+    """A canvas that may wrap on each axis, and may have a hole in a crop of some sample."""
+    wraps = tuple(bool(k) for k in rng.integers(0, 2, 2)) if wrap is None else wrap
+    if not (rng.integers(2) if hole is None else hole):
+        return weftex.Canvas(height, width, wraps)
+    y, x = np.indices((height, width))
+    v, u = rng.integers(0, height), rng.integers(0, width)
+    mask = (y - v) ** 2 + (x - u) ** 2 < rng.integers(1, min(height, width) // 2 + 2) ** 2
+    mask |= rng.random(mask.shape) < 0.02
+    mask[v, u], mask[v - height // 2, u] = True, False
+    return weftex.Canvas(height, width, wraps, known=random_crop(rng, height, width), hole=mask)
+
+
+def centers_of(exemplar, half):
+    """Pixels of a sample whose whole window is usable, in scan order: (n, 2)."""
+    mask = np.pad(exemplar.mask, half, "wrap" if exemplar.tileable else "constant")
+    windows = np.lib.stride_tricks.sliding_window_view(mask, (2 * half + 1, 2 * half + 1))
+    return np.argwhere(windows.all(axis=(2, 3)))
+
+
+def known_steps(done, pixel, half, wrap):
+    """Steps from a pixel to the known pixels of its window, (n, 2); no pixel is there twice."""
+    lines = []
+    for at, length, wraps in zip(pixel, done.shape, wrap, strict=True):
+        steps = np.arange(-half, half + 1)
+        if wraps:
+            lines.append(steps[max(0, half - (length - 1) // 2) : half + length // 2 + 1])
+        else:
+            lines.append(steps[(at + steps >= 0) & (at + steps < length)])
+    steps = np.stack(np.meshgrid(*lines, indexing="ij"), axis=-1).reshape(-1, 2)
+    y, x = ((pixel + steps) % done.shape).T
+    return steps[(done[y, x] > 0) & steps.any(axis=1)]
+
+
+def distances(exemplar, places, picture, pixel, steps, weights=1):
+    """Sums of squared differences of the windows of the sample and the one of the picture."""
+    y, x = ((pixel + steps) % picture.shape[:2]).T
+    v, u = np.moveaxis((np.asarray(places)[:, None] + steps) % exemplar.shape, 2, 0)
+    apart = exemplar.pixels[v, u].astype(int) - picture[y, x]
+    return ((apart**2).sum(axis=2) * weights).sum(axis=1)
+
+
+def notes_of(method, exemplar, canvas, pixel, seed, record):
+    """Make a picture; `record` is called with each note on how one of its pixels is made."""
+    with listening(Listener(pixel, record)):
+        return method.fit(exemplar).sample(canvas, seed=seed)
