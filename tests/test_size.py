@@ -20,7 +20,7 @@ CEILINGS = {
     "modules": 298,
     "kernel classes": 24,
     "names that several kernel classes have": 0,
-    "lines of tests": 25_512,
+    "lines of tests": 25_402,
     "quilting: files to read": 12,
     "quilting: lines to read": 2_823,
     "graphcut: files to read": 18,
