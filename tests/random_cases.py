@@ -17,11 +17,10 @@ AROUND = [(0, -2), (0, -1), *((-1, k) for k in range(-2, 2)), *((-2, k) for k in
 
 def random_cases(count):
     """Run a test with `count` generators `rng`; the name of a failed test has the seed."""
-    numbers = range(count)
     return pytest.mark.parametrize(
         "rng",
-        [np.random.default_rng([SEED, k]) for k in numbers],
-        ids=[f"WEFTEX_RANDOM_SEED={SEED} case {k}" for k in numbers],
+        [np.random.default_rng([SEED, k]) for k in range(count)],
+        ids=[f"WEFTEX_RANDOM_SEED={SEED} case {k}" for k in range(count)],
     )
 
 

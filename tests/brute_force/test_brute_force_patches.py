@@ -46,8 +46,8 @@ def drawn(keys, marks, bits, energy, method):
 
     def limit(best):
         if isinstance(method, weftex.Quilting):
-            return best * (1 + method.tolerance) ** 2
-        return energy * method.epsilon**2
+            return best * (1 + method.tolerance) * (1 + method.tolerance)
+        return energy * method.epsilon * method.epsilon
 
     allowed = marks != 1 if (marks != 1).any() else marks >= 0
     free = marks == 0
