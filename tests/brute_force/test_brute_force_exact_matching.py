@@ -34,7 +34,7 @@ def test_a_pixel_is_the_best_of_the_union_of_lists(rng):
         if step == "window":
             steps = known_steps(sheet.done, at, half, sheet.wrap)
             if sheet.lists.causal:
-                steps = steps[(steps[:, 0] < 0) | ((steps[:, 0] == 0) & (steps[:, 1] < 0))]
+                steps = steps[steps[:, 0] <= 0]  # where rows wrap, a row's end sees its beginning
             before[:] = sheet.pixels.copy(), steps
             return
         picture, steps = before
@@ -43,8 +43,9 @@ def test_a_pixel_is_the_best_of_the_union_of_lists(rng):
         for step in steps[abs(steps).max(axis=1) == 1]:
             y, x = (at + step) % picture.shape[:2]
             color = picture[y, x].astype(int)
-            if not (colors == color).all(axis=1).any():
-                continue  # of the photo, not the sample: the nearest color stands for it
+            listed = (colors == color).all(axis=1).any()  # else the nearest color stands for it
+            if not listed or (sheet.lists.causal and tuple(step) == (0, 1)):
+                continue
             there = exemplar.pixels[tuple(((centers + step) % exemplar.shape).T)]
             union |= ((there - color) ** 2).sum(axis=1) <= radius
         flat = np.append(facts["places"], sheet.source[at]).astype(np.int32)

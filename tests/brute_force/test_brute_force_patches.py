@@ -4,13 +4,18 @@ import numpy as np
 from scipy.ndimage import distance_transform_cdt
 
 import weftex
-from random_cases import random_canvas, random_cases, random_exemplar
+from random_cases import (
+    AROUND,
+    centers_of,
+    distances,
+    random_canvas,
+    random_cases,
+    random_exemplar,
+)
 from weftex.random import draw
 
 #: A candidate that repeats nothing may have this times the squared distance of the best one.
 UNREPEATED = 1.7
-#: Earlier patches of the grid around one, as rows and columns away.
-AROUND = [(0, -2), (0, -1), *((-1, k) for k in range(-2, 2)), *((-2, k) for k in range(-2, 3))]
 
 
 def known_strips(grid, at, window, width, canvas):
@@ -41,8 +46,8 @@ def drawn(keys, marks, bits, energy, method):
 
     def limit(best):
         if isinstance(method, weftex.Quilting):
-            return best * (1 + method.tolerance) ** 2
-        return energy * method.epsilon**2
+            return best * (1 + method.tolerance) * (1 + method.tolerance)
+        return energy * method.epsilon * method.epsilon
 
     allowed = marks != 1 if (marks != 1).any() else marks >= 0
     free = marks == 0
@@ -106,71 +111,67 @@ def test_each_patch_is_searched_drawn_cut_and_pasted(rng):
         "patch_size": size,
         "boundary_width": width,
         "search": "exhaustive",
-        "blend": str(rng.choice(["cut", "cut", "feather", "none"])),
+        "blend": str(rng.choice(["cut", "cut", "feather", "feather-at-end", "none"])),
         "repeat_distance": float(rng.choice([0.0, 0.5, 1.5])),
+        "edge_weight": float(rng.choice([0, 0, 1])),
     }
+    tolerance = float(rng.choice([0, 0.1, 0.2, 1, np.inf]))
+    if tolerance == np.inf:  # everything matches: the chaos mosaic
+        kind = {name: kind[name] for name in ("patch_size", "boundary_width", "blend")}
     if rng.integers(2):
-        method = weftex.Quilting(tolerance=float(rng.choice([0, 0.1, 1])), **kind)
+        method = weftex.Quilting(tolerance=tolerance, **kind)
     else:
-        choice = str(rng.choice(["uniform", "similarity"]))
-        method = weftex.PatchSampling(
-            epsilon=float(rng.choice([0.0, 0.2, 1.0])), choice=choice, **kind
+        choice = (
+            {} if tolerance == np.inf else {"choice": str(rng.choice(["uniform", "similarity"]))}
         )
+        method = weftex.PatchSampling(epsilon=tolerance, **choice, **kind)
     exemplar = random_exemplar(rng, *rng.integers(16, 22, 2))
-    canvas = random_canvas(rng, *rng.integers(12, 34, 2))
+    canvas = random_canvas(rng, *rng.integers(3, 34, 2))
     seed = int(rng.integers(2**32))
     result = method.fit(exemplar).sample(canvas, seed=seed)
 
     window = np.minimum(size, canvas.shape)
     width = min([width, *(window[list(canvas.wrap)] // 4)]) or 1
-    pixels = np.pad(exemplar.pixels, [(0, n) for n in window] + [(0, 0)], "wrap").astype(int)
-    mask = np.pad(
-        exemplar.mask, [(0, n) for n in window], "wrap" if exemplar.tileable else "constant"
-    )
-    windows = np.lib.stride_tricks.sliding_window_view(pixels, (*window, 3))[:, :, 0]
-    usable = np.lib.stride_tricks.sliding_window_view(mask, window)[
-        : exemplar.shape[0], : exemplar.shape[1]
-    ]
+    around, view = [(0, n) for n in window], np.lib.stride_tricks.sliding_window_view
+    sample = exemplar.matching(method.edge_weight)
+    pixels = np.pad(sample, [*around, (0, 0)], "wrap").astype(int)
+    mask = np.pad(exemplar.mask, around, "wrap" if exemplar.tileable else "constant")
+    windows = np.moveaxis(view(pixels, window, (0, 1)), 2, -1)
+    usable = view(mask, window)[: exemplar.shape[0], : exemplar.shape[1]]
     places = np.argwhere(usable.all(axis=(2, 3)))
     windows = windows[tuple(places.T)]
 
     holes = canvas.hole is not None
     done = ~canvas.hole if holes else np.zeros(canvas.shape, bool)
-    fixed, picture = done.copy(), np.zeros((*canvas.shape, 3), int)
-    picture[done] = canvas.known[done] if holes else 0
+    fixed, picture = done.copy(), np.zeros((*canvas.shape, sample.shape[2]), int)
+    if holes:
+        picture[done] = exemplar.as_matching(canvas.known, method.edge_weight)[done]
+    unblended = picture.copy()  # which is matched, until all is blended at the end
     starts = [sorted({*result.placements[:, axis].tolist()}) for axis in (0, 1)]
-    laid = {}
+    laid, matched = {}, unblended if method.blend == "feather-at-end" else picture
     for number, (*corner, v, u, zone_number) in enumerate(result.placements.tolist()):
-        here = np.ix_(
-            *(
-                (at + np.arange(n)) % m
-                for at, n, m in zip(corner, window, canvas.shape, strict=False)
-            )
-        )
+        lines = zip(corner, window, canvas.shape, strict=True)
+        here = np.ix_(*((at + np.arange(n)) % length for at, n, length in lines))
         if holes:
             known, bits = done[here], draw(seed, "patch", number)
-            near = [
-                p for p in laid.values() if (abs(np.subtract(p[:2], corner)) < 2 * window).all()
-            ]
+            near = [p for p in laid.values() if (abs(p[:2] - np.array(corner)) < 2 * window).all()]
             earlier = near[-len(AROUND) :]
         else:
-            i, j = grid = tuple(line.index(at) for line, at in zip(starts, corner, strict=False))
-            known, bits = (
-                known_strips(grid, corner, window, width, canvas),
-                draw(seed, "patch", i, j),
-            )
+            i, j = grid = starts[0].index(corner[0]), starts[1].index(corner[1])
+            known = known_strips(grid, corner, window, width, canvas)
+            bits = draw(seed, "patch", i, j)
             earlier = [laid[i + a, j + b] for a, b in AROUND if (i + a, j + b) in laid]
         # The boundary zone, and the weights that fall evenly through it.
         depth = distance_transform_cdt(known, "chessboard") if not known.all() else np.inf * known
         zone = known & (depth <= width)
         weights = np.floor(256 * (width + 1 - depth) / (width + 1) + 1e-9)
-        weights = np.where(zone & (kind["blend"] != "none"), weights, 256 * (zone | ~known))
+        weights = np.where(zone & (method.blend != "none"), weights, 256 * (zone | ~known))
         weights[fixed[here]] = 0
         assert np.array_equal(result.weights[zone_number], weights)
         # Steps 1 to 4: an element of Psi_B, of all windows of the sample.
         chosen = int(bits >> np.uint64(32)) * len(places) >> 32
-        if zone.any():
-            old = picture[here][zone]
+        if zone.any() and tolerance < np.inf:
+            old = matched[here][zone]
             keys = ((windows[:, zone] - old) ** 2).sum(axis=(1, 2))
             marks = np.zeros(len(places), int)
             if method.repeat_distance:
@@ -181,12 +182,41 @@ def test_each_patch_is_searched_drawn_cut_and_pasted(rng):
         laid[number if holes else grid] = (*corner, v, u)
         # Steps 5 and 6: the cut, and the paste.
         new = windows[chosen]
-        if kind["blend"] == "cut":
-            error = ((picture[here] - new) ** 2).sum(axis=2)
+        if method.blend == "cut":
+            error = ((matched[here] - new) ** 2).sum(axis=2)
             inside = cut_out(result.cuts[number], error, zone, weights, width, holes)
             part = (weights > 0) & (weights < 256)
             weights[part] = 256 * inside[part]
         share = weights[..., None].astype(int)
+        unblended[here] = np.where(share > 0, new, unblended[here])
         picture[here] = (picture[here] * (256 - share) + new * share + 128) // 256
         done[here] |= weights > 0
-    assert np.array_equal(result.image, picture)
+    assert np.array_equal(result.image, picture[..., :3])
+
+
+@random_cases(20)
+def test_patches_of_one_pixel(rng):
+    """Section 2.5: pixel by pixel in scan order, each with a window of 2 w_E + 1."""
+    exemplar = random_exemplar(rng, *rng.integers(12, 18, 2))
+    canvas = weftex.Canvas(
+        *rng.integers(1, 12, 2).tolist(), tuple(map(bool, rng.integers(0, 2, 2)))
+    )
+    width, seed = int(rng.integers(1, 4)), int(rng.integers(2**32))
+    method = weftex.PatchSampling(patch_size=1, boundary_width=width, search="exhaustive")
+    result = method.fit(exemplar).sample(canvas, seed=seed)
+    corners = (centers_of(exemplar, width) - width) % exemplar.shape
+    centers = np.array(sorted(corners.tolist())) + width
+    done, square = np.zeros(canvas.shape, bool), np.argwhere(np.ones([2 * width + 1] * 2)) - width
+    picture, marks = np.zeros((*canvas.shape, 3), int), np.zeros(len(centers), int)
+    for pixel in np.ndindex(canvas.shape):
+        there = ((pixel + square >= 0) & (pixel + square < canvas.shape) | canvas.wrap).all(axis=1)
+        steps = square[there & done[tuple(((pixel + square) % canvas.shape).T)]]
+        bits = draw(seed, "patch", *pixel)
+        chosen = int(bits >> np.uint64(32)) * len(centers) >> 32
+        if len(steps):
+            keys = distances(exemplar, centers, picture, pixel, steps)
+            energy = int((picture[tuple(((pixel + steps) % canvas.shape).T)] ** 2).sum())
+            chosen = drawn(keys, marks, int(bits), energy, method)
+        place = centers[chosen] % exemplar.shape
+        assert (result.source[pixel] == place).all()
+        picture[pixel], done[pixel] = exemplar.pixels[tuple(place)], True

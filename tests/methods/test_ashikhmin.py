@@ -1,4 +1,4 @@
-"""Coherent candidates: byte by byte what choosing one pixel after the other gives."""
+"""Coherent candidates: layers of holes, and guides; see `brute_force` for each pixel."""
 
 import numpy as np
 import pytest
@@ -6,89 +6,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import weftex
-from families import noise, with_guides
-from twins import ashikhmin as reference
 from weftex.canvas import Canvas
 from weftex.raster.masks import peeled
 
 WRAPS = [(False, False), (False, True), (True, False), (True, True)]
-
-
-def check_twin(method, exemplar, canvas, seed):
-    model = method.fit(exemplar)
-    result = model.sample(canvas, seed=seed)
-    expected = reference.ashikhmin(model.method, exemplar, canvas, seed)
-    if canvas.hole is not None and canvas.known_from is None:
-        expected[~canvas.hole] = -1
-    assert np.array_equal(result.source, expected)
-    return result
-
-
-def few_colors(rng, shape, colors):
-    return (rng.integers(0, colors, shape) * (255 // max(colors - 1, 1))).astype(np.uint8)
-
-
-@given(st.data())
-def test_it_is_the_slow_twin(data):
-    """Small samples, where sources leave at every border, on every kind of canvas."""
-    draw = data.draw
-    rng = np.random.default_rng(draw(st.integers(0, 10**6)))
-    shape = draw(st.integers(5, 10)), draw(st.integers(5, 10))
-    channels, colors = draw(st.integers(1, 3)), draw(st.sampled_from([1, 2, 5, 200]))
-    mask = None
-    if draw(st.booleans()):
-        mask = np.ones(shape, bool)
-        mask[0, rng.integers(shape[1])] = False
-    pixels = few_colors(rng, (*shape, channels), colors)
-    exemplar = weftex.Exemplar(pixels, mask=mask, tileable=draw(st.booleans()), alpha=False)
-    size = draw(st.integers(1, 9)), draw(st.integers(1, 9))
-    more, parameters = {}, {}
-    if draw(st.booleans()):
-        more = {"known": noise((*size, channels)), "hole": rng.random(size) < 0.6}
-        if size <= shape and size[1] <= shape[1] and draw(st.booleans()):
-            corner = shape[0] - size[0], shape[1] - size[1]
-            cut = pixels[corner[0] :, corner[1] :].copy()
-            more |= {"known": cut, "known_from": corner}
-    if draw(st.booleans()):
-        more["guide"] = noise((*size, channels), seed=5)
-        if draw(st.booleans()):
-            exemplar, more["guide"] = with_guides(exemplar, size, rng)
-        parameters["guide_weight"] = draw(st.sampled_from([0.01, 0.3, 3.0]))
-    method = weftex.Ashikhmin(
-        window_width=draw(st.sampled_from([1, 3, 5])) if mask is None else 3,
-        passes=draw(st.integers(1, 3)),
-        jumps=draw(st.sampled_from([None, 0, 1, 10])),
-        **parameters,
-    )
-    canvas = Canvas(*size, draw(st.sampled_from(WRAPS)), **more)
-    check_twin(method, exemplar, canvas, draw(st.integers(0, 2**64 - 1)))
-
-
-@pytest.mark.parametrize("wrap", WRAPS)
-@pytest.mark.parametrize("name", ["pebbles", "grass"])
-def test_real_samples_are_the_slow_twin(name, wrap):
-    exemplar = weftex.Exemplar(weftex.load_exemplar(f"sample:{name}").pixels[:30, :34])
-    check_twin(weftex.Ashikhmin(), exemplar, Canvas(28, 31, wrap), 7)
-
-
-@pytest.mark.parametrize("wrap", [(False, False), (True, True)])
-def test_holes_are_the_slow_twin(wrap):
-    """Two holes of a photo, learnt from the rest of it, one of them over its border."""
-    photo = weftex.load_exemplar("sample:pebbles").pixels[:36, :32]
-    hole = np.zeros(photo.shape[:2], bool)
-    hole[12:19, 8:17] = hole[25:30, 27:] = True
-    exemplar = weftex.Exemplar(photo, mask=~hole)
-    canvas = Canvas(36, 32, wrap, known=photo, hole=hole, known_from=(0, 0))
-    result = check_twin(weftex.Ashikhmin(), exemplar, canvas, 5)
-    assert np.array_equal(result.image[~hole], photo[~hole])
-
-
-def test_a_guide_beside_maps_is_the_slow_twin():
-    """The guide is compared with the picture, what is made with all of its maps too."""
-    pixels = weftex.load_exemplar("sample:pebbles").pixels[:24, :24]
-    exemplar = weftex.Exemplar(pixels, maps={"height": noise((24, 24))})
-    canvas = Canvas(14, 15, (True, False), guide=pixels[5:19, 8:23].copy())
-    check_twin(weftex.Ashikhmin(), exemplar, canvas, 5)
 
 
 # Holes in layers
