@@ -258,8 +258,9 @@ for method in METHODS:
         if tileable and "wrap" not in weftex.METHODS[method].supports:
             continue
         sample = weftex.load_exemplar("sample:pebbles").pixels[:60, :70]
-        size = (side, side + 3)
-        result = weftex.synthesize(sample, size, method=method, seed=11, tileable=tileable)
+        more = {"lattice": "20,0,0,20"} if method == "near-regular" else {}
+        result = weftex.synthesize(
+            sample, (side, side + 3), method=method, seed=11, tileable=tileable, **more)
         print(hashlib.sha256(result.image.tobytes() + result.source.tobytes()).hexdigest())
 """
 

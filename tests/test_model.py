@@ -50,7 +50,7 @@ def test_a_result_says_all_that_was_settled(slug):
 
 
 def test_an_origin_is_saved_with_the_result(tmp_path):
-    model = weftex.NearRegular(block_size=10).fit(weftex.Exemplar(noise((40, 40))))
+    model = weftex.NearRegular(lattice="10,0,0,10").fit(weftex.Exemplar(noise((40, 40))))
     result = model.window(2**33, -5, 30, 31, seed=1)
     result.save(tmp_path / "window.npz")
     again = weftex.Synthesis.load(tmp_path / "window.npz", result.exemplar)

@@ -20,7 +20,7 @@ CEILINGS = {
     "modules": 295,
     "kernel classes": 24,
     "names that several kernel classes have": 0,
-    "lines of tests": 25_396,
+    "lines of tests": 25_398,
     "quilting: files to read": 12,
     "quilting: lines to read": 2_823,
     "graphcut: files to read": 18,
