@@ -15,6 +15,7 @@ __all__ = [
     "UnsupportedError",
     "WeftexError",
     "did_you_mean",
+    "missing_packages",
     "shown",
 ]
 
@@ -41,7 +42,7 @@ class InvalidInputError(WeftexError, ValueError):
 
 
 class UnsupportedError(WeftexError):
-    """The method cannot do this kind of canvas; the message names the methods that can."""
+    """The method cannot do this, or an optional package is missing; the message says what helps."""
 
 
 class FileError(WeftexError, OSError):
@@ -50,6 +51,15 @@ class FileError(WeftexError, OSError):
 
 class CancelledError(WeftexError):
     """The progress callback asked to stop."""
+
+
+def missing_packages(what: str, extra: str) -> UnsupportedError:
+    """Return the error that says what needs the packages of an extra, and how to install them."""
+    from importlib.metadata import requires
+
+    own = [one.partition(";") for one in requires("weftex") or ()]
+    names = [f"'{name.strip()}'" for name, _, when in own if f'extra == "{extra}"' in when]
+    return UnsupportedError(f"{what}; install it with: pip install {' '.join(names)}")
 
 
 def printable(text: str) -> str:

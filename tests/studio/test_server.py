@@ -165,7 +165,7 @@ def test_the_token_is_in_no_command_line(tmp_path, monkeypatch):
 def test_without_the_extra_it_says_what_to_install(monkeypatch, capsys):
     monkeypatch.setitem(sys.modules, "starlette", None)
     assert main(["studio"]) == 2
-    assert "pip install 'weftex[studio]'" in capsys.readouterr().err
+    assert "pip install 'starlette>=0.40' 'uvicorn>=0.30'" in capsys.readouterr().err
 
 
 def test_what_is_left_over_is_swept(tmp_path):

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from typing import TYPE_CHECKING, Any
 
-from weftex.errors import InvalidInputError
+from weftex.errors import missing_packages
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Mapping
@@ -36,9 +36,7 @@ def materialx_document(
     try:
         import MaterialX as mx
     except ImportError:
-        raise InvalidInputError(
-            "MaterialX files need its package; install it with: pip install 'weftex[materialx]'"
-        ) from None
+        raise missing_packages("--mtlx needs MaterialX", "materialx") from None
     surface = _Surface(mx, name)
     left = []
     # Of two that show the same the first is taken.

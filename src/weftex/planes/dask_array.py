@@ -6,7 +6,7 @@ import hashlib
 import json
 from typing import TYPE_CHECKING, Any
 
-from weftex.errors import InvalidInputError, did_you_mean, shown
+from weftex.errors import InvalidInputError, did_you_mean, missing_packages, shown
 from weftex.planes.definition import define
 from weftex.tasks.method_names import AUTO
 
@@ -74,9 +74,7 @@ def plane(
         import dask.array
         from dask.delayed import delayed
     except ImportError:
-        raise InvalidInputError(
-            "a lazy plane needs the extra dask: pip install 'weftex[dask]'"
-        ) from None
+        raise missing_packages("a lazy plane needs Dask", "dask") from None
     made = define(sample, size, method, parameters, seed=seed, tileable=tileable, block=block)
     name = next(iter(made.pictures)) if show is None else show
     if name not in made.pictures:

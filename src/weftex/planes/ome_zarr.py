@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from weftex.errors import FileError, InvalidInputError
+from weftex.errors import FileError, missing_packages
 from weftex.planes.store import REPAIR, FilePart, Store, synced
 
 if TYPE_CHECKING:
@@ -36,9 +36,7 @@ class ZarrStore(Store):
         try:
             import zarr  # noqa: F401
         except ImportError:
-            raise InvalidInputError(
-                "'.zarr' needs the extra zarr: pip install 'weftex[zarr]'"
-            ) from None
+            raise missing_packages("'.zarr' needs Zarr", "zarr") from None
 
     def frame(self) -> Iterator[FilePart]:
         """Give the metadata of the arrays and of their group."""

@@ -16,7 +16,7 @@ from time import monotonic, sleep
 from typing import TYPE_CHECKING, Any
 
 import weftex
-from weftex.errors import FileError, InvalidInputError, WeftexError
+from weftex.errors import FileError, InvalidInputError, WeftexError, missing_packages
 from weftex.planes.record import Record
 from weftex.planes.store import KEPT
 from weftex.processes import LostError
@@ -97,9 +97,7 @@ def connected(address: str) -> Iterator[Any]:
     try:
         import distributed
     except ImportError:
-        raise InvalidInputError(
-            "--cluster needs the extra dask: pip install 'weftex[dask]'"
-        ) from None
+        raise missing_packages("--cluster needs Dask", "dask") from None
     for name in ("distributed", "distributed.client", "distributed.core", "distributed.comm"):
         logging.getLogger(name).setLevel(logging.CRITICAL)  # a worker that dies is no news
     try:

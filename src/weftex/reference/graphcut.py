@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from weftex.errors import InvalidInputError, UnsupportedError
+from weftex.errors import InvalidInputError, missing_packages
 from weftex.random import draw
 from weftex.reference.common import Made, at, checked, fits, made, places, windows
 
@@ -201,9 +201,7 @@ class Graph:
             from scipy.sparse import coo_array
             from scipy.sparse.csgraph import breadth_first_order, maximum_flow
         except ImportError as error:
-            raise UnsupportedError(
-                "this reference needs SciPy for its maximum flow: pip install 'weftex[kdtree]'"
-            ) from error
+            raise missing_packages("this reference needs SciPy", "kdtree") from error
         if not self.arcs:
             return set()
         rows, columns, capacities = np.array(self.arcs).T

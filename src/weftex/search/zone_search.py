@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from weftex.errors import UnsupportedError
+from weftex.errors import missing_packages
 from weftex.search import zone_kernels
 from weftex.search.boundary_zone import BoundaryZone
 from weftex.search.pca import ZonePCA, fit_pca
@@ -160,9 +160,7 @@ class KDTree:
         try:
             from scipy.spatial import cKDTree
         except ImportError:
-            raise UnsupportedError(
-                "kd-trees come from SciPy; install it with: pip install 'weftex[kdtree]'"
-            ) from None
+            raise missing_packages("kd-trees need SciPy", "kdtree") from None
         # Without balancing, SciPy splits by the sliding midpoint rule, as the paper wants.
         self.tree: Any = cKDTree(points, leafsize=8, balanced_tree=False, compact_nodes=False)
         self.places, self.error = places, error

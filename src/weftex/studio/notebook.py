@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from weftex.errors import InvalidInputError, UnsupportedError, shown
+from weftex.errors import InvalidInputError, missing_packages, shown
 
 if TYPE_CHECKING:
     from weftex import Synthesis
@@ -51,8 +51,7 @@ def view(thing: Synthesis | Any, *, height: int = 480) -> Any:
     except ModuleNotFoundError as error:
         if (error.name or "").split(".")[0] != "anywidget":
             raise
-        line = "views in notebooks need anywidget: pip install 'weftex[notebook]'"
-        raise UnsupportedError(line) from None
+        raise missing_packages("a view in a notebook needs anywidget", "notebook") from None
     from weftex import Synthesis, load_exemplar
 
     if isinstance(thing, Synthesis):

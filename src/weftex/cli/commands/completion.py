@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 from weftex.cli.parser import Parser, ParserBuilt
-from weftex.errors import WeftexError
+from weftex.errors import missing_packages
 
 _EXAMPLES = """\
 examples:
@@ -47,7 +47,7 @@ def run(argv: list[str], commands: Mapping[str, str], run_command: Run) -> None:
     try:
         import shtab
     except ImportError:
-        raise WeftexError("completion needs shtab: pip install 'weftex[completion]'") from None
+        raise missing_packages("completion needs shtab", "completion") from None
     print(shtab.complete(_whole(commands, built, shtab.FILE), shell))
 
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from weftex.cli.parser import Parser
 from weftex.cli.terminal import say
-from weftex.errors import InvalidInputError
+from weftex.errors import InvalidInputError, missing_packages
 
 if TYPE_CHECKING:
     from weftex.studio.studio import Studio
@@ -60,8 +60,7 @@ def run(argv: list[str]) -> None:
     if args.host == "":
         raise InvalidInputError("--host is ''; it must be an address of this machine, as 127.0.0.1")
     if any(find_spec(name) is None for name in ("starlette", "uvicorn", "anyio")):
-        line = "the studio needs Starlette and uvicorn: pip install 'weftex[studio]'"
-        raise InvalidInputError(line)
+        raise missing_packages("the studio needs a web server", "studio")
     from dataclasses import replace
 
     from weftex.studio.limits import usual_limits
