@@ -61,7 +61,7 @@ def plane(
     InvalidInputError
         If an argument is out of range, or there is no such map.
     UnsupportedError
-        If the method does not make windows of a plane.
+        If the method does not make windows of a plane, or Dask is not installed.
 
     Examples
     --------
