@@ -5,20 +5,25 @@ from __future__ import annotations
 from weftex.cli.options import parameters_of
 from weftex.cli.parser import Parser
 
+#: Headings of what not every method does, and the kinds of canvas that it takes.
+_ABILITIES = {"FILLS HOLES": "known", "FOLLOWS A GUIDE": "guide", "MIXES SAMPLES": "many"}
+_LINE = "{:16}{:37}{:13}{:17}{}"
+
 
 def run(argv: list[str]) -> None:
     """Run the command; `argv` is what follows its name."""
     parser = Parser("methods", "List the methods, or the parameters of one.", "")
     parser.add_argument("method", metavar="NAME", nargs="?", help="method whose parameters to list")
     name = parser.parse(argv).method
-    from weftex.method import CANVAS_KINDS
     from weftex.methods import METHODS
     from weftex.tasks.method_names import AUTO, method_class
 
     if name is None:
+        print(_LINE.format("NAME", "METHOD", *_ABILITIES))
         for slug, cls in ((AUTO, method_class(AUTO)), *METHODS.items()):
-            kinds = ", ".join(text for kind, text in CANVAS_KINDS.items() if kind in cls.supports)
-            print(f"{slug:16}  {cls.title:22}  {kinds}")
+            able = ("yes" if kind in cls.supports else "no" for kind in _ABILITIES.values())
+            print(_LINE.format(slug, cls.title, *able))
+        print("\nAll make larger and tileable images. weftex methods NAME lists parameters.")
         return
     cls = method_class(name)
     print(f"{cls.title}\n{cls.paper}\n")

@@ -49,7 +49,7 @@ class WeiLevoy(WindowedMethod):
     """
 
     slug: ClassVar[str] = "wei-levoy"
-    title: ClassVar[str] = "Synthesis with tree-structured vector quantization"
+    title: ClassVar[str] = "Tree-structured vector quantization"
     paper: ClassVar[str] = (
         "L.-Y. Wei, M. Levoy: Fast texture synthesis using tree-structured vector quantization. "
         "Proceedings of SIGGRAPH 2000"

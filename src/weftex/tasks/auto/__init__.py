@@ -55,7 +55,7 @@ class Auto(Method):
     """
 
     slug: ClassVar[str] = "auto"
-    title: ClassVar[str] = "Chosen by the sample"
+    title: ClassVar[str] = "Chooses a method for the sample"
     paper: ClassVar[str] = "A choice among the other methods; docs/background/auto.md has the rule"
     supports: ClassVar[frozenset[str]] = frozenset({"wrap", "known", "guide"})
 
