@@ -57,9 +57,8 @@ def missing_packages(what: str, extra: str) -> UnsupportedError:
     """Return the error that says what needs the packages of an extra, and how to install them."""
     from importlib.metadata import requires
 
-    own = [one.partition(";") for one in requires("weftex") or ()]
-    names = [f"'{name.strip()}'" for name, _, when in own if f'extra == "{extra}"' in when]
-    return UnsupportedError(f"{what}; install it with: pip install {' '.join(names)}")
+    found = [one.split(";")[0] for one in requires("weftex") or () if f'"{extra}"' in one]
+    return UnsupportedError(f"{what}; install it with: pip install {' '.join(map(repr, found))}")
 
 
 def printable(text: str) -> str:
