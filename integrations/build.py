@@ -1,21 +1,25 @@
 """Package an integration as the file that its host program installs.
 
-    python integrations/build.py blender [--wheels FOLDER] [--output FOLDER]
+    python integrations/build.py blender|gimp|krita [--wheels FOLDER] [--output FOLDER]
 
-Wheels of weftex are taken from the folder, for each system that it has one for; without a folder
-one is built for this machine. The packages that weftex needs besides NumPy and OpenImageIO, which
-Blender and arrays do without, are pure Python and come from the package index.
+For Blender, wheels of weftex are taken from the folder, for each system that it has one for;
+without a folder one is built for this machine. The packages that weftex needs besides NumPy and
+OpenImageIO, which Blender and arrays do without, are pure Python and come from the package index.
+The plug-ins of GIMP and Krita call the command weftex: they contain no wheels, but the options that
+weftex declares.
 """
 
 from __future__ import annotations
 
 import argparse
+import json
 import shutil
 import subprocess
 import sys
 import tempfile
 import zipfile
 from pathlib import Path
+from typing import Any
 
 HERE = Path(__file__).resolve().parent
 _PURE = ["threadpoolctl>=3.1", "tqdm>=4.66"]
@@ -26,6 +30,14 @@ _SYSTEMS = {
     "macosx": "macos-arm64",
     "win_amd64": "windows-x64",
 }
+#: The options that dialogs of GIMP and Krita show, beside the method and the seed.
+_DIALOGS = {
+    "synth": ("size", "tileable", "landmarks"),
+    "tile": ("axes", "border"),
+    "fill": ("overlap", "match_tone"),
+    "fuse": ("boundary", "belt_width", "tileable"),
+}
+_METHOD = "synthesis method; weftex chooses one for the sample unless you do"
 
 
 def blender(wheels: Path | None, output: Path) -> Path:
@@ -62,20 +74,68 @@ def blender(wheels: Path | None, output: Path) -> Path:
     return path
 
 
+def gimp(wheels: Path | None, output: Path) -> Path:
+    """Write the plug-in as a ZIP file that is unpacked in GIMP's folder of plug-ins."""
+    return _plug_in("gimp", HERE / "gimp" / "weftex", output)
+
+
+def krita(wheels: Path | None, output: Path) -> Path:
+    """Write the plug-in as a ZIP file that Krita's *Import Python Plugin from File* takes."""
+    return _plug_in("krita", HERE / "krita" / "weftex_krita", output)
+
+
+def _plug_in(host: str, source: Path, output: Path) -> Path:
+    """Write a plug-in with the shared files and the options; return its path."""
+    output.mkdir(parents=True, exist_ok=True)
+    path = output / f"weftex_{host}.zip"
+    files = [*sorted(source.iterdir()), *sorted((HERE / "shared").glob("*.py"))]
+    files += [HERE / host / "README.md", HERE.parent / "LICENSE"]
+    with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as archive:
+        for file in files:
+            if file.is_file():
+                archive.write(file, f"{source.name}/{file.name}")
+        for beside in sorted((HERE / host).glob("*.desktop")):
+            archive.write(beside, beside.name)
+        archive.writestr(f"{source.name}/options.json", json.dumps(_declared(), indent=1))
+    return path
+
+
+def _declared() -> dict[str, list[dict[str, Any]]]:
+    """Return the options of dialogs by tasks, as weftex declares them."""
+    from weftex.methods import METHODS
+    from weftex.recipe import SEED, TASKS
+
+    found = {}
+    for task, names in _DIALOGS.items():
+        shown = [TASKS[task].options[name] for name in names]
+        rows = [{**one.as_json(), "flag": one.flag} for one in (*shown, SEED)]
+        holes = task in ("tile", "fill")
+        able = [slug for slug in METHODS if not holes or "known" in METHODS[slug].supports]
+        choices = [["auto", "Automatic"], *([slug, METHODS[slug].title] for slug in able)]
+        method = {"name": "method", "flag": "--method", "type": "text", "choices": choices}
+        rows.append({**method, "help": _METHOD, "default": "auto", "default_text": ""})
+        keys = ("name", "flag", "type", "help", "default", "default_text", "choices")
+        found[task] = [{key: row[key] for key in keys} for row in rows]
+    return found
+
+
 def _pip(*arguments: str) -> None:
     subprocess.run(
         [sys.executable, "-m", "pip", arguments[0], "--quiet", *arguments[1:]], check=True
     )
 
 
+HOSTS = {"blender": blender, "gimp": gimp, "krita": krita}
+
+
 def main() -> None:
     """Package the integration that the command line names."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("host", choices=["blender"])
+    parser.add_argument("host", choices=list(HOSTS))
     parser.add_argument("--wheels", type=Path, help="folder with wheels of weftex")
     parser.add_argument("--output", type=Path, default=Path("dist"), help="folder to write to")
     given = parser.parse_args()
-    print(blender(given.wheels, given.output))
+    print(HOSTS[given.host](given.wheels, given.output))
 
 
 if __name__ == "__main__":
