@@ -15,12 +15,12 @@ TESTS = Path(__file__).parent
 READ = ("methods", "repeats", "search", "seams")
 #: Lower a ceiling when the code has become smaller; a feature that needs room removes something.
 CEILINGS = {
-    "lines of Python in src": 46_787,
-    "of these code": 32_774,
+    "lines of Python in src": 46_767,
+    "of these code": 32_756,
     "modules": 295,
     "kernel classes": 24,
     "names that several kernel classes have": 0,
-    "lines of tests": 25_398,
+    "lines of tests": 25_390,
     "quilting: files to read": 12,
     "quilting: lines to read": 2_823,
     "graphcut: files to read": 18,

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import io
+import json
 import time
 
 import numpy as np
 import pytest
 
 import weftex
+from commands import weft_run
 from weftex import progress
 from weftex.cli import terminal
 
@@ -31,6 +33,15 @@ def test_a_slow_stage_after_a_fast_one_is_shown(monkeypatch):
     bar = terminal.run(work, quiet=False)[1]
     assert "pixels" in screen.getvalue() and "7/40" in screen.getvalue()
     assert [*bar.seconds] == ["preparing", "pixels", "repairs"] and bar.seconds["repairs"] > 0.1
+
+
+def test_a_program_gets_objects(here, capfd):
+    words = ("synth", "sample.png", "-o", "a.png", "--size", 300, "--method", "efros-leung")
+    assert weft_run("--for-program", *words) == 0
+    assert weft_run("--for-program", "synth", "-", "-o", "a.png") == 2
+    *steps, made, failed = map(json.loads, capfd.readouterr().err.splitlines())
+    assert len(steps) > 1 and all([*one] == ["done", "of", "stage"] for one in steps)
+    assert "made 300x300 a.png" in made["message"] and "takes files" in failed["error"]
 
 
 def test_true_is_a_bar(capsys, monkeypatch):

@@ -3,7 +3,6 @@
 import json
 import os
 import random
-import shutil
 import signal
 import subprocess
 import sys
@@ -40,9 +39,6 @@ def samples(here):
 WORDS = ("--method", "quilting", "--patch-size", "12", "--size", "50x48", "--seed", "7")
 
 
-TYPES = {"grass": "png", "sand": "jpg"}
-
-
 def records(folder):
     lines = (folder / "manifest.jsonl").read_text().splitlines()
     return {one["output"]: one for one in map(json.loads, lines)}
@@ -58,7 +54,9 @@ def contents(folder):
 
 def test_pictures_and_sets(here, samples):
     assert weft_run("batch", "samples", "out", *WORDS, "--count", "2") == 0
-    expected = {f"{name}_{seed}.{t}" for name, t in TYPES.items() for seed in (7, 8)}
+    expected = {
+        f"{name}_{seed}.{t}" for name, t in (("grass", "png"), ("sand", "jpg")) for seed in (7, 8)
+    }
     expected |= {f"wall_{s}/wall_{m}.png" for s in (7, 8) for m in ("color", "height")}
     assert set(contents(here / "out")) == expected
     method = weftex.Quilting(patch_size=12)
@@ -89,9 +87,8 @@ def test_nothing_is_overwritten_unless_told(here, samples, capsys):
     weft_run("batch", "samples", "out", *WORDS)
     before = contents(here / "out")
     capsys.readouterr()
-    assert "is there; give --skip-existing" in fails(
-        capsys, here, "batch", "samples", "out", *WORDS
-    )
+    message = fails(capsys, here, "batch", "samples", "out", *WORDS)
+    assert "is there; give --skip-existing" in message
     (here / "out" / "grass.png").unlink()
     assert weft_run("batch", "samples", "out", *WORDS, "--skip-existing") == 0
     assert contents(here / "out") == before
@@ -112,8 +109,7 @@ def test_a_file_of_somebody_else_is_kept(here, samples, capsys):
 
 def test_the_best_are_kept(here, samples):
     for folder in ("wall", "sand.jpg"):
-        path = samples / folder
-        shutil.rmtree(path) if path.is_dir() else path.unlink()
+        remove(str(samples / folder))
     write_image(samples / "grass.png", read_image("sample:pebbles").pixels[:64, :64])
     words = ["--method", "quilting", "--size", "72", "--count", "3"]
     assert weft_run("batch", "samples", "all", *words, "--score") == 0
@@ -139,10 +135,8 @@ def test_names_of_a_scheme_and_of_a_template(here, samples):
     (samples / "grass.png").unlink()
     (samples / "sand.jpg").unlink()
     assert weft_run("batch", "samples", "out", *WORDS, *words) == 0
-    assert set(contents(here / "out")) == {
-        "7-wall/7-wall_Color.png",
-        "7-wall/7-wall_Displacement.png",
-    }
+    maps = ("Color", "Displacement")
+    assert set(contents(here / "out")) == {f"7-wall/7-wall_{name}.png" for name in maps}
 
 
 def test_one_bad_sample_does_not_stop_the_others(here, samples, capsys):

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import re
+import struct
+import zlib
 
 import numpy as np
 import pytest
@@ -65,15 +67,13 @@ WRONG = [
     ("replay photo.png sample.png -o x.png", "not a saved weftex result"),
     ("replay a.npz photo.png -o x.png", "integer multiple"),
     ("methods quiltin", "did you mean 'quilting'"),
+    ("explain sample.png x --at 1", "--at is '1'; it must be ROW,COLUMN"),
     ("samples more", "unexpected argument"),
 ]
 
 
 @pytest.mark.parametrize(("words", "message"), WRONG, ids=[words[:60] for words, _ in WRONG])
 def test_bad_input_is_one_line_and_leaves_everything(here, capsys, words, message):
-    import struct
-    import zlib
-
     whole = (here / "sample.png").read_bytes()
     (here / "old.png").write_bytes(whole)
     (here / "cut.png").write_bytes(whole[: len(whole) // 2])

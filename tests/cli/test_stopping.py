@@ -29,27 +29,16 @@ def signal_main_thread(number):
     signal.pthread_kill(threading.main_thread().ident, number)
 
 
+@pytest.mark.parametrize("seconds", [0, 2 * terminal._PATIENCE])
 @pytest.mark.parametrize("number", terminal._SIGNALS)
-def test_a_signal_that_comes_too_late_is_no_failure(tmp_path, number):
-    def work(bar, outputs):
-        for name in ("a.png", "b.png"):
-            with open(outputs.add(tmp_path / name), "w") as file:
-                file.write(name)
-        signal_main_thread(number)
-        return "made"
-
-    assert terminal.run(work, quiet=True)[0] == "made"
-    assert sorted(os.listdir(tmp_path)) == ["a.png", "b.png"]
-
-
-def test_files_that_appear_are_not_cut_off(tmp_path, monkeypatch):
+def test_files_that_appear_are_not_cut_off(tmp_path, monkeypatch, number, seconds):
     """However long the disk takes, either all of them are there or the exit code says otherwise."""
     sync = os.fsync
 
-    def slow(number):
-        signal_main_thread(signal.SIGTERM)
-        time.sleep(2 * terminal._PATIENCE)
-        sync(number)
+    def slow(file):
+        signal_main_thread(number)
+        time.sleep(seconds)
+        sync(file)
 
     monkeypatch.setattr(os, "fsync", slow)
     monkeypatch.setattr(os, "_exit", lambda code: pytest.fail("cut off"))

@@ -9,6 +9,7 @@ from functools import partial
 from importlib import import_module
 from typing import NoReturn
 
+from weftex.cli import terminal
 from weftex.cli.terminal import (
     Stopped,
     hear_signals,
@@ -50,6 +51,7 @@ usage: weftex COMMAND ...      (weftex COMMAND --help shows its options)
   weftex synth brick.png -o tile.png --size 2k --tileable --seed 7
   weftex synth - -o - < brick.png > wall.png       through pipes, as PNG; -o -.exr writes EXR
   weftex fill photo.png --mask hole.png -o whole.png
+  weftex --for-program synth ...                   messages and progress as JSON
   weftex --version
 
 exit codes: 0 success; 2 error, explained in one line; 130 Ctrl-C; 143 SIGTERM; 129 SIGHUP;
@@ -64,8 +66,10 @@ def main(argv: list[str] | None = None) -> int:
         # Matrix products are small here: threads for them take longer to start than they save.
         os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     try:
+        arguments = sys.argv[1:] if argv is None else argv
+        terminal.for_program = arguments[:1] == ["--for-program"]
         try:
-            _run(sys.argv[1:] if argv is None else argv)
+            _run(arguments[terminal.for_program :])
         except SystemExit as end:  # argparse after --help
             return int(end.code or 0)
         finally:
@@ -73,18 +77,18 @@ def main(argv: list[str] | None = None) -> int:
         return 0
     except (KeyboardInterrupt, Stopped) as end:
         end = end if isinstance(end, Stopped) else Stopped(130)
-        say(f"stopped; {end.left}")
+        say(end.left, "stopped")
         return end.code
     except MemoryError as error:
-        say(f"error: not enough memory{f' ({error})' if str(error) else ''}; make it smaller")
+        say(f"not enough memory{f' ({error})' if str(error) else ''}; make it smaller", "error")
     except WeftexError as error:
         hint = "; --allow-huge takes it anyway" if "max_pixels" in str(error) else ""
-        say(f"error: {error}{hint}")
+        say(f"{error}{hint}", "error")
     except BrokenPipeError:  # such as 'weftex methods | head'
         return 141
     except OSError as error:
         what = f"{error.filename}: " if error.filename else ""
-        say(f"error: {what}{error.strerror or error}")
+        say(f"{what}{error.strerror or error}", "error")
     return 2
 
 
@@ -106,6 +110,8 @@ def _run(arguments: list[str]) -> None:
         what = "option" if name.startswith("-") else "command"
         raise InvalidInputError(f"unknown {what} '{name}'{did_you_mean(name, _COMMANDS)}")
     elif any(word.startswith("-") and word[1:2] in ("", ".") for word in arguments):
+        if terminal.for_program:
+            raise InvalidInputError("--for-program takes files; - stands for a pipe")
         from weftex.io.streams import as_files
 
         sending = partial(hear_signals, "standard output may have got a part")

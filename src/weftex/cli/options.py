@@ -5,19 +5,17 @@ from __future__ import annotations
 import os
 from typing import TYPE_CHECKING, Any
 
-from weftex.cli.parser import BLOCKS, HUGE
+from weftex.cli.parser import BLOCKS, HUGE, Parser
 from weftex.errors import InvalidInputError
 from weftex.recipe import TASKS, Recipe
 from weftex.recipe.command_line import json_of
-from weftex.recipe.options import SIZE
+from weftex.recipe.options import SIZE, Option
 
 if TYPE_CHECKING:
     import argparse
     from collections.abc import Iterable, Iterator
 
-    from weftex.cli.parser import Parser
     from weftex.method import Method
-    from weftex.recipe.options import Option
 
 
 def given_blocks(args: argparse.Namespace) -> list[str]:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 from weftex.canvas import MAX_PIXELS
 from weftex.cli.options import given_blocks
 from weftex.cli.parser import HUGE
-from weftex.cli.terminal import finish, say
+from weftex.cli.terminal import Bar, Outputs, finish, say
 from weftex.errors import InvalidInputError
 from weftex.io.formats import suffix_of
 from weftex.planes.files import ALWAYS, SUFFIXES, check_target
@@ -18,7 +18,6 @@ from weftex.planes.files import ALWAYS, SUFFIXES, check_target
 if TYPE_CHECKING:
     import argparse
 
-    from weftex.cli.terminal import Bar, Outputs
     from weftex.exemplar.material import Material
     from weftex.planes.definition import Definition
     from weftex.recipe import Recipe

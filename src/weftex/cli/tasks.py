@@ -6,13 +6,12 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from weftex.cli.options import given_blocks, parse_task
 from weftex.cli.parser import BLOCKS, Parser
-from weftex.cli.terminal import finish
+from weftex.cli.terminal import Bar, Outputs, finish
 from weftex.recipe.declared import options_of
 
 if TYPE_CHECKING:
     import argparse
 
-    from weftex.cli.terminal import Bar, Outputs
     from weftex.recipe import Recipe
     from weftex.recipe.opening import OpenedRecipe
     from weftex.results.synthesis import Synthesis

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import os
+import select
 import signal
+import stat
 import sys
 import threading
 from collections.abc import Callable
@@ -25,6 +27,8 @@ _SIGNALS = [
     getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name)
 ]
 _heard: list[int] = []
+#: Whether a program runs the command: messages are JSON, and closing standard input stops it.
+for_program = False
 
 
 class Stopped(BaseException):
@@ -83,7 +87,7 @@ class Bar(progress.Bar):
     def __init__(self, quiet: bool) -> None:
         super().__init__(_BAR_AFTER)
         self._at_stop: list[Callable[[], None]] = []
-        self._shows = not quiet and sys.stderr.isatty()
+        self._shows = not quiet and (for_program or sys.stderr.isatty())
         self.stopped = False
 
     def __call__(self, done: int, total: int, stage: str, preview: Callable[[], Any]) -> bool:
@@ -99,8 +103,11 @@ class Bar(progress.Bar):
         return perf_counter() - self._start
 
     def show(self) -> None:
-        """Draw, if it is time."""
-        if self._shows and self._is_time(perf_counter()):
+        """Draw, if it is time; a program gets every change."""
+        if self._shows and for_program and self._now != self._drawn:
+            self._drawn = self._now
+            _print_fields(dict(zip(("done", "of", "stage"), self._now, strict=True)))
+        elif self._shows and not for_program and self._is_time(perf_counter()):
             self.draw()
 
     def stop(self) -> None:
@@ -185,6 +192,8 @@ def run(work: Callable[[Bar, Outputs], Result], quiet: bool) -> tuple[Result, Ba
         threading.Thread(target=begin, daemon=True).start()
         while not ended.wait(progress.PAUSE):  # for ever, and Windows would not notice Ctrl-C
             bar.show()
+            if for_program and _input_closed():
+                raise Stopped(129, bar.left)
         ignore_signals()
     except (KeyboardInterrupt, Stopped) as error:
         ignore_signals()
@@ -193,7 +202,7 @@ def run(work: Callable[[Bar, Outputs], Result], quiet: bool) -> tuple[Result, Ba
         if not ended.wait(_PATIENCE) and outputs.appearing.acquire(blocking=False):
             remove_temporary_files()
             outputs.sweep()
-            say(f"stopped; {bar.left}")
+            say(bar.left, "stopped")
             os._exit(stopped.code)
         ended.wait()
     finally:
@@ -227,12 +236,41 @@ def print_json(found: object) -> None:
     print(json.dumps(found, indent=1, default=str))
 
 
-def say(text: str) -> None:
+def say(text: str, kind: str = "message") -> None:
     """Print one line about this program on standard error, with escapes for what is not printable.
 
     Reasons, names of maps and paths may come from files of strangers.
     """
     streams = sys.modules.get("weftex.io.streams")
-    text = streams.unhidden(text) if streams is not None else text
+    text = " ".join((streams.unhidden(text) if streams is not None else text).split())
+    if for_program:
+        _print_fields({kind: text})
+        return
+    before = {"message": "", "error": "error: ", "stopped": "stopped; "}[kind]
     with suppress(OSError):
-        print("weftex: " + printable(" ".join(text.split())), file=sys.stderr, flush=True)
+        print(f"weftex: {before}{printable(text)}", file=sys.stderr, flush=True)
+
+
+def _print_fields(fields: dict[str, Any]) -> None:
+    """Print a JSON object as one line on standard error."""
+    import json
+
+    with suppress(OSError):
+        print(json.dumps(fields), file=sys.stderr, flush=True)
+
+
+def _input_closed() -> bool:
+    """Whether standard input is a pipe whose other end was closed; what it sent is discarded."""
+    mode = os.fstat(0).st_mode
+    if not stat.S_ISFIFO(mode) and not stat.S_ISSOCK(mode):
+        return False
+    if sys.platform == "win32":
+        import _winapi
+        import msvcrt
+
+        try:
+            _winapi.PeekNamedPipe(msvcrt.get_osfhandle(0), 0)
+        except BrokenPipeError:
+            return True
+        return False
+    return bool(select.select([0], [], [], 0)[0]) and not os.read(0, 4096)

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from weftex import Exemplar, Synthesis, assess, load_exemplar
+from weftex import Assessment, Exemplar, Synthesis, assess, load_exemplar
 from weftex.pages.html import Page, document, number, parameters, pictures, small, table
 from weftex.quality import FIGURES, LARGEST_MEASURED, SCORE, as_shown, fault_maps, real_crops
 
@@ -18,8 +18,6 @@ if TYPE_CHECKING:
 
     import numpy as np
     from numpy.typing import NDArray
-
-    from weftex import Assessment
 
     Bytes = NDArray[np.uint8]
 

@@ -7,7 +7,7 @@ import json
 from typing import TYPE_CHECKING, Any
 
 from weftex.errors import InvalidInputError, did_you_mean, missing_packages, shown
-from weftex.planes.definition import define
+from weftex.planes.definition import Definition, define
 from weftex.tasks.method_names import AUTO
 
 if TYPE_CHECKING:
@@ -15,7 +15,6 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from weftex import Method
-    from weftex.planes.definition import Definition
 
 _BLOCK = 1024
 _MOST_BLOCKS = 10**6  # along a side

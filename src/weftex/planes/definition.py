@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 import weftex
-from weftex import Exemplar
+from weftex import Exemplar, Method
 from weftex.errors import FileError, InvalidInputError, shown
 from weftex.io.npz import open_npz
 from weftex.io.pictures import atomic
@@ -29,7 +29,6 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from weftex import Method
     from weftex.method import Model
     from weftex.planes.layout import Window
     from weftex.planes.store import Store

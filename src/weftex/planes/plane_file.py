@@ -10,14 +10,13 @@ from typing import TYPE_CHECKING, Any
 from weftex.errors import FileError
 from weftex.planes.definition import Definition
 from weftex.planes.record import Record
-from weftex.planes.store import check_sum
+from weftex.planes.store import Store, check_sum
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterator, Mapping
 
     from weftex import Exemplar
     from weftex.planes.layout import Place, Window
-    from weftex.planes.store import Store
 
     Sums = Mapping[Place, tuple[int, ...]]
 

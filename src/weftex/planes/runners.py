@@ -19,13 +19,12 @@ import weftex
 from weftex.errors import FileError, InvalidInputError, WeftexError, missing_packages
 from weftex.planes.record import Record
 from weftex.planes.store import KEPT
-from weftex.processes import LostError
+from weftex.processes import LostError, Workers
 from weftex.threads import in_turn, thread_count
 
 if TYPE_CHECKING:
     from weftex.planes.layout import Place
     from weftex.planes.plane_file import PlaneFile
-    from weftex.processes import Workers
     from weftex.progress import Progress
 
     #: Makes blocks of one level for the run of a record, which are done when it gives them.

@@ -18,7 +18,7 @@ from weftex.planes.files import check_target
 from weftex.planes.plane_file import PlaneFile, open_plane
 from weftex.planes.record import Record
 from weftex.planes.runners import in_threads
-from weftex.progress import Progress
+from weftex.progress import Progress, ProgressCallback
 from weftex.tasks.method_names import AUTO
 
 if TYPE_CHECKING:
@@ -27,7 +27,6 @@ if TYPE_CHECKING:
     from weftex import Method
     from weftex.planes.plane_file import Sums
     from weftex.planes.runners import Runner
-    from weftex.progress import ProgressCallback
 
 
 @dataclass(frozen=True)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import shlex
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from weftex.errors import InvalidInputError
@@ -13,8 +13,6 @@ from weftex.recipe.fields import Fields, checked_material
 from weftex.recipe.options import PICTURE, Option, plain
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
     Words = Sequence[str]
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Self
 
@@ -12,8 +12,6 @@ from weftex.recipe.declared import GRADIENT, MATERIAL, SEED, TASKS
 from weftex.recipe.options import PICTURE, plain
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable
-
     from weftex.method import Method
 
 _ALL = ("task", "materials", "seed", "method", "parameters")

@@ -10,7 +10,7 @@ from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import weftex
-from weftex.analysis.drawn import LatticeRating, draw
+from weftex.analysis.drawn import Lattice, LatticeRating, Rated, draw
 from weftex.errors import InvalidInputError
 from weftex.recipe import checked_material, pictures_of
 from weftex.recipe.opening import PreparedMaterial, prepare_material, read_described
@@ -22,7 +22,6 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from weftex import Exemplar
-    from weftex.analysis.drawn import Lattice, Rated
     from weftex.choice import Choice
     from weftex.studio.sessions import Session
 

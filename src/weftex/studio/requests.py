@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Sequence
+from collections.abc import Awaitable, Callable, Sequence
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from anyio import to_thread
@@ -14,8 +14,6 @@ from weftex.studio.pictures import packed
 from weftex.studio.refusals import Refusal
 
 if TYPE_CHECKING:
-    from collections.abc import Awaitable, Callable
-
     import numpy as np
     from numpy.typing import NDArray
     from starlette.requests import Request

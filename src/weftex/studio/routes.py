@@ -6,7 +6,7 @@ import asyncio
 import time
 from typing import TYPE_CHECKING, Any
 
-from starlette.responses import FileResponse, JSONResponse
+from starlette.responses import FileResponse, JSONResponse, Response
 
 import weftex
 from weftex.errors import InvalidInputError, shown
@@ -18,8 +18,8 @@ from weftex.studio.jobs import ENDED, Job
 from weftex.studio.materials import id_of, map_of
 from weftex.studio.pictures import shown_smaller, smaller, source_of, times_smaller, whole_number
 from weftex.studio.refusals import Refusal, answer_of
-from weftex.studio.requests import route
-from weftex.studio.synthesis import begin_plane, open_job, plane_window
+from weftex.studio.requests import Call, route
+from weftex.studio.synthesis import Result, begin_plane, open_job, plane_window
 from weftex.studio.uploads import IncomingUpload, label_of
 from weftex.studio.work import Batch, compared, plain, several
 
@@ -28,12 +28,9 @@ if TYPE_CHECKING:
 
     import numpy as np
     from numpy.typing import NDArray
-    from starlette.responses import Response
 
     from weftex import Exemplar
     from weftex.recipe.opening import PreparedMaterial
-    from weftex.studio.requests import Call
-    from weftex.studio.synthesis import Result
 
 
 @route("POST", "/session")

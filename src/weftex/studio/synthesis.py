@@ -9,7 +9,7 @@ from time import perf_counter
 from typing import TYPE_CHECKING, Any, cast
 
 from weftex.recipe import Recipe
-from weftex.recipe.opening import open_recipe
+from weftex.recipe.opening import OpenedRecipe, open_recipe
 from weftex.studio.materials import id_of, load_material, map_of, maps_of, size_of
 from weftex.studio.pictures import shown, whole_number
 from weftex.studio.refusals import Refusal
@@ -25,7 +25,6 @@ if TYPE_CHECKING:
     from weftex.io.pictures import Picture
     from weftex.method import Model
     from weftex.progress import ProgressCallback
-    from weftex.recipe.opening import OpenedRecipe
     from weftex.studio.sessions import Session
 
 

@@ -11,14 +11,11 @@ from urllib.parse import unquote
 from weftex.errors import FileError, InvalidInputError
 from weftex.exemplar.material import read_material
 from weftex.io.formats import kind_of
-from weftex.io.pictures import read_image
+from weftex.io.pictures import Picture, read_image
 from weftex.recipe import checked_material
 from weftex.studio.refusals import Refusal
 
 if TYPE_CHECKING:
-    from pathlib import Path
-
-    from weftex.io.pictures import Picture
     from weftex.studio.limits import Limits
     from weftex.studio.sessions import Session
 

@@ -15,7 +15,7 @@ from weftex.studio import results
 from weftex.studio.exports import DATE, ExportOptions, pack, write
 from weftex.studio.materials import id_of
 from weftex.studio.refusals import answer_of
-from weftex.studio.synthesis import make, open_job
+from weftex.studio.synthesis import Result, make, open_job
 from weftex.studio.uploads import label_of
 
 if TYPE_CHECKING:
@@ -25,7 +25,6 @@ if TYPE_CHECKING:
     from weftex.recipe import Recipe
     from weftex.studio.downloads import Downloads
     from weftex.studio.jobs import Job
-    from weftex.studio.synthesis import Result
 
 MOST_SEEDS = 16
 _MOST_IN_BATCH = 1000

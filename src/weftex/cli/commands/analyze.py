@@ -2,15 +2,10 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 from weftex.cli.files import load_sample
 from weftex.cli.parser import Parser
 from weftex.cli.terminal import print_json
 from weftex.recipe import MATERIAL
-
-if TYPE_CHECKING:
-    pass
 
 _ABOUT = """\
 Measure the scale, the lattice and the evenness of a sample, and recommend window sizes.\

@@ -12,23 +12,21 @@ from weftex.canvas import as_canvas
 from weftex.cli.files import open_materials, pixels_of, plan
 from weftex.cli.options import parse_task
 from weftex.cli.parser import Parser
-from weftex.cli.terminal import Outputs, finish, say
+from weftex.cli.terminal import Bar, Outputs, finish, say
 from weftex.errors import CancelledError, FileError, InvalidInputError, WeftexError, shown
 from weftex.io.formats import READABLE, suffix_of, written_as
 from weftex.io.manifest import MANIFEST, Manifest, unfinished
 from weftex.io.map_files import map_files
 from weftex.processes import LostError, Workers
 from weftex.quality.score import MapsScorer
-from weftex.recipe import MATERIAL, SEED
+from weftex.recipe import MATERIAL, SEED, Recipe
 from weftex.recipe.declared import OUTPUT_SIZE, TILEABLE
 from weftex.threads import in_turn, thread_count
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
-    from weftex.cli.terminal import Bar
     from weftex.method import Model
-    from weftex.recipe import Recipe
     from weftex.recipe.opening import OpenedRecipe
     from weftex.results.synthesis import Synthesis
 

@@ -2,18 +2,13 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 from weftex.cli.options import check_numbers, check_size
 from weftex.cli.parser import Parser
-from weftex.cli.terminal import finish, print_json
+from weftex.cli.terminal import Bar, Outputs, finish, print_json
 from weftex.errors import InvalidInputError
 from weftex.recipe import MATERIAL, SEED
 from weftex.recipe.command_line import value_of
 from weftex.recipe.declared import OUTPUT_SIZE, TILEABLE
-
-if TYPE_CHECKING:
-    from weftex.cli.terminal import Bar, Outputs
 
 _ABOUT = """\
 Run every method on one sample, and write a page with the results, the source of every pixel, the

@@ -3,14 +3,10 @@
 from __future__ import annotations
 
 import os
-from typing import TYPE_CHECKING
 
 from weftex.cli.files import read_input
 from weftex.cli.parser import Parser
-from weftex.cli.terminal import finish
-
-if TYPE_CHECKING:
-    from weftex.cli.terminal import Bar, Outputs
+from weftex.cli.terminal import Bar, Outputs, finish
 
 _ABOUT = """\
 Estimate height and normals from the brightness of a photo, and write them as a map set. Dark pixels

@@ -2,18 +2,15 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from weftex.cli.options import parse_task
 from weftex.cli.parser import Parser
-from weftex.cli.terminal import finish
+from weftex.cli.terminal import Bar, Outputs, finish
 from weftex.errors import InvalidInputError
+from weftex.recipe.command_line import value_of
 from weftex.recipe.declared import OUTPUT_SIZE, SEED, TILEABLE
-
-if TYPE_CHECKING:
-    import argparse
-
-    from weftex.cli.terminal import Bar, Outputs
+from weftex.recipe.options import PIXEL, Option
 
 _ABOUT = """\
 Show step by step how a method chooses one pixel: neighborhoods, errors, candidates, cuts, pyramid
@@ -27,6 +24,10 @@ examples:
   weftex explain moss.png work/ --method wei-levoy --size 64 --at 40,30
 """
 
+_AT = Option(
+    "at", PIXEL, "row and column of the pixel", default_text="one past the middle", metavar="Y,X"
+)
+
 
 def run(argv: list[str]) -> None:
     """Run the command; `argv` is what follows its name."""
@@ -35,14 +36,12 @@ def run(argv: list[str]) -> None:
         "materials", metavar="SAMPLE", help="image, or sample:NAME; a small one is enough"
     )
     parser.add_argument("output", metavar="OUT", help="folder, or image, to write")
-    text = "row and column of the pixel; default: one past the middle"
-    parser.add_argument("--at", metavar="Y,X", help=text)
-    options = [OUTPUT_SIZE._replace(default_text="128"), TILEABLE, SEED]
+    options = [_AT, OUTPUT_SIZE._replace(default_text="128"), TILEABLE, SEED]
     usual = "patch-sampling"
     args, recipe = parse_task("synth", parser, argv, options, method=usual, usual=usual)
     if args.threads is not None:
         raise InvalidInputError("--threads has no effect: one thread works, so that it can be seen")
-    at = _at(args)
+    at = value_of(_AT, vars(args))
 
     def work(bar: Bar, outputs: Outputs) -> str:
         from weftex.cli.files import open_materials
@@ -67,15 +66,3 @@ def run(argv: list[str]) -> None:
         )
 
     finish(work, args.quiet)
-
-
-def _at(args: argparse.Namespace) -> tuple[int, int] | None:
-    if args.at is None:
-        return None
-    try:
-        y, x = (int(word) for word in args.at.split(","))
-    except ValueError:
-        raise InvalidInputError(
-            f"--at is '{args.at}'; it must be ROW,COLUMN, such as 40,30"
-        ) from None
-    return y, x

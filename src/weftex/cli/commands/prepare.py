@@ -2,16 +2,11 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 from weftex.cli.parser import Parser
-from weftex.cli.terminal import finish
+from weftex.cli.terminal import Bar, Outputs, finish
 from weftex.errors import InvalidInputError
 from weftex.recipe import LANDMARKS, MATERIAL, PREPARATION
 from weftex.recipe.command_line import described_material, value_of
-
-if TYPE_CHECKING:
-    from weftex.cli.terminal import Bar, Outputs
 
 _ABOUT = """\
 Straighten a photo, even its lighting, and remove landmarks, to get a sample for any other command.

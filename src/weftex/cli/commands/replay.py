@@ -7,11 +7,10 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from weftex.cli.parser import Parser
-from weftex.cli.terminal import finish
+from weftex.cli.terminal import Bar, Outputs, finish
 from weftex.roles import role_of
 
 if TYPE_CHECKING:
-    from weftex.cli.terminal import Bar, Outputs
     from weftex.exemplar import Exemplar
     from weftex.exemplar.material import Material
 
