@@ -15,8 +15,8 @@ TESTS = Path(__file__).parent
 READ = ("methods", "repeats", "search", "seams")
 #: Lower a ceiling when the code has become smaller; a feature that needs room removes something.
 CEILINGS = {
-    "lines of Python in src": 46_767,
-    "of these code": 32_756,
+    "lines of Python in src": 46_766,
+    "of these code": 32_755,
     "modules": 295,
     "kernel classes": 24,
     "names that several kernel classes have": 0,
