@@ -15,7 +15,6 @@ import importlib.util
 import os
 import random
 import signal
-import socket
 import subprocess
 import sys
 import tempfile
@@ -24,7 +23,7 @@ import time
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
-from processes import ENVIRONMENT, weftex_process
+from processes import weftex_process
 
 sys.path.append(str(Path(__file__).parent / "studio"))
 PLANE = ["synth", "sample:bricks", "--method", "best-tile", "--lattice", "64,0,0,32", "--quiet"]
@@ -84,48 +83,6 @@ def parts(folder, long):
         assert [ended(run) for run in runs] == [(0, "")] * 8
         done(*words)
         check(target, folder, 1)
-
-
-def cluster(folder, long):
-    """A client is killed, and its worker goes on after another run began the plane again."""
-    if importlib.util.find_spec("distributed") is None:
-        raise Skipped("distributed is not installed")
-    with socket.socket() as one:
-        one.bind(("127.0.0.1", 0))
-        port = one.getsockname()[1]
-    address = f"tcp://127.0.0.1:{port}"
-
-    def dask(*words):
-        quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
-        command = [sys.executable, "-m", "dask", *words, "--no-dashboard"]
-        process = subprocess.Popen(command, env=ENVIRONMENT, **quiet)
-        stack.callback(process.wait)
-        stack.callback(process.kill)
-        return process
-
-    with contextlib.ExitStack() as stack:
-        dask("scheduler", "--host", "127.0.0.1", "--port", str(port))
-        workers = [dask("worker", address, "--nthreads", "1", "--no-nanny") for _ in range(2)]
-        for turn in range(10 if long else 1):
-            target = folder / f"cluster{turn}.tif"
-            words = [*PLANE, "-o", target]
-            client = weftex_process(*words, "--seed", 1, "--cluster", address)
-            while blocks(target) < 10:
-                assert client.poll() is None, client.communicate()
-                time.sleep(0.01)
-            for worker in workers:
-                worker.send_signal(signal.SIGSTOP)
-            client.kill()
-            client.communicate()
-            again = weftex_process(*words, "--seed", 2, "--restart")
-            time.sleep(2)
-            for worker in workers:
-                worker.send_signal(signal.SIGCONT)
-            assert ended(again) == (0, "")
-            time.sleep(3)  # for what the workers still have to do
-            check(target, folder, 2)
-            done(*words, "--seed", 2, "--restart", "--cluster", address)
-            check(target, folder, 2)
 
 
 def kills(folder, long):
@@ -238,7 +195,7 @@ def studio(folder, long):
             second.end(signal.SIGTERM)
 
 
-FAULTS = {act.__name__: act for act in (parts, cluster, kills, disk, writers, studio)}
+FAULTS = {act.__name__: act for act in (parts, kills, disk, writers, studio)}
 
 
 def main():

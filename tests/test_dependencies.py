@@ -345,7 +345,7 @@ MODULES = {
     "explanation": "explain Explanation Stage",
     "label_maps": "Gradient",
     "pages": "compare Comparison report Report",
-    "planes": "check open_plane plane PlaneFile repair stream Written",
+    "planes": "check open_plane PlaneFile repair stream Written",
     "prepare": "estimate_maps even_light straighten together turned",
     "reference": None,
     "studio": "view",

@@ -15,14 +15,23 @@ TESTS = Path(__file__).parent
 READ = ("methods", "repeats", "search", "seams")
 #: Lower a ceiling when the code has become smaller; a feature that needs room removes something.
 CEILINGS = {
+<<<<<<< HEAD
     "lines of Python in src": 46_766,
     "of these code": 32_755,
     "modules": 295,
     "kernel classes": 24,
     "names that several kernel classes have": 0,
     "lines of tests": 25_390,
+=======
+    "lines of Python in src": 46_419,
+    "of these code": 32_519,
+    "modules": 293,
+    "kernel classes": 24,
+    "names that several kernel classes have": 0,
+    "lines of tests": 25_223,
+>>>>>>> 9fb4b269 (Fewer ways to one large image: job arrays without Dask's scheduler and lazy planes, TIFF and Zarr without Deep Zoom)
     "quilting: files to read": 12,
-    "quilting: lines to read": 2_823,
+    "quilting: lines to read": 2_821,
     "graphcut: files to read": 18,
     "graphcut: lines to read": 4_222,
     "efros-leung: files to read": 8,

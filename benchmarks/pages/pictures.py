@@ -64,7 +64,7 @@ def pictures_of(file: str) -> Iterator[Image.Image]:
             r'src="data:image/png;base64,([^"]+)"', Path(file).read_text("utf-8")
         ):
             yield Image.open(io.BytesIO(base64.b64decode(data))).convert("RGB")
-    elif file.endswith(".dzi"):
+    elif file.endswith(".tif"):
         yield from zooms(file)
     elif file.endswith((".png", ".jpg", ".webp")):
         yield Image.open(file).convert("RGB")

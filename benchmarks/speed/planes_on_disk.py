@@ -1,7 +1,7 @@
-"""Planes on disk: speed, growth, kills, workers that die, disks that fill, what limits a cluster.
+"""Planes on disk: speed, growth, kills, disks that fill.
 
     python benchmarks/speed/planes_on_disk.py speed --side 16384 --methods near-regular
-    python benchmarks/speed/planes_on_disk.py growth | kills | cluster | disk | null
+    python benchmarks/speed/planes_on_disk.py growth | kills | disk
 
 Each prints its lines; docs/how-to/huge-images.md has those of one run.
 """
@@ -10,16 +10,13 @@ from __future__ import annotations
 
 import argparse
 import contextlib
-import os
 import random
 import shutil
 import signal
-import socket
 import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Callable
 from pathlib import Path
 
 HERE = Path(__file__).resolve().parent
@@ -125,62 +122,11 @@ def kills(args: argparse.Namespace, folder: Path) -> None:
         clean(folder)
 
 
-def scheduler(stack: contextlib.ExitStack) -> tuple[Callable[..., Process], str]:
-    """Start a scheduler; return a function that starts Dask processes, and the address."""
-    with socket.socket() as one:
-        one.bind(("127.0.0.1", 0))
-        address = f"tcp://127.0.0.1:{one.getsockname()[1]}"
-
-    def dask(*more: object) -> Process:
-        made = [sys.executable, "-m", "dask", *map(str, more), "--no-dashboard"]
-        process = subprocess.Popen(made, **QUIET)
-        stack.callback(process.kill)
-        return process
-
-    dask("scheduler", "--host", "127.0.0.1", "--port", address.rpartition(":")[2])
-    return dask, address
-
-
-def cluster(args: argparse.Namespace, folder: Path) -> None:
-    """A scheduler and workers: one killed in the middle, one added, one of another version."""
-    words = ["--method", "near-regular", "--block", 128]
-    subprocess.run(command(folder / "whole.zarr", args.side, *words), check=True)
-    (folder / "old.py").write_text("import weftex; weftex.__version__ = '0.0.1'\n")
-    with contextlib.ExitStack() as stack:
-        dask, address = scheduler(stack)
-        worker = ["worker", address, "--nthreads", 1, "--no-nanny"]
-        workers = [dask(*worker), dask(*worker)]
-        run = subprocess.Popen(command(folder / "p.zarr", args.side, *words, "--cluster", address))
-        turns = 0
-        while run.poll() is None:
-            record, before = folder / "p.zarr.run", lines(folder / "p.zarr.run")
-            while lines(record) < before + 15 and run.poll() is None:
-                time.sleep(0.01)
-            if run.poll() is None and turns < args.times:
-                workers.pop(0).kill()
-                workers.append(dask(*worker))
-                turns += 1
-        equal = contents(folder, "p") == contents(folder, "whole")
-        print(
-            f"workers killed and added: {turns}, exit code {run.returncode}, equal bytes: {equal}"
-        )
-        for one in workers:
-            one.kill()
-        dask(*worker, "--preload", folder / "old.py")
-        done = subprocess.run(
-            command(folder / "q.zarr", args.side, *words, "--cluster", address),
-            capture_output=True,
-            text=True,
-            check=False,
-        )
-        print(f"another version: exit code {done.returncode}: {done.stderr.strip()}")
-
-
 def disk(args: argparse.Namespace, folder: Path) -> None:
     """A small disk that others fill while a plane is written; needs the right to mount one."""
     subprocess.run(["mount", "-t", "tmpfs", "-o", "size=40m", "tmpfs", folder], check=True)
     try:
-        for suffix in (".tif", ".zarr", ".dzi"):
+        for suffix in (".tif", ".zarr"):
             words = [*command(folder / f"p{suffix}", 2048), "--method", "near-regular"]
             words += ["--block", "256"]
             run = subprocess.Popen(words, stderr=subprocess.PIPE, text=True)
@@ -200,45 +146,6 @@ def disk(args: argparse.Namespace, folder: Path) -> None:
             clean(folder)
     finally:
         subprocess.run(["umount", folder], check=True)
-
-
-def null(args: argparse.Namespace, folder: Path) -> None:
-    """Blocks of no work by two workers of Dask: what scheduler, client and journal cost each."""
-    os.environ["PYTHONPATH"] = os.pathsep.join([str(HERE), os.environ.get("PYTHONPATH", "")])
-    import planes_on_disk as planes
-
-    import weftex
-    from weftex.planes import runners as module
-    from weftex.planes.definition import define
-    from weftex.planes.plane_file import PlaneFile
-    from weftex.planes.record import Record
-    from weftex.progress import Progress
-
-    module.make_block = planes.no_block
-    method = weftex.BestTile(lattice=(20, 0, 0, 20))
-    plane = PlaneFile(
-        define("sample:bricks", 64, method, {}, seed=1, block=64), str(folder / "p.tif")
-    )
-    steps = Progress(None, args.blocks, "blocks", lambda: None)
-    with contextlib.ExitStack() as stack:
-        dask, address = scheduler(stack)
-        for _ in range(2):
-            dask("worker", address, "--nthreads", 1, "--no-nanny")
-        client = stack.enter_context(module.connected(address))
-        client.wait_for_workers(2)
-        run, record = module.in_cluster(client, plane), Record(plane.path)
-        for count in (200, args.blocks):
-            start = time.perf_counter()
-            busy = time.process_time()
-            for _ in run(record, ((0, 0, k) for k in range(count)), steps):
-                pass
-            took = (time.perf_counter() - start) / count * 1000
-            busy = (time.process_time() - busy) / count * 1000
-        print(f"{args.blocks} blocks of no work: {took:.2f} ms each, {busy:.2f} ms of this process")
-
-
-def no_block(packed: bytes, run: str, place: tuple[int, int, int], version: str) -> None:
-    """A task that does nothing."""
 
 
 def lines(record: Path) -> int:
@@ -273,7 +180,7 @@ def clean(folder: Path) -> None:
         shutil.rmtree(path) if path.is_dir() else path.unlink()
 
 
-WORKS = {f.__name__: f for f in (speed, growth, kills, cluster, disk, null)}
+WORKS = {f.__name__: f for f in (speed, growth, kills, disk)}
 
 
 def main(words: list[str] | None = None) -> None:

@@ -44,7 +44,7 @@ def read_input(path: str, args: argparse.Namespace, maps: dict[str, str] | None 
 
 def _refuse_plane(path: str) -> None:
     """Raise `InvalidInputError` where a picture is read whole, and a plane is given."""
-    if path.endswith((".zarr", ".dzi")) or os.path.lexists(f"{path}.run"):
+    if path.endswith(".zarr") or os.path.lexists(f"{path}.run"):
         from weftex.planes.files import ALWAYS
         from weftex.planes.record import Record
 

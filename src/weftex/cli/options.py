@@ -141,9 +141,9 @@ def check_size(size: tuple[int, int], args: argparse.Namespace) -> None:
     """Raise `InvalidInputError` for an output that is large by mistake."""
     height, width = size
     suffix = os.path.splitext(args.output or "")[1].lower()
-    any_size = args.allow_huge or suffix in (".tif", ".tiff", ".zarr", ".dzi")
+    any_size = args.allow_huge or suffix in (".tif", ".tiff", ".zarr")
     if height * width > HUGE and not any_size:
         raise InvalidInputError(
             f"--size is '{SIZE.text(size)}', more than {HUGE // 10**6} megapixels; --allow-huge "
-            "makes it anyway, and OUT.tif, OUT.zarr and OUT.dzi take any size"
+            "makes it anyway, and OUT.tif and OUT.zarr take any size"
         )

@@ -42,16 +42,14 @@ SHARED: dict[str, tuple[str, dict[str, Any]]] = {
                         "the folder; needs --seed"}),
     "--workers": (_LARGE, {"type": int, "metavar": "N",
                            "help": "number of worker processes on this machine"}),
-    "--cluster": (_LARGE, {"metavar": "tcp://HOST:PORT", "help": "use the workers of a Dask "
-                           "scheduler that share the folder; needs weftex[dask]"}),
 }  # fmt: skip
 #: Those of images that are written block by block.
-BLOCKS = ("--part", "--workers", "--cluster", "--restart", "--block")
+BLOCKS = ("--part", "--workers", "--restart", "--block")
 SHORT = {"--output": "-o", "--verbose": "-v"}
 #: Below headings of the help.
 ABOUT = {
-    _LARGE: "OUT.zarr and OUT.dzi, and OUT.tif of more than 268 megapixels, are written\n"
-    "block by block. The same command resumes an interrupted run."
+    _LARGE: "OUT.zarr, and OUT.tif of more than 268 megapixels, are written block by block.\n"
+    " The same command resumes an interrupted run."
 }
 
 

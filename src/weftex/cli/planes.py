@@ -57,7 +57,7 @@ def check_options(args: argparse.Namespace) -> None:
             raise InvalidInputError(f"{option} has no effect on {args.output}: {why}")
     if getattr(args, "--best-of") not in (None, "1"):
         raise InvalidInputError("--best-of makes whole pictures; name a method and a seed")
-    given = [name for name in ("part", "workers", "cluster") if getattr(args, name) is not None]
+    given = [name for name in ("part", "workers") if getattr(args, name) is not None]
     if len(given) > 1:
         raise InvalidInputError(f"--{given[0]} and --{given[1]} exclude each other; give one")
     if args.part is not None:
@@ -148,10 +148,6 @@ def _write(args: argparse.Namespace, definition: Definition, bar: Bar) -> str:
             workers = stack.enter_context(Workers(block_maker, plane))
             how["runner"] = partial(in_processes, workers, args.workers)
             bar.at_stop(workers.end)
-        elif args.cluster is not None:
-            from weftex.planes.runners import connected, in_cluster
-
-            how["runner"] = in_cluster(stack.enter_context(connected(args.cluster)), plane)
         written = write_plane(plane, **how)
     took = bar.took
     speed = f" ({written.pixels / took / 1e6:.3g} megapixels/s)" if written.pixels else ""

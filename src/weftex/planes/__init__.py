@@ -1,7 +1,6 @@
-"""Images larger than memory, written block by block on one machine or many, or computed by Dask."""
+"""Images larger than memory, written block by block on one machine or many."""
 
-from weftex.planes.dask_array import plane
 from weftex.planes.plane_file import PlaneFile, open_plane
 from weftex.planes.writing import Written, check, repair, stream
 
-__all__ = ["PlaneFile", "Written", "check", "open_plane", "plane", "repair", "stream"]
+__all__ = ["PlaneFile", "Written", "check", "open_plane", "repair", "stream"]

@@ -147,15 +147,14 @@ def _forget(plane: PlaneFile, record: Record) -> None:
 
 def _roots(plane: PlaneFile) -> list[str]:
     """Files and folders of a plane; maps of a Zarr are groups in one."""
-    roots = [root for store in plane.stores.values() for root in store.roots]
+    roots = [store.path for store in plane.stores.values()]
     groups = suffix_of(plane.path) == ".zarr" and len(roots) > 1
     return [*roots, plane.path] if groups else roots
 
 
 def _grids(plane: PlaneFile) -> dict[str, list[int]]:
-    """Return the grid of each store's files, by the names of its roots."""
-    stores = plane.stores.values()
-    return {_name(plane, root): store.grid for store in stores for root in store.roots}
+    """Return the grid of each store's files, by its name."""
+    return {_name(plane, store.path): store.grid for store in plane.stores.values()}
 
 
 def _name(plane: PlaneFile, path: str) -> str:

@@ -17,15 +17,14 @@ if TYPE_CHECKING:
     from weftex.planes.store import Store
 
 #: Suffixes of files that are always written block by block.
-ALWAYS = (".zarr", ".dzi")
+ALWAYS = (".zarr",)
 #: All suffixes of files that can be.
 SUFFIXES = (*ALWAYS, ".tif", ".tiff")
 
 
-#: Files below the folder of a Zarr group, or below the folder of Deep Zoom's tiles.
+#: Files and folders below the folder of a Zarr group.
 _N = r"(0|[1-9]\d{0,12})"
 _FILES = re.compile(rf"{_N}/(?:zarr\.json|c/(?:0/)?{_N}/{_N})")
-_TILES = re.compile(rf"{_N}/{_N}_{_N}\.png")
 _FOLDERS = re.compile(r"\.|\d+|\d+/c(/\d+){0,2}")
 #: What a killed process leaves: of `weftex.io.temporary`, and of Zarr.
 _STALE = re.compile(r"\.weftex-\d+(-[0-9a-f]{8}){2}(\.\w+)?|.*\.[0-9a-f]{32}\.partial")
@@ -56,10 +55,6 @@ def _kind(target: str) -> type[Store]:
         from weftex.planes.ome_zarr import ZarrStore
 
         return ZarrStore
-    if suffix_of(target) == ".dzi":
-        from weftex.planes.deep_zoom import DeepZoomStore
-
-        return DeepZoomStore
     from weftex.planes.tiff import TiffStore
 
     return TiffStore
@@ -100,28 +95,25 @@ def is_stale(name: str) -> bool:
     return bool(_STALE.fullmatch(name))
 
 
-def _is_of(grid: Sequence[int] | None, path: str, tiles: bool) -> bool:
+def _is_of(grid: Sequence[int] | None, path: str) -> bool:
     """Whether a file below the folder of a store is one of its grid, or says what the folder is."""
-    file = (_TILES if tiles else _FILES).fullmatch(path)
+    file = _FILES.fullmatch(path)
     if file is None or grid is None:
-        return path == "zarr.json" and not tiles
+        return path == "zarr.json"
     levels, height, width, side = grid
     level, row, column = (int(one or 0) for one in file.groups())
-    if tiles:
-        level, row, column = levels - 1 - level, column, row
-    rows, columns = Layout(height, width, side).grid(max(level, 0))
-    return 0 <= level < levels and row < rows and column < columns
+    rows, columns = Layout(height, width, side).grid(level)
+    return level < levels and row < rows and column < columns
 
 
 def _walk(root: str, grid: Sequence[int] | None, *, of_store: bool) -> None:
-    tiles = root.endswith("_files")  # as Deep Zoom calls the folder
     for folder, _, names in os.walk(root, topdown=False):
         where = os.path.relpath(folder, root).replace(os.sep, "/")
         if not _FOLDERS.fullmatch(where):
             continue
         for name in names:
             path = name if where == "." else f"{where}/{name}"
-            if is_stale(name) or (of_store and _is_of(grid, path, tiles)):
+            if is_stale(name) or (of_store and _is_of(grid, path)):
                 with suppress(FileNotFoundError):
                     os.unlink(os.path.join(folder, name))
         if of_store:

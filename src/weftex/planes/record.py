@@ -112,7 +112,7 @@ class Record:
         first, *inner = name.split("/")
         if suffix == ".zarr" or inner:
             return suffix == ".zarr" and first == os.path.basename(self.target)
-        return suffix_of(first) == suffix or (suffix == ".dzi" and first.endswith("_files"))
+        return suffix_of(first) == suffix
 
     def begun(self) -> Run | None:
         """Return the run if it has made its files."""

@@ -52,8 +52,7 @@ class Store(ABC):
     `about` says in plain values what made the pixels; a format may keep it.
     """
 
-    #: The last level has at most so many pixels a side.
-    smallest: ClassVar[int] = 512
+    smallest: ClassVar[int] = 512  #: The last level has at most this number of pixels a side.
 
     def __init__(self, path: str, layout: Layout, about: Mapping[str, Any]) -> None:
         self.path, self.layout, self.about = path, layout, about
@@ -79,11 +78,6 @@ class Store(ABC):
     @abstractmethod
     def get(self, level: int, window: Window) -> NDArray[Any]:
         """Return the pixels of a window."""
-
-    @property
-    def roots(self) -> tuple[str, ...]:
-        """The files and folders that everything is in."""
-        return (self.path,)
 
     @property
     def grid(self) -> list[int]:

@@ -70,8 +70,8 @@ def stream(
     sample : path, array, PIL image or Exemplar
         The material; see `weftex.load_exemplar`.
     path : path
-        ``.tif`` for a tiled BigTIFF, ``.zarr`` (extra ``zarr``) or ``.dzi``, all with smaller
-        versions. Maps of a set have groups of a Zarr, or files beside it, ``plane_normal.tif``.
+        ``.tif`` for a tiled BigTIFF or ``.zarr`` (extra ``zarr``), both with smaller versions.
+        Maps of a set have groups of a Zarr, or files beside it, ``plane_normal.tif``.
     size : int or (int, int)
         Height and width, up to 2**40 each.
     method, seed, tileable
