@@ -22,6 +22,7 @@ def parameter(
     unit: str = "",
     choices: Sequence[str] = (),
     default_text: str = "",
+    hole_text: str = "",
     needs: tuple[str, Sequence[str]] | None = None,
     needs_canvas: str = "",
     idle_canvas: str = "",
@@ -42,8 +43,8 @@ def parameter(
         Of the value, for people.
     choices : sequence of str
         The allowed values of a text.
-    default_text : str
-        What None stands for.
+    default_text, hole_text : str
+        What None stands for; the default in holes, if it is another one.
     needs : (field, values), optional
         The parameter does something only while `field` has one of these values; setting it
         otherwise is refused, not ignored.
@@ -65,6 +66,7 @@ def parameter(
             "unit": unit,
             "choices": choices,
             "default_text": default_text,
+            "hole_text": hole_text,
             "needs": needs,
             "needs_canvas": needs_canvas,
             "idle_canvas": idle_canvas,

@@ -17,11 +17,11 @@ def hills():
 def test_brightness_is_height_and_normals_are_its(dtype):
     full = np.iinfo(dtype).max if np.dtype(dtype).kind == "u" else 1
     sample = weftex.Exemplar((hills() * full).astype(dtype), tileable=True)
-    maps = estimate_maps(sample, depth=10).maps
+    maps = estimate_maps(sample, relief=10).maps
     height = maps["height"] / 65535
     assert np.corrcoef(height.ravel(), hills().ravel())[0, 1] > 0.99
     assert height.min() == 0 and height.max() == 1
-    inverted = estimate_maps(sample, depth=10, invert=True).maps["height"] / 65535
+    inverted = estimate_maps(sample, relief=10, invert=True).maps["height"] / 65535
     assert abs(height + inverted - 1).max() < 2e-5
     down, right = np.gradient(np.pad(10 * height, 1, "wrap"))
     expected = np.dstack([-right, down, np.ones(down.shape)])[1:-1, 1:-1]
@@ -51,9 +51,9 @@ def test_small_photos(shape):
 @pytest.mark.parametrize(
     "sample, how, message",
     [
-        (hills(), {"depth": 0}, "depth is 0; it must be above 0"),
-        (hills(), {"depth": float("nan")}, "it must be above 0"),
-        (hills(), {"depth": "6"}, "it must be above 0"),
+        (hills(), {"relief": 0}, "relief is 0; it must be above 0"),
+        (hills(), {"relief": float("nan")}, "it must be above 0"),
+        (hills(), {"relief": "6"}, "it must be above 0"),
         (hills(), {"invert": 1}, "invert is 1; it must be True or False"),
         ("sample:stone_wall", {}, "has height and normal; nothing"),
     ],

@@ -25,6 +25,7 @@ _LOOK = 320  # pixels a side; larger samples are averaged down to find their sca
 #: Patch sizes; a hole gets the largest of which it holds a square `_LEAP` times as wide.
 _SIZES = (128, 96, 64, 48)
 _LEAP = 2.5
+HOLE_PATCHES = "from the width of the hole: 48 to 128 px, less in small photos"
 
 
 def patch_size_of(exemplar: Exemplar, share: float) -> int:

@@ -86,7 +86,7 @@ def _add_parameters(parser: Parser, argv: list[str], name: str) -> list[str]:
 
     group = parser.add_argument_group(f"method parameters ({name})")
     fields = []
-    for field, values in parameters_of(method_class(name)):
+    for field, values in parameters_of(method_class(name), parser.command in ("fill", "tile")):
         kind = kind_of(field)
         group.add_argument(
             "--" + field.name.replace("_", "-"),
@@ -120,8 +120,8 @@ def check_numbers(args: argparse.Namespace) -> None:
         raise InvalidInputError(f"--threads is {args.threads}; it must be 1 or more")
 
 
-def parameters_of(method: type[Method]) -> Iterator[tuple[Any, str]]:
-    """Give each field of a method, and its range and default in words."""
+def parameters_of(method: type[Method], hole: bool = False) -> Iterator[tuple[Any, str]]:
+    """Give each field of a method, and its range and default, in a hole if asked, in words."""
     from dataclasses import fields
 
     from weftex.parameters import bounds
@@ -133,6 +133,7 @@ def parameters_of(method: type[Method]) -> Iterator[tuple[Any, str]]:
         if field.default is not None:
             number = isinstance(field.default, float)
             default = f"{field.default:g}{unit}" if number else f"{field.default}{unit}"
+        default = (hole and field.metadata["hole_text"]) or default
         values = f"{'one of ' * bool(field.metadata['choices'])}{bounds(field)}{between}{unit}"
         yield field, f"{values}; default: {default}"
 

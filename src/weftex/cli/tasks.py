@@ -54,10 +54,8 @@ examples:
     "fill": _Help(
         """\
 Fill the holes in a photo. All other pixels stay unchanged unless --overlap is given. Without
---method and method parameters, weftex chooses a method: graphcut for photos with a lattice or
-large features, patch-sampling for all others. patch-sampling has other defaults for
-holes than those listed below: candidates 400, epsilon 0.02, boundary width 4, and a patch size that
-depends on the width of the holes.\
+--method, weftex chooses graphcut for photos with a lattice and for small photos with large
+features, and patch-sampling for all others, with --sample, and with method parameters.\
 """,
         """\
 examples:
@@ -72,7 +70,7 @@ examples:
     ),
     "tile": _Help(
         """\
-Make a photo tileable at its own size. Only a border changes; the middle keeps every byte.\
+Make a photo tileable at its own size. Only a border changes; all other pixels stay unchanged.\
 """,
         """\
 examples:
@@ -87,9 +85,8 @@ examples:
     "fuse": _Help(
         """\
 Synthesize one image from several materials that merge according to a map. The map has one color
-for each sample. --colors lists these colors; by default the samples take the colors in the order of
-their appearance, row by row from the top left. --map gradient needs no image: it changes from one
-sample to the next, along a line or in rings around a center.\
+for each sample, which --colors lists. Without --colors, the color at the top left is that of the
+first sample, the next new color row by row that of the second. --map gradient needs no image.\
 """,
         """\
 examples:
@@ -116,7 +113,7 @@ def run_task(task: str, argv: list[str]) -> None:
         text = "image to fill the holes from, in place of the photo"
         parser.add_argument("--sample", metavar="FILE", help=text)
     if task == "synth":
-        text = "folder for images that show how the result is put together: sources, patches, seams"
+        text = "folder for pictures of how the result was composed: sources, patches, seams"
         parser.under["output"].add_argument("--debug", metavar="DIR", help=text)
         parser.share(*BLOCKS)
     parser.share("--output", "--names", "--mtlx", "--verbose", "--save-source")

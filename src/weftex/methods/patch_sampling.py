@@ -47,13 +47,13 @@ class PatchSampling(PatchMethod):
     boundary_share: ClassVar[float] = 0.1
     epsilon: float = parameter(
         0.1,
-        "relative error up to which a patch matches; higher is more random, inf takes "
-        "any (0.2 in the paper)",
+        "how much a match may differ; higher is more random, inf takes any (0.2 in the paper)",
         low=0.0,
+        hole_text=f"{_HOLE_EPSILON}",
     )
     choice: str = parameter(
         "uniform",
-        "draw from the matching patches uniformly, or by the paper's similarity factors alpha_i",
+        "draw from the matching patches: all equally often, or similar ones more often",
         choices=("uniform", "similarity"),
     )
 

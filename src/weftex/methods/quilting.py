@@ -46,17 +46,16 @@ class Quilting(PatchMethod):
         low=1,
         unit="px",
         default_text="a sixth of the patch size, at least 4",
+        hole_text="4 px",
     )
     tolerance: float = parameter(
         0.1,
-        "maximum error of a candidate above the best one's, as a share of it; higher is "
-        "more random",
+        "how much worse than the best a match may be, as a share of it; higher is more random",
         low=0.0,
     )
     blend: str = parameter(
         "cut",
-        "how patches join: cut along the least error, feathered after each or at the end, "
-        "or pasted",
+        "how patches join: cut along the least error, feathered at once or at the end, or pasted",
         choices=("cut", "feather", "feather-at-end", "none"),
     )
 

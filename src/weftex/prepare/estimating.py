@@ -21,23 +21,22 @@ if TYPE_CHECKING:
 _GRAIN = 1.0  # pixels: the standard deviation of the blur that removes noise
 _LIGHT = 8  # structure wider than 1 / 8 of the shorter side counts as light
 _ENDS = (0.01, 0.99)  # quantiles of the height that become black and white
-_DEEPEST = 1000  # pixels
+_MOST = 1000  # pixels
 
 
-def estimate_maps(sample: Sample, *, depth: float = 6.0, invert: bool = False) -> Exemplar:
+def estimate_maps(sample: Sample, *, relief: float = 6.0, invert: bool = False) -> Exemplar:
     """Estimate height and normals of a photo, assuming that dark pixels are deep.
 
     The height is the brightness without structure finer than a pixel (noise) or wider than an
-    eighth of the photo (light), and the normals are those of that surface. This is right for pits
-    and dark joints, and wrong for paint, stains, and light joints between dark bricks (use
-    `invert`).
+    eighth of the photo (light). This is right for pits and dark joints, and wrong for paint,
+    stains, and light joints between dark bricks (use `invert`).
 
     Parameters
     ----------
     sample : path, array, PIL image or Exemplar
         A photo without height and normals. If it is tileable, so are the maps.
-    depth : float
-        From the deepest to the highest pixel, in pixels; up to 1000.
+    relief : float
+        Height of the surface, from its deepest to its highest pixel, in pixels; up to 1000.
     invert : bool
         Bright pixels are deep.
 
@@ -61,26 +60,27 @@ def estimate_maps(sample: Sample, *, depth: float = 6.0, invert: bool = False) -
     (True, (32, 32, 3))
     """
     exemplar = load_exemplar(sample)
-    if not isinstance(depth, numbers.Real) or isinstance(depth, bool) or not 0 < depth <= _DEEPEST:
-        raise InvalidInputError(f"depth is {shown(depth)}; it must be above 0, at most {_DEEPEST}")
+    number = isinstance(relief, numbers.Real) and not isinstance(relief, bool)
+    if not number or not 0 < relief <= _MOST:
+        raise InvalidInputError(f"relief is {shown(relief)}; it must be above 0, at most {_MOST}")
     if not isinstance(invert, bool):
         raise InvalidInputError(f"invert is {shown(invert)}; it must be True or False")
     there = [name for name, role in exemplar.roles.items() if role.kind in ("height", "normal")]
     if there:
         raise InvalidInputError(f"{exemplar.name} has {' and '.join(there)}; nothing to estimate")
-    relief = _relief(exemplar) * (-1 if invert else 1)
-    low, high = np.quantile(relief, _ENDS)
+    surface = _surface(exemplar) * (-1 if invert else 1)
+    low, high = np.quantile(surface, _ENDS)
     # A flat photo is a flat surface.
     height = (
-        np.clip((relief - low) / (high - low), 0, 1) if high > low else np.full_like(relief, 0.5)
+        np.clip((surface - low) / (high - low), 0, 1) if high > low else np.full_like(surface, 0.5)
     )
     maps: dict[str, Any] = {name: exemplar.map(name) for name in exemplar.maps}
     maps["height"] = np.rint(height * 65535).astype(np.uint16)
-    maps["normal_gl"] = _normals(depth * height, exemplar.tileable)
+    maps["normal_gl"] = _normals(relief * height, exemplar.tileable)
     return exemplar.changed(maps=maps)
 
 
-def _relief(exemplar: Exemplar) -> Floats:
+def _surface(exemplar: Exemplar) -> Floats:
     """Return brightness without noise and slow light."""
     colors = exemplar.pixels.reshape(*exemplar.shape, -1)
     colors = tamed(colors[..., : exemplar.channels - exemplar.alpha])[0].astype(np.float64)

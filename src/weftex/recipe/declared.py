@@ -42,12 +42,12 @@ MATERIAL = _by_name(
         "they are", metavar="NAME=FILE,...", heading=_SETS,
     ),
     Option(
-        "repeats", FLAG, "the sample is tileable, so patches can cross its borders; see "
-        "'weftex analyze'", False, given_flag="--tileable-sample", heading="tiling",
+        "repeats", FLAG, "the sample is tileable itself, so patches can cross its borders; "
+        "weftex does not assume this", False, given_flag="--tileable-sample", heading="tiling",
     ),
     Option(
         "map_weights", WEIGHTS, "weights of the maps in matching, such as height=3,normal=2; "
-        "higher makes seams run where that map matches, 0 ignores it", default_text="1 each",
+        "higher hides seams in that map; 0 leaves it out of matching only", default_text="1 each",
         metavar="NAME=N,...", heading=_SETS,
     ),
     Option(
@@ -55,19 +55,19 @@ MATERIAL = _by_name(
         "sample is opaque", given_flag="--sample-mask", metavar="FILE", heading=_PREPARATION,
     ),
     Option(
-        "straighten", STRAIGHTEN, "straighten the photo by its own lattice or rows (no value), "
-        "by lattice vectors x1,y1,x2,y2, or by the corners of a rectangle in it, clockwise "
-        "from the top left, as x1,y1,...,x4,y4", metavar="X,Y,...", heading=_PREPARATION,
+        "straighten", STRAIGHTEN, "straighten the photo by the lattice or rows that weftex finds "
+        "(no value), by lattice vectors (four numbers), or by the corners of a rectangle in it, "
+        "clockwise from the top left (eight)", metavar="X,Y,...", heading=_PREPARATION,
     ),
     Option(
-        "even_light", DEGREE, "remove uneven lighting from the photo; maps stay unchanged; "
-        "DEGREE is that of the polynomial that models the light, 1 to 8; higher removes finer "
-        "changes", default_text="2 (no value)", low=1, high=8, metavar="DEGREE",
+        "even_light", DEGREE, "remove uneven lighting from the photo; a higher DEGREE, up "
+        "to 8, removes finer changes of light; maps stay unchanged",
+        default_text="2 (no value)", low=1, high=8, metavar="DEGREE",
         heading=_PREPARATION,
     ),
     Option(
-        "turn", TEXT, "also use copies of the sample that are mirrored (flip), rotated by 180 "
-        "degrees (half), rotated by quarter turns (4), or both mirrored and rotated (8)",
+        "turn", TEXT, "also use copies of the sample: mirrored (flip), rotated by 180 degrees "
+        "(half), by quarter turns (4), or mirrored and rotated by quarter turns (8)",
         choices=("flip", "half", "4", "8"), metavar="flip|half|4|8", heading=_QUALITY,
     ),
 )  # fmt: skip
@@ -84,10 +84,10 @@ TILEABLE = Option(
     metavar="x|y",
 )  # fmt: skip
 LANDMARKS = Option(
-    "landmarks", TEXT, "salient regions of the sample, such as the only red leaf: keep them, "
-    "thin: show each far apart and fill its other places, or remove them; not for samples with a "
-    "lattice or rows", "keep", choices=("keep", "thin", "remove"), metavar="keep|thin|remove",
-    heading=_QUALITY,
+    "landmarks", TEXT, "recognizable features of the sample, such as its only red leaf: keep "
+    "repeats them, thin shows them rarely, remove replaces the most conspicuous; no effect on "
+    "samples with a lattice or rows", "keep", choices=("keep", "thin", "remove"),
+    metavar="keep|thin|remove", heading=_QUALITY,
 )  # fmt: skip
 
 #: What `weftex.label_maps.Gradient` takes; a map of a fusion may be such a gradient.
@@ -97,11 +97,11 @@ GRADIENT = _by_name(
         "down", default_text="90", metavar="DEG", heading="--map gradient",
     ),
     Option(
-        "center", POINT, "center of the first sample, with rings of the others; 0,0 is top "
-        "left, 1,1 bottom right", metavar="X,Y", heading="--map gradient",
+        "center", POINT, "center of the first sample, with the others as rings around it; "
+        "0,0 is top left, 1,1 bottom right", metavar="X,Y", heading="--map gradient",
     ),
     Option(
-        "radii", NUMBERS, "middle of each transition, from 0 (first sample) to 1 (last)",
+        "radii", NUMBERS, "where each transition lies between 0 (start) and 1 (end)",
         default_text="evenly spaced", metavar="R,R,...", heading="--map gradient",
     ),
     Option(
@@ -109,8 +109,8 @@ GRADIENT = _by_name(
         default_text="transitions fill the image", metavar="W", heading="--map gradient",
     ),
     Option(
-        "circles", ONE_OR_SEVERAL, "radius of the circles that mix the samples, one or one "
-        "for each, as a share of the shorter side", default_text="the samples' scales",
+        "circles", ONE_OR_SEVERAL, "radius of the spots in which samples mix, one or one for "
+        "each, as a share of the shorter side", default_text="the samples' scales",
         metavar="C,C,...", heading="--map gradient",
     ),
 )  # fmt: skip
@@ -140,22 +140,22 @@ class Task(NamedTuple):
 TASKS = {
     "synth": Task(
         _by_name(
-            Option("size", SIZE, "output size in pixels, such as 1024x768 or 2k",
-                   default_text="the guide's, or twice the sample's", metavar="WxH|N"),
-            Option("guide", PICTURE, "image of the output's size that the output follows",
+            Option("size", SIZE, "output size in pixels, such as 1024x768, or 2k for 2048x2048",
+                   default_text="the size of --guide, or twice the sample's", metavar="WxH|N"),
+            Option("guide", PICTURE, "image that the output follows; as large as the output",
                    metavar="FILE"),
             TILEABLE,
-            Option("best_of", TRIES, "keep the best of N results, with successive seeds; or of one "
-                   "result per named method", 1, low=1, high=1000, metavar="N|NAME,...",
+            Option("best_of", TRIES, "make N results with successive seeds, or one with each named "
+                   "method, and keep the best", 1, low=1, high=1000, metavar="N|NAME,...",
                    heading=_QUALITY),
             LANDMARKS,
-            Option("sample_guide", PICTURE, "guide for the sample: an image of the sample's size "
-                   "that labels its regions", metavar="FILE", heading=_QUALITY),
-            Option("window", WINDOW, "compute only these pixels of an endless plane; windows agree "
-                   "where they overlap", metavar="TOP,LEFT,HEIGHT,WIDTH", heading="tiling",
+            Option("sample_guide", PICTURE, "image that labels regions of the sample, in the "
+                   "colors of --guide; as large as the sample", metavar="FILE", heading=_QUALITY),
+            Option("window", WINDOW, "compute only this part of an endless texture; parts with one "
+                   "seed fit together", metavar="TOP,LEFT,HEIGHT,WIDTH", heading="tiling",
                    local=True),
-            Option("period", SIZE, "with --window: number of pixels after which the plane wraps "
-                   "around", metavar="WxH|N", heading="tiling", local=True),
+            Option("period", SIZE, "with --window: number of pixels after which the endless "
+                   "texture repeats", metavar="WxH|N", heading="tiling", local=True),
         ),
         tuple(MATERIAL), 1, 1000, "auto", "auto",
     ),
@@ -171,7 +171,7 @@ TASKS = {
     "fill": Task(
         _by_name(
             Option("mask", PICTURE, "image that is white where the photo has holes", "alpha",
-                   default_text="pixels that are not opaque", metavar="FILE"),
+                   default_text="pixels that are not fully opaque", metavar="FILE"),
             Option("tileable", AXES, "the photo is tileable along both axes, or only x or y, so "
                    "holes can cross its border", False, metavar="x|y"),
             Option("overlap", WHOLE, "width of the margin around the holes that may change, to "
@@ -187,16 +187,16 @@ TASKS = {
                    "image with one color for each sample, or 'gradient'", metavar="MAP"),
             Option("colors", COLORS, "map colors of the samples, in their order, as #rrggbb or "
                    "gray levels", metavar="C,C,..."),
-            Option("mixed", MIXED, "map colors of regions that mix two samples, such as "
+            Option("mixed", MIXED, "map colors of regions that show spots of two samples, such as "
                    "'#00ff00=1+2'", metavar="C=A+B,..."),
             Option("size", SIZE, "output size in pixels", default_text="the map's",
                    metavar="WxH|N"),
             TILEABLE,
-            Option("boundary", TEXT, "cut: along the least visible seam; merged: then fill a belt "
-                   "along it from both materials", "cut", choices=("cut", "merged"),
+            Option("boundary", TEXT, "cut: materials meet along the least visible seam; merged: "
+                   "a belt along it is filled from both", "cut", choices=("cut", "merged"),
                    metavar="cut|merged", heading=_QUALITY),
-            Option("belt_width", WHOLE, "width of the belt in which a boundary may move", low=2,
-                   unit="px", default_text="from the samples' scales", metavar="PX",
+            Option("belt_width", WHOLE, "width of the belt in which boundaries may move", low=2,
+                   unit="px", default_text="about three times the largest features", metavar="PX",
                    heading=_QUALITY),
             Option("missing", LEVELS, "values for maps that some samples lack: 0 to 1, or 'flat' "
                    "for normals", default_text="omit such maps", metavar="NAME=VALUE,...",

@@ -29,7 +29,7 @@ def run(argv: list[str]) -> None:
     parser.take(MATERIAL["maps"])
     add("--json", action="store_true", help="print JSON")
     add("--overlay", metavar="FILE", help="write the sample with its lattice drawn over it")
-    text = "also rate and draw these lattice vectors; rows: X1,Y1 and a unit vector along them"
+    text = "also rate and draw these lattice vectors; rows P apart: 0,P,1,0"
     add("--lattice", metavar="X1,Y1,X2,Y2", help=text)
     text = "number of alternative lattices to list, up to 24; --lattice draws one; default: 3"
     add("--runners-up", type=int, default=3, metavar="N", help=text)

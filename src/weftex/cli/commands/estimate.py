@@ -10,13 +10,13 @@ from weftex.cli.terminal import Bar, Outputs, finish
 
 _ABOUT = """\
 Estimate height and normals from the brightness of a photo, and write them as a map set. Dark pixels
-are taken to lie deeper, so stains and paint become relief too.\
+are taken to lie deeper, so stains and paint become relief too. Heights have 16 bits, normals 8.\
 """
 
 _EXAMPLES = """\
 examples:
   weftex estimate photo.png -o material/
-  weftex estimate bricks.png -o material/ --depth 12 --invert      light joints between dark bricks
+  weftex estimate bricks.png -o material/ --relief 12 --invert      light joints between dark bricks
 """
 
 
@@ -26,11 +26,10 @@ def run(argv: list[str]) -> None:
     add = parser.add_argument
     add("photo", metavar="PHOTO", help="image, or sample:NAME")
     add("-o", "--output", metavar="OUT", required=True, help="folder to write")
-    text = "height between the lowest and the highest point, in pixels; default: 6"
-    add("--depth", type=float, default=6.0, metavar="PX", help=text)
+    text = "height of the surface, in pixels; higher makes normals steeper; default: 6"
+    add("--relief", type=float, default=6.0, metavar="PX", help=text)
     add("--invert", action="store_true", help="bright pixels lie deeper")
-    text = "the photo is tileable, and the maps will be"
-    add("--tileable-sample", action="store_true", help=text)
+    add("--tileable", action="store_true", help="the photo is tileable, so its maps are too")
     parser.share("--quiet", "--allow-huge")
     args = parser.parse(argv)
 
@@ -39,8 +38,8 @@ def run(argv: list[str]) -> None:
         from weftex.prepare.estimating import estimate_maps
 
         material = read_input(args.photo, args)
-        exemplar = material.exemplar(tileable=args.tileable_sample)
-        made = estimate_maps(exemplar, depth=args.depth, invert=args.invert)
+        exemplar = material.exemplar(tileable=args.tileable)
+        made = estimate_maps(exemplar, relief=args.relief, invert=args.invert)
         outputs.make_folder(args.output)
         suffix = ".exr" if exemplar.pixels.dtype.kind == "f" else ".png"
         path = outputs.add(os.path.join(args.output, f"color{suffix}"))

@@ -25,7 +25,7 @@ examples:
 _LANDMARKS = LANDMARKS._replace(
     choices=("keep", "remove"),
     metavar="keep|remove",
-    help="remove: fill salient regions from the rest of the photo; not if it has a lattice or rows",
+    help="remove: replace recognizable features by the rest of the photo; no effect on lattices",
 )
 
 

@@ -50,7 +50,7 @@ class BestTile(Method):
 
     lattice: tuple[float, ...] | None = parameter(
         None,
-        "translation vectors x1,y1,x2,y2",
+        "vectors x1,y1,x2,y2 from one tile to the next",
         count=4,
         unit="px",
         default_text="found in the sample; upright where there are none",

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, ClassVar, Self
 
 from weftex.analysis.canvas_lattice import check_lattice
-from weftex.analysis.patch_sizes import patch_size_for, patch_size_on
+from weftex.analysis.patch_sizes import HOLE_PATCHES, patch_size_for, patch_size_on
 from weftex.endless.grid import Sizes
 from weftex.errors import InvalidInputError
 from weftex.exemplar.turns import turned
@@ -64,8 +64,7 @@ class GraphCut(Method):
 
     placement: str = parameter(
         "subpatch",
-        "what is placed: matching square patches, or the entire sample where it matches "
-        "or at random",
+        "what is placed: square patches, the entire sample where it matches, or that anywhere",
         choices=("subpatch", "entire", "random"),
     )
     patch_size: int | None = parameter(
@@ -73,8 +72,8 @@ class GraphCut(Method):
         "side of the square patches; larger keeps larger features whole",
         low=1,
         unit="px",
-        default_text="0.45 x the sample's shorter side; over 512 px, from its scale and the "
-        "output's size, at least 230",
+        default_text="0.45 x the sample's shorter side; a smaller share above 512 px",
+        hole_text=HOLE_PATCHES,
         needs=("placement", ("subpatch",)),
     )
     boundary_width: int | None = parameter(
@@ -87,8 +86,7 @@ class GraphCut(Method):
     )
     tolerance: float | None = parameter(
         None,
-        "k: maximum error of a match above the best one's, in sample variances; higher "
-        "is more random",
+        "how much worse than the best a match may be, in sample variances; higher is more random",
         low=0.0,
         high=1000.0,
         default_text="0.003; 0 (the best matches) for entire patches",
@@ -109,7 +107,7 @@ class GraphCut(Method):
     )
     refinements: float | None = parameter(
         None,
-        "number of patches over the worst seams, per patch that covered the canvas; "
+        "number of patches placed over the worst seams, per patch of the first pass; "
         "higher is slower",
         low=0.0,
         high=1000.0,
@@ -117,7 +115,7 @@ class GraphCut(Method):
     )
     variety: float = parameter(
         1.0,
-        "penalty for repeating the same part of the sample nearby or in a row (0 in the paper)",
+        "penalty for repeating a part of the sample nearby; higher repeats less (0 in the paper)",
         low=0.0,
         high=1000.0,
         needs=("placement", ("subpatch", "entire")),
@@ -139,7 +137,7 @@ class GraphCut(Method):
     )
     lattice: tuple[float, ...] | None = parameter(
         None,
-        "translation vectors x1,y1,x2,y2 that shift the entire sample; 1,0,0,P is rows P apart",
+        "vectors x1,y1,x2,y2 by whose multiples the sample is shifted; rows P apart: 0,P,1,0",
         count=4,
         unit="px",
         default_text="any shift",

@@ -52,7 +52,7 @@ class NearRegular(Method):
 
     lattice: tuple[float, ...] | None = parameter(
         None,
-        "translation vectors x1,y1,x2,y2; 1,0,0,P is rows P apart, 1,0,0,1 constrains nothing",
+        "vectors x1,y1,x2,y2 from one tile to the next; rows P apart: 0,P,1,0; any shift: 1,0,0,1",
         count=4,
         unit="px",
         default_text="found in the sample",
@@ -71,7 +71,7 @@ class NearRegular(Method):
     )
     border_width: int | None = parameter(
         None,
-        "width of the borders that must match, half of it on either side; even",
+        "width of the borders that must match, half of it on either side; an even number",
         low=0,
         parity="even",
         unit="px",
@@ -98,7 +98,7 @@ class NearRegular(Method):
     )
     tolerance: int | None = parameter(
         None,
-        "maximum distance of a gap's source from a multiple of the vectors",
+        "how far a block that fills a gap may lie from a multiple of the vectors",
         low=0,
         high=64,
         unit="px",
@@ -120,7 +120,7 @@ class NearRegular(Method):
     )
     candidates: int | None = parameter(
         None,
-        "number of multiples of the vectors, the best ones, that a gap's source is searched around",
+        "number of multiples of the vectors near which blocks for a gap are searched",
         low=1,
         high=512,
         default_text="6; all in the paper",

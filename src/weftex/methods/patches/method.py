@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, fields, replace
 from typing import TYPE_CHECKING, Any, ClassVar, Self
 
-from weftex.analysis.patch_sizes import patch_size_for, patch_size_of, patch_size_on
+from weftex.analysis.patch_sizes import HOLE_PATCHES, patch_size_for, patch_size_of, patch_size_on
 from weftex.errors import InvalidInputError
 from weftex.method import Method
 from weftex.parameters import parameter
@@ -38,36 +38,37 @@ class PatchMethod(Method):
 
     patch_size: int | None = parameter(
         None,
-        "side w_B of the square patches; larger keeps larger features whole, 1 samples "
-        "single pixels",
+        "side of the square patches; larger keeps larger features whole",
         low=1,
         unit="px",
-        default_text="0.3 x the sample's shorter side; over 512 px, from its scale and the "
-        "output's size, at least 154",
+        default_text="0.3 x the sample's shorter side; a smaller share above 512 px",
+        hole_text=HOLE_PATCHES,
     )
     boundary_width: int | None = parameter(
         None,
-        "width w_E of the boundary zone that must match; wider fits more closely",
+        "width of the border that must match the patches around; wider fits more closely",
         low=1,
         unit="px",
         default_text="a tenth of the patch size, at least 4",
+        hole_text=f"{_HOLE_ZONE} px",
     )
     search: str = parameter(
         "pca",
-        "search structure for candidate patches; the paper compares several (Table I)",
+        "index that finds matching patches; exhaustive compares all of them",
         choices=SEARCHES,
     )
     candidates: int | None = parameter(
         None,
-        "m: number of low-resolution candidates compared at full resolution; higher is slower",
+        "number of patches compared at full resolution; higher matches better and is slower",
         low=1,
         high=_MOST_CANDIDATES,
         default_text="40, more for a wide tolerance",
+        hole_text=f"{_HOLE_CANDIDATES}",
         needs=("search", ("quadtree", "pca", "kdtree", "kdtree-pca")),
     )
     variance: float = parameter(
         0.97,
-        "share of the variance that the principal components keep; higher is slower and more exact",
+        "with pca: share of the variance that is compared; higher is more exact and slower",
         low=0.01,
         high=1.0,
         needs=("search", ("pca", "kdtree-pca")),
@@ -86,8 +87,7 @@ class PatchMethod(Method):
     )
     blend: str = parameter(
         "feather",
-        "how patches join: feathered after each or at the end, cut along the least error, "
-        "or pasted",
+        "how patches join: feathered at once or at the end, cut along the least error, or pasted",
         choices=("feather", "feather-at-end", "cut", "none"),
     )
 

@@ -101,7 +101,7 @@ class Refinement(WindowedMethod):
     )
     threshold: float = parameter(
         0.01,
-        "epsilon (eq. 1): stop when an iteration changes the image by less; higher stops earlier",
+        "stop when an iteration changes the image by less; higher stops earlier",
         low=0.0,
     )
     init: str | Method = parameter(  # noqa: RUF009  (methods are frozen)
@@ -137,7 +137,7 @@ class Refinement(WindowedMethod):
     )
     matches: int = parameter(
         5,
-        "k: number of best tiles that each seed point is drawn from; higher is more random",
+        "number of best tiles that each seed point is drawn from; higher is more random",
         low=1,
         needs=("init", ("seeds",)),
     )
