@@ -15,16 +15,16 @@ TESTS = Path(__file__).parent
 READ = ("methods", "repeats", "search", "seams")
 #: Lower a ceiling when the code has become smaller; a feature that needs room removes something.
 CEILINGS = {
-    "lines of Python in src": 46_399,
-    "of these code": 32_507,
+    "lines of Python in src": 46_396,
+    "of these code": 32_505,
     "modules": 293,
     "kernel classes": 24,
     "names that several kernel classes have": 0,
     "lines of tests": 25_215,
     "quilting: files to read": 12,
-    "quilting: lines to read": 2_821,
+    "quilting: lines to read": 2_820,
     "graphcut: files to read": 18,
-    "graphcut: lines to read": 4_222,
+    "graphcut: lines to read": 4_220,
     "efros-leung: files to read": 8,
     "efros-leung: lines to read": 1_336,
     "near-regular: files to read": 13,
