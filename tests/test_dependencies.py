@@ -348,7 +348,6 @@ MODULES = {
     "planes": "check open_plane PlaneFile repair stream Written",
     "prepare": "estimate_maps even_light straighten together turned",
     "reference": None,
-    "studio": "view",
 }
 
 

@@ -2,8 +2,8 @@
 
 Further functions lie in modules: `prepare` straightens, lights, turns and joins samples;
 `label_maps` has gradients for `fuse`; `pages` makes HTML reports; `planes` writes images larger
-than memory; `studio` shows results in notebooks; `explanation` shows a method at work, and
-`reference` the papers' algorithms as short NumPy functions.
+than memory; `explanation` shows a method at work; `reference` has the papers' algorithms as short
+NumPy functions.
 
 >>> import numpy as np, weftex
 >>> sample = np.random.default_rng(0).integers(0, 255, (64, 64, 3), np.uint8)
@@ -24,7 +24,6 @@ if TYPE_CHECKING:
     from weftex import planes as planes
     from weftex import prepare as prepare
     from weftex import reference as reference
-    from weftex import studio as studio
     from weftex.canvas import Canvas as Canvas
     from weftex.errors import CancelledError as CancelledError
     from weftex.errors import FileError as FileError
@@ -96,7 +95,7 @@ _PUBLIC = {
 }
 _HOME = {name: module for module, names in _PUBLIC.items() for name in names}
 #: Public modules; the names of each are its `__all__`.
-_MODULES = ["explanation", "label_maps", "pages", "planes", "prepare", "reference", "studio"]
+_MODULES = ["explanation", "label_maps", "pages", "planes", "prepare", "reference"]
 
 __all__ = sorted(_HOME)
 

@@ -35,7 +35,7 @@ SMALL = Limits(
 def serving(folder, **limits):
     """Whoever asks a studio that answers on the loopback, in a thread."""
     studio = Studio(folder / "studio", replace(SMALL, **limits))
-    server = Server(listen("127.0.0.1", 0), "127.0.0.1", studio)
+    server = Server(listen(0), studio)
     thread = threading.Thread(target=server.run)
     thread.start()
     yield Client(server.listener.getsockname()[1], studio)

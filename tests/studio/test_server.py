@@ -3,7 +3,6 @@
 import os
 import runpy
 import signal
-import socket
 import stat
 import sys
 import time
@@ -66,30 +65,27 @@ def test_killed_and_started_again(tmp_path, rng):
 
 
 def test_its_socket_is_of_this_machine_alone():
-    with listening.listen("127.0.0.1", None) as one, listening.listen("127.0.0.1", None) as two:
+    with listening.listen(None) as one, listening.listen(None) as two:
         assert one.getsockname()[0] == two.getsockname()[0] == "127.0.0.1"
         assert one.getsockname()[1] != two.getsockname()[1]
         with pytest.raises(OSError, match="cannot listen at 127.0.0.1:"):
-            listening.listen("127.0.0.1", one.getsockname()[1])
+            listening.listen(one.getsockname()[1])
 
 
-def test_another_address_only_with_a_warning(monkeypatch, tmp_path, capsys):
+def test_only_the_address_is_said(monkeypatch, tmp_path, capsys):
     served = []
     monkeypatch.setattr(server.Server, "run", lambda self: served.append(self))
     words = ["studio", "--no-browser", "--port", "0", "--data", str(tmp_path)]
     assert main(words) == 0
     assert capsys.readouterr().err.count("\n") == 1  # the address alone
-    assert main([*words, "--host", "0.0.0.0"]) == 0
-    assert "others on the network can reach the studio" in capsys.readouterr().err
     for one in served:
         one.listener.close()
-    assert "evil.example:80" not in listening.hosts_of("0.0.0.0", 80)
-    assert f"{socket.gethostname()}:8427" in listening.hosts_of("0.0.0.0", 8427)
+    assert listening.hosts_of(8427) == {"127.0.0.1:8427", "localhost:8427"}
 
 
 @pytest.mark.parametrize(
-    "words", [["nowhere.png"], ["--port", "99999"], ["--host", "999.1.1.1"], ["--memory", "1"],
-              ["--prot", "8"], ["a", "b"], ["--host", ""], ["--data", ""]],
+    "words", [["nowhere.png"], ["--port", "99999"], ["--memory", "1"],
+              ["--prot", "8"], ["a", "b"], ["--data", ""]],
 )  # fmt: skip
 def test_wrong_words_are_one_line(words, tmp_path, capsys):
     assert main(["studio", "--data", str(tmp_path), *words]) == 2

@@ -8,7 +8,6 @@ import pytest
 from weftex.studio.page_files import static_files
 
 FILES = {name: place.read_text("utf-8") for name, (place, _) in static_files().items()}
-NOTEBOOK = {"notebook.js", "notebook.css"}
 GROUNDS = ("bg", "surface", "raised", "wash")
 
 
@@ -16,7 +15,7 @@ def test_the_page_weighs_little():
     """At most 300 kB; its modules are asked for at once, not one after the other."""
     assert 100_000 < sum(len(text.encode()) for text in FILES.values()) < 300_000
     named = set(re.findall(r'(?:href|src)="/static/([^"]+)"', FILES["index.html"]))
-    assert named == {*FILES} - {"index.html"} - NOTEBOOK
+    assert named == {*FILES} - {"index.html"}
 
 
 def light(color):

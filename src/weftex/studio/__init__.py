@@ -3,7 +3,3 @@
 `server` starts it, `app` has its routes, `guard` keeps others out; a tab is a session of
 `sessions`, what it makes is a job of `jobs`, from a recipe of `weftex.recipe`.
 """
-
-from weftex.studio.notebook import view
-
-__all__ = ["view"]

@@ -20,53 +20,40 @@ if TYPE_CHECKING:
 
 #: Tried first, so that a page that is open finds the server again after a restart.
 PORT = 8427
-LOOPBACK = ("127.0.0.1", "localhost", "::1")
+_HOST = "127.0.0.1"  # nothing but this machine
 
 
-def listen(host: str, port: int | None) -> socket.socket:
-    """Return a socket that listens; a `port` of None is `PORT`, or any that is free.
+def listen(port: int | None) -> socket.socket:
+    """Return a socket that listens to this machine; a `port` of None is `PORT`, or any free one.
 
     Raises `FileError` if it cannot.
     """
-    family = socket.AF_INET6 if ":" in host else socket.AF_INET
     tried = [PORT, 0] if port is None else [port]
     for one in tried:
-        found = socket.socket(family, socket.SOCK_STREAM)
+        found = socket.socket(socket.AF_INET, socket.SOCK_STREAM)
         found.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
         try:
-            found.bind((host, one))
+            found.bind((_HOST, one))
             found.listen(128)
         except (OSError, OverflowError) as error:
             found.close()
             if one == tried[-1]:
                 why = getattr(error, "strerror", None) or error
-                raise FileError(f"cannot listen at {host}:{one}: {why}") from None
+                raise FileError(f"cannot listen at {_HOST}:{one}: {why}") from None
         else:
             return found
     raise AssertionError
 
 
-def hosts_of(host: str, port: int) -> set[str]:
+def hosts_of(port: int) -> set[str]:
     """Return what the Host header of a request may be."""
-    names = {*LOOPBACK, host} - {"0.0.0.0", "::"}
-    if host in ("0.0.0.0", "::"):
-        names |= {socket.gethostname(), *_addresses()}
-    named = {f"[{name}]" if ":" in name else name for name in names}
-    return {f"{name}:{port}" for name in named} | (named if port == 80 else set())
+    names = {_HOST, "localhost"}
+    return {f"{name}:{port}" for name in names} | (names if port == 80 else set())
 
 
-def _addresses() -> set[str]:
-    try:
-        return {str(one[4][0]) for one in socket.getaddrinfo(socket.gethostname(), None)}
-    except OSError:
-        return set()
-
-
-def address_of(listener: socket.socket, host: str, token: str) -> str:
+def address_of(listener: socket.socket, token: str) -> str:
     """Return what is to be opened in a browser."""
-    shown = "127.0.0.1" if host in ("0.0.0.0", "::", "localhost") else host
-    shown = f"[{shown}]" if ":" in shown else shown
-    return f"http://{shown}:{listener.getsockname()[1]}/#token={token}"
+    return f"http://{_HOST}:{listener.getsockname()[1]}/#token={token}"
 
 
 @contextmanager

@@ -22,15 +22,15 @@ _GRACE = 1  # seconds that requests have to end
 
 
 class Server(uvicorn.Server):
-    """A studio that serves at a socket of `listening.listen`, whose address is `host`.
+    """A studio that serves at a socket of `listening.listen`, on this machine.
 
     `run` ends with Ctrl-C or SIGTERM, or once `should_exit` is set; it closes the studio.
     """
 
-    def __init__(self, listener: socket.socket, host: str, studio: Studio) -> None:
+    def __init__(self, listener: socket.socket, studio: Studio) -> None:
         self.listener = listener
         config = uvicorn.Config(
-            make_app(studio, hosts_of(host, listener.getsockname()[1])),
+            make_app(studio, hosts_of(listener.getsockname()[1])),
             loop="asyncio",
             http=connection_class(studio.limits),
             ws="none",

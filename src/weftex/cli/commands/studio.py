@@ -27,12 +27,6 @@ examples:
   weftex studio sample:bricks --no-browser
 """
 
-_WARNING = """\
---host {host}: others on the network can reach the studio now, unencrypted; whoever sees the \
-address with its token can use it
-"""
-
-
 _PATIENCE = 60  # seconds for the browser to load the page
 
 
@@ -44,8 +38,6 @@ def run(argv: list[str]) -> None:
     add("sample", metavar="SAMPLE", nargs="?", help=text)
     add("--no-browser", action="store_true", help="print the address without opening a browser")
     add("--port", type=int, metavar="N", help="port to listen on; default: 8427, or any free port")
-    text = "address to listen on; other machines can reach all but 127.0.0.1, which is the default"
-    add("--host", default="127.0.0.1", metavar="ADDRESS", help=text)
     text = "folder for uploads and saved results; default: a folder of yours, such as "
     add("--data", metavar="DIR", help=text + "~/.local/state")
     text = "memory for results, in MiB; synthesis needs more; default: depends on this machine"
@@ -57,14 +49,12 @@ def run(argv: list[str]) -> None:
         raise InvalidInputError(f"--memory is {args.memory}; it must be from 64 to 1048576")
     if args.data == "":
         raise InvalidInputError("--data is ''; it must name a folder")
-    if args.host == "":
-        raise InvalidInputError("--host is ''; it must be an address of this machine, as 127.0.0.1")
     if any(find_spec(name) is None for name in ("starlette", "uvicorn", "anyio")):
         raise missing_packages("the studio needs a web server", "studio")
     from dataclasses import replace
 
     from weftex.studio.limits import usual_limits
-    from weftex.studio.listening import LOOPBACK, address_of, listen
+    from weftex.studio.listening import address_of, listen
     from weftex.studio.sessions import default_folder
     from weftex.studio.studio import Studio
     from weftex.studio.uploads import StartMaterial
@@ -73,22 +63,20 @@ def run(argv: list[str]) -> None:
     if args.memory is not None:
         limits = replace(limits, memory_bytes=args.memory * 2**20)
     opened = None if args.sample is None else StartMaterial.of(args.sample, limits)
-    listener = listen(args.host, args.port)
-    if args.host not in LOOPBACK:
-        say("warning: " + _WARNING.format(host=args.host))
+    listener = listen(args.port)
     folder = default_folder() if args.data is None else Path(args.data)
     try:
         studio = Studio(folder, limits, opened)
     except BaseException:
         listener.close()
         raise
-    address = address_of(listener, args.host, studio.token)
+    address = address_of(listener, studio.token)
     say(f"the studio is at {address}   (Ctrl-C ends it)")
     if not args.no_browser:  # it starts, and waits for the answer, while the server starts
         threading.Thread(target=_open, args=(address, studio), daemon=True).start()
     from weftex.studio.server import Server
 
-    Server(listener, args.host, studio).run()
+    Server(listener, studio).run()
 
 
 def _open(address: str, studio: Studio) -> None:

@@ -21,11 +21,6 @@ export async function loadStrings(chosen) {
   return language;
 }
 
-/** Take words from elsewhere: a notebook has no server to ask. */
-export function useStrings(table) {
-  words = english = table;
-}
-
 /** The text of a key, with {name} replaced by values. */
 export function t(key, values = {}) {
   const text = words[key] ?? english[key] ?? key;

@@ -3,7 +3,7 @@ import { addGestures } from "./gestures.js";
 
 /**
  * A picture that can be panned and zoomed to single pixels and out, repeated, split between before and
- * after, and covered by layers. It needs nothing of the rest of the page, so that notebooks can use it.
+ * after, and covered by layers. It needs nothing of the rest of the page.
  *
  * `picture` and `before` are ImageBitmaps, canvases or null; `size` is [width, height] of the picture
  * in its own pixels, which may be more than those of a bitmap made for the screen.
