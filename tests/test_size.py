@@ -15,12 +15,12 @@ TESTS = Path(__file__).parent
 READ = ("methods", "repeats", "search", "seams")
 #: Lower a ceiling when the code has become smaller; a feature that needs room removes something.
 CEILINGS = {
-    "lines of Python in src": 46_396,
-    "of these code": 32_505,
-    "modules": 293,
+    "lines of Python in src": 46_158,
+    "of these code": 32_351,
+    "modules": 291,
     "kernel classes": 24,
     "names that several kernel classes have": 0,
-    "lines of tests": 25_215,
+    "lines of tests": 25_040,
     "quilting: files to read": 12,
     "quilting: lines to read": 2_820,
     "graphcut: files to read": 18,
