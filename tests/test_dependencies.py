@@ -7,14 +7,13 @@ that names a module of weftex. `weftex/__init__.py` names everything, lazily, an
 
 import ast
 import re
-import subprocess
-import sys
 from functools import cache
 from pathlib import Path
 
 import pytest
 
 import weftex
+from processes import run
 
 ROOT = Path(__file__).parent.parent / "src" / "weftex"
 
@@ -282,12 +281,8 @@ def test_only_io_results_and_planes_touch_files():
 
 
 def modules_after(code):
-    done = subprocess.run(
-        [sys.executable, "-c", f"{code}\nimport sys; print(' '.join(sys.modules))"],
-        capture_output=True,
-        text=True,
-        check=True,
-    )
+    done = run(f"{code}\nimport sys; print(' '.join(sys.modules))")
+    assert done.returncode == 0, done.stderr
     return set(done.stdout.split())
 
 
@@ -317,6 +312,19 @@ def test_a_run_on_arrays_loads_no_more_than_it_needs():
     # A method that was named pays nothing for choosing one, or for measures.
     needless |= {"weftex.tasks.auto", "weftex.analysis.lattice", "weftex.quality"}
     assert not modules_after(code) & needless
+
+
+def test_every_task_on_arrays_works_without_openimageio():
+    code = (
+        "import sys, numpy as np, weftex\nfrom weftex.prepare import even_light\n"
+        "sys.modules['OpenImageIO'] = None\n"
+        "sample = np.random.default_rng(1).integers(0, 255, (60, 60, 3), np.uint8)\n"
+        "made = weftex.synthesize(even_light(sample), 80, seed=1)\n"
+        "print(made.render(sample[..., 0]).shape, weftex.assess(sample, made).score)\n"
+        "weftex.tile(sample, seed=1), weftex.fill(sample, np.eye(60) > 0, seed=1)\n"
+        "weftex.fuse([sample, 255 - sample], 'gradient', 60, seed=1), weftex.analyze(sample)"
+    )
+    assert "weftex.tasks.fuse" in modules_after(code)
 
 
 @pytest.mark.parametrize("sample", ["bricks", "pebbles", "weave", "leaves"])

@@ -2,8 +2,6 @@
 
 import os
 import pickle
-import subprocess
-import sys
 from pathlib import Path
 
 import numpy as np
@@ -22,6 +20,7 @@ from families import (
     method_of,
     noise,
 )
+from processes import run
 from weftex.results import paste_kernels
 
 
@@ -271,13 +270,8 @@ def test_processes_change_nothing(capsys):
     expected = capsys.readouterr().out
     folders = [str(Path(__file__).parent), os.environ.get("PYTHONPATH", "")]
     for number in ("0", "1"):  # hashing of texts differs from process to process
-        done = subprocess.run(
-            [sys.executable, "-c", SCRIPT],
-            env=os.environ | {"PYTHONHASHSEED": number, "PYTHONPATH": os.pathsep.join(folders)},
-            capture_output=True,
-            check=False,
-            text=True,
-        )
+        variables = {"PYTHONHASHSEED": number, "PYTHONPATH": os.pathsep.join(folders)}
+        done = run(SCRIPT, env=os.environ | variables)
         assert done.returncode == 0, done.stderr
         assert done.stdout == expected and len(expected.split()) >= len(METHODS)
 

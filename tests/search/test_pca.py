@@ -1,15 +1,12 @@
 """Principal components (section 3.3): exact in any order of summation, and good shortlists."""
 
-import os
-import subprocess
-import sys
-
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 import weftex
+from processes import ENVIRONMENT, run
 from twins import components as reference
 from weftex.search import zone_kernels as _kernels
 from weftex.search.pca import fit_pca
@@ -183,14 +180,8 @@ def test_same_bytes_whatever_blas_does():
     found = set()
     for threads in "12":
         names = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS")
-        variables = os.environ | dict.fromkeys(names, threads)
-        done = subprocess.run(
-            [sys.executable, "-c", SCRIPT],
-            env=variables,
-            check=False,
-            capture_output=True,
-            text=True,
-        )
+        variables = ENVIRONMENT | dict.fromkeys(names, threads)
+        done = run(SCRIPT, env=variables)
         assert done.returncode == 0, done.stderr
         found.add(done.stdout)
     assert len(found) == 1
