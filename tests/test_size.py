@@ -20,7 +20,7 @@ CEILINGS = {
     "modules": 291,
     "kernel classes": 24,
     "names that several kernel classes have": 0,
-    "lines of tests": 25_040,
+    "lines of tests": 25_033,
     "quilting: files to read": 12,
     "quilting: lines to read": 2_820,
     "graphcut: files to read": 18,
