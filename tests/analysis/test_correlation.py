@@ -1,14 +1,13 @@
 """Normalized correlation is its definition, at every shift and for every size."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from twins.lattice import normalized_correlation
-from weftex.analysis.correlation import correlate, correlation_and_power, wrapped_length
+from weftex.analysis.correlation import correlate, correlation_and_power
+from weftex.raster.arrays import fast_size
 
 
 @pytest.mark.parametrize("reach", [None, (0, 0), (2, 1), (1, 6), (20, 20)])
@@ -32,7 +31,7 @@ def test_the_power_is_that_of_the_levels(shape, rng):
     found, power = correlation_and_power(levels)
     np.testing.assert_allclose(found, correlate(levels), atol=1e-12)
     around = levels - levels.mean(axis=(1, 2), keepdims=True)
-    products = np.fft.irfft2(power, [wrapped_length(2 * side - 1) for side in shape])
+    products = np.fft.irfft2(power, [fast_size(2 * side - 1) for side in shape])
     for dy, dx in ((0, 0), (0, 5), (shape[0] - 1, 2)):
         height, width = shape[0] - dy, shape[1] - dx
         expected = (around[:, :height, :width] * around[:, dy:, dx:]).sum()

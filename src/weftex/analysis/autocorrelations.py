@@ -86,15 +86,6 @@ class Field:
         found: Floats = (1 - abs(x) / self.width) * (1 - abs(y) / self.height)
         return found
 
-    def held(self, x: Floats, y: Floats, pairs: Floats) -> Floats:
-        """Return the region that the peak near a shift dominates, over the shorter vector."""
-        place = self.peaks.shifts[:, ::-1] + [self.height - 1, self.width - 1]
-        table = np.zeros(self.correlation.shape)
-        table[tuple(place.T)] = self.peaks.dominance
-        table = _around(np.maximum(table, table[::-1, ::-1]))
-        found: Floats = np.minimum(2 * table[self._at(x, y)] / shortest(pairs), 1)
-        return found
-
     def _at(self, x: Floats, y: Floats) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
         found = []
         for at, side in ((y, self.height), (x, self.width)):

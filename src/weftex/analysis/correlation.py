@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from weftex.analysis import kernels
-from weftex.raster.arrays import median
+from weftex.raster.arrays import fast_size, median
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -150,7 +150,7 @@ def _farthest(shape: tuple[int, ...], reach: tuple[int, int] | None) -> tuple[in
 def _padded(shape: tuple[int, ...], reach: tuple[int, int] | None = None) -> tuple[int, int]:
     """Return the sides at which nothing wraps around into a shift within reach."""
     down, along = map(sum, zip(shape, _farthest(shape, reach), strict=True))
-    return wrapped_length(down), wrapped_length(along)
+    return fast_size(down), fast_size(along)
 
 
 def _overlaps(side: int, most: int) -> tuple[NDArray[np.int64], Floats]:
@@ -165,16 +165,3 @@ def _unwrapped(values: Floats, far: tuple[int, int]) -> Floats:
     rows, columns = (np.arange(-most, most + 1) for most in far)
     found: Floats = values[rows[:, None], columns]
     return found
-
-
-def wrapped_length(at_least: int) -> int:
-    """Return the next length with no prime factor above 5."""
-    length = at_least
-    while True:
-        rest = length
-        for prime in (2, 3, 5):
-            while rest % prime == 0:
-                rest //= prime
-        if rest == 1:
-            return length
-        length += 1

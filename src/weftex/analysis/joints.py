@@ -14,10 +14,9 @@ from weakref import WeakKeyDictionary
 import numpy as np
 
 from weftex.analysis import kernels
-from weftex.analysis.correlation import wrapped_length
 from weftex.analysis.pairs import PHASES
 from weftex.analysis.relief import means, mixed
-from weftex.raster.arrays import median
+from weftex.raster.arrays import fast_size, median
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -119,7 +118,7 @@ class Joints:
         mean = total.sum(axis=1) / np.maximum(count.sum(axis=1), 1)
         values = np.where(known, total / np.maximum(count, 1) - mean[:, None], 0)
         number = values.shape[1]
-        size = wrapped_length(2 * number)
+        size = fast_size(2 * number)
         waves, masks = (np.fft.rfft(part, size, axis=1) for part in (values, known * 1.0))
         # The sum over all pairs of strips, less that of each with itself.
         own = (abs(waves) ** 2).sum(axis=0), (abs(masks) ** 2).sum(axis=0)

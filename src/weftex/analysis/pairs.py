@@ -6,8 +6,7 @@ nearest multiples; the best are fitted below a pixel and rated by all multiples.
 A pair is rated by the correlation at its multiples (eq. 3.22), of those at which what overlaps
 holds at least 85 % of a tile (section 3.3.1). `height` is that. A ridge, such as the courses of a
 wall, is high everywhere, so weftex's own `contrast` is what the multiples have above the places
-half and a third of the way between them, and `dominance` lets only peaks count that nothing higher
-is near to.
+half and a third of the way between them.
 """
 
 from __future__ import annotations
@@ -38,7 +37,7 @@ _PAIRS = 24  # pairs that are fitted, and rated by all their multiples
 
 MOST_ALPHA = 4.0  # by far the smallest tile wins
 UNSURE = 0.25  # standard error of the contrast of one multiple, about
-GOODNESS = ("contrast", "height", "dominance")
+GOODNESS = ("contrast", "height")
 
 #: Multiples themselves, and half and a third of the way between them.
 PHASES = (0.0, 1 / 2, 1 / 3, 2 / 3)
@@ -157,8 +156,6 @@ def rate(field: Field, pairs: Floats, reach: int, kind: str, *, exact: bool = Fa
     heights = field.values(x, y, pairs)
     if kind == "height":
         value = _mean(heights, counts)
-    elif kind == "dominance":
-        value = _mean(field.held(x, y, pairs) * heights, counts)
     else:
         weights = counts * field.shares(x, y)
         contrasts = heights - _between(field, pairs, reach)[:, None]

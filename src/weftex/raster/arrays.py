@@ -114,3 +114,15 @@ def median(values: NDArray[Any]) -> float:
     first = last - 1 + values.size % 2
     ordered = np.partition(values, (first, last), axis=None)
     return (float(ordered[first]) + float(ordered[last])) / 2
+
+
+def fast_size(length: int) -> int:
+    """Return the smallest length from `length` on with no prime factors but 2, 3 and 5."""
+    while True:
+        rest = length
+        for factor in (2, 3, 5):
+            while rest % factor == 0:
+                rest //= factor
+        if rest == 1:
+            return length
+        length += 1

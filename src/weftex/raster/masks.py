@@ -91,3 +91,12 @@ def steps_to(mask: NDArray[np.bool_], most: int) -> NDArray[np.int32]:
         reached[:, :-1] |= wide[:, 1:]
         distance[reached & (distance > step)] = step
     return distance
+
+
+def row_runs(
+    mask: NDArray[np.bool_],
+) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.int64]]:
+    """Return first column, last column + 1 and row of each run of True pixels, row by row."""
+    change = np.diff(np.pad(mask, ((0, 0), (1, 1))).astype(np.int8), axis=1)
+    row, start = np.nonzero(change == 1)
+    return start, np.nonzero(change == -1)[1], row

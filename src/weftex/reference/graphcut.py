@@ -5,7 +5,7 @@ with `candidates=1`, `halvings=0`, `variety=0` and `tone_reach=0`, byte by byte 
 `gradients=False`. Costs by gradients are no metric: there the method, which has arcs for old seams
 (`graph_kernels.add_pair`) instead of seam nodes, cuts a few pixels otherwise in about one patch of
 fifty. Random and entire patch placement, the FFT (section 5) and surrounded regions (3.2) are in
-`weftex.methods.graphcut` only: `entire` and `GraphCut.cover`.
+`weftex.methods.graphcut` only: `entire`, and the function `cover`.
 """
 
 from __future__ import annotations

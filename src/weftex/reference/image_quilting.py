@@ -1,7 +1,7 @@
 """Image quilting for texture synthesis and transfer (Efros and Freeman, 2001).
 
-The random draws are those of `weftex.random.draw`. The method `quilting` with `repeat_distance=0`
-picks the same blocks by the same rule.
+The random draws are those of `weftex.random.draw`, so the picture is that of the method `quilting`
+with `search="exhaustive"` and `repeat_distance=0`, byte by byte, if whole blocks cover the output.
 """
 
 from __future__ import annotations

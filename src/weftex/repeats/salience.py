@@ -6,10 +6,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from weftex.raster.arrays import fast_size
 from weftex.raster.turning import TURNS, turned_pixels
 from weftex.repeats import Usage
 from weftex.repeats import repeat_kernels as kernels
-from weftex.search.translation import correlations, fast_size
+from weftex.search.translation import correlations
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

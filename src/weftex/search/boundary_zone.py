@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from weftex.raster.boxes import box_sums
-from weftex.raster.masks import steps_to
+from weftex.raster.masks import row_runs, steps_to
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -99,7 +99,7 @@ def boundary_zone(
 
 def _run_lengths(mask: NDArray[np.bool_]) -> NDArray[np.int64]:
     """For each pixel the length of the row run that it lies in, 0 outside."""
-    start, stop, row = _row_runs(mask)
+    start, stop, row = row_runs(mask)
     lengths = np.zeros(mask.shape, np.int64)
     flat = lengths.ravel()
     for a, b, r in zip(start, stop, row, strict=True):
@@ -107,23 +107,12 @@ def _run_lengths(mask: NDArray[np.bool_]) -> NDArray[np.int64]:
     return lengths
 
 
-def _row_runs(
-    mask: NDArray[np.bool_],
-) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.int64]]:
-    padded = np.zeros((mask.shape[0], mask.shape[1] + 2), np.int8)
-    padded[:, 1:-1] = mask
-    change = np.diff(padded, axis=1)
-    row, start = np.nonzero(change == 1)
-    stop = np.nonzero(change == -1)[1]
-    return start, stop, row
-
-
 def runs_over(zone: NDArray[np.bool_]) -> NDArray[np.int32]:
     """Cover the zone with runs, each pixel along the direction in which its part is longer."""
     flat = _run_lengths(zone) >= _run_lengths(zone.T).T
-    start, stop, row = _row_runs(zone & flat)
+    start, stop, row = row_runs(zone & flat)
     lying = np.stack([0 * row, row, start, stop - start], axis=1)
-    start, stop, column = _row_runs((zone & ~flat).T)
+    start, stop, column = row_runs((zone & ~flat).T)
     upright = np.stack([0 * column + 1, start, column, stop - start], axis=1)
     return np.ascontiguousarray(np.concatenate([lying, upright]), np.int32)
 

@@ -28,18 +28,6 @@ class Spectra:
         self.mask, self.square, self.channels = spectra[0], spectra[1], spectra[2:]
 
 
-def fast_size(length: int) -> int:
-    """Return the smallest length from `length` on with no prime factors but 2, 3 and 5."""
-    while True:
-        rest = length
-        for factor in (2, 3, 5):
-            while rest % factor == 0:
-                rest //= factor
-        if rest == 1:
-            return length
-        length += 1
-
-
 def window_mismatch(picture: Spectra, window: Spectra) -> NDArray[np.int64]:
     """Return sums of squared differences of a window and the picture, by the window's corner.
 

@@ -33,7 +33,7 @@ def run(argv: list[str]) -> None:
     add("--lattice", metavar="X1,Y1,X2,Y2", help=text)
     text = "number of alternative lattices to list, up to 24; --lattice draws one; default: 3"
     add("--runners-up", type=int, default=3, metavar="N", help=text)
-    text = "ranking of lattices: contrast, height (the paper's) or dominance; default: contrast"
+    text = "ranking of lattices: contrast or height (the paper's); default: contrast"
     add("--goodness", default="contrast", metavar="NAME", help=text)
     text = "exponent of eq. 3.22, from 1 to 4; higher prefers smaller tiles; default: 1.12"
     add("--alpha", type=float, metavar="N", help=text)

@@ -17,8 +17,9 @@ from weftex.methods.graphcut.sample import (
     levels_of,
     on_levels,
 )
+from weftex.raster.arrays import fast_size
 from weftex.repeats import Offsets
-from weftex.search.translation import Spectra, fast_size, overlap_mismatch
+from weftex.search.translation import Spectra, overlap_mismatch
 
 if TYPE_CHECKING:
     from collections.abc import Callable

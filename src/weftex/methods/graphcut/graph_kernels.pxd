@@ -12,7 +12,8 @@ cdef enum:
     REACH = 2  # blocks around those that the cut passes
     STEP = 2  # the number of halvings less at each step
 
-# Of the grid, arcs from the source are what it costs that a block stays old, to the sink new.
+# The source's arc to a block has the cost of the block if it stays old, and the block's arc to the
+# sink its cost if it becomes new.
 cdef class Graph(Grid):
     cdef Labeling labeling
     cdef const int[::1] rows

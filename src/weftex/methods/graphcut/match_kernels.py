@@ -7,6 +7,7 @@ A level is the pixels of a picture, and a mask of those that count.
 import cython
 from cython.cimports.libc.math import INFINITY
 from cython.cimports.libc.string import memchr, memcpy, memset
+from cython.cimports.weftex.raster.difference_kernels import squared
 
 
 @cython.cfunc
@@ -103,23 +104,6 @@ def run_of(
 
 
 @cython.cfunc
-@cython.inline
-@cython.nogil
-@cython.exceptval(check=False)
-def squares(
-    one: cython.p_const_uchar, other: cython.p_const_uchar, count: cython.Py_ssize_t
-) -> cython.int:
-    """The sum of squared differences of `count` bytes, at most as many as an integer can sum."""
-    cython.declare(k=cython.Py_ssize_t)
-    cython.declare(d=cython.short)  # whose products are summed up in pairs by one instruction
-    total: cython.int = 0
-    for k in range(count):
-        d = cython.cast(cython.short, one[k]) - cython.cast(cython.short, other[k])
-        total += cython.cast(cython.int, d) * d
-    return total
-
-
-@cython.cfunc
 @cython.nogil
 @cython.exceptval(check=False)
 def mismatch(
@@ -140,7 +124,6 @@ def mismatch(
     cython.declare(i=cython.Py_ssize_t, j=cython.Py_ssize_t, end=cython.Py_ssize_t)
     cython.declare(here=cython.p_const_uchar, there=cython.p_const_uchar, turn=cython.int)
     channels: cython.Py_ssize_t = box.shape[2]
-    at_once: cython.Py_ssize_t = 32768 // channels  # pixels whose squares fit into an int
     first: cython.Py_ssize_t = max(0, -left)
     last: cython.Py_ssize_t = min(box.shape[1], sample.shape[1] - left)
     upper: cython.Py_ssize_t = max(0, -top)
@@ -158,10 +141,10 @@ def mismatch(
                 if not (whole or there[j]):
                     j = run_of(here, j + 1, last, 1)
                     continue
-                end = run_of(here, j + 1, min(last, j + at_once), 0)
+                end = run_of(here, j + 1, last, 0)
                 if not whole:
                     end = run_of(there, j + 1, end, 0)
-                total += squares(
+                total += squared(
                     cython.address(box[i, j, 0]),
                     cython.address(sample[top + i, left + j, 0]),
                     (end - j) * channels,

@@ -17,7 +17,8 @@ from weftex.analysis.patch_sizes import patch_size_of
 from weftex.errors import InvalidInputError
 from weftex.exemplar.turns import copies_in
 from weftex.methods.graphcut import match_kernels as kernels
-from weftex.search.translation import Spectra, fast_size
+from weftex.raster.arrays import fast_size
+from weftex.search.translation import Spectra
 from weftex.search.windows import Windows, windows_of
 
 if TYPE_CHECKING:

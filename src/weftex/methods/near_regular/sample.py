@@ -17,6 +17,7 @@ from weftex.exemplar import Exemplar
 from weftex.methods.near_regular.defaults import vectors_around
 from weftex.random import draw
 from weftex.raster.boxes import extended_sums, sums_along
+from weftex.raster.masks import row_runs
 from weftex.search.picture_kernels import Sample
 from weftex.search.windows import Windows, windows_of
 
@@ -83,7 +84,9 @@ class BlockSample:
         key = int(height), int(width), margin, half
         if key not in self._borders:
             wedges = wedges_of(*key)
-            self._borders[key] = Border(wedges, runs_of(wedges > 0))
+            start, stop, row = row_runs(wedges > 0)
+            runs = np.stack([row, start, stop - start], axis=1).astype(np.int32)
+            self._borders[key] = Border(wedges, shuffled(runs))
         return self._borders[key]
 
     @property
@@ -137,13 +140,6 @@ def wedges_of(height: int, width: int, margin: int, half: int) -> NDArray[np.uin
     nearest = away.min(axis=0)
     border = (nearest >= 0) & (nearest < 2 * half)
     return np.where(border, away.argmin(axis=0) + 1, 0).astype(np.uint8)
-
-
-def runs_of(border: NDArray[np.bool_]) -> NDArray[np.int32]:
-    """Cover a border with runs of pixels in a row, shuffled; see `Border`."""
-    change = np.diff(np.pad(border, ((0, 0), (1, 1))).astype(np.int8), axis=1)
-    (y, start), stop = np.nonzero(change == 1), np.nonzero(change == -1)[1]
-    return shuffled(np.stack([y, start, stop - start], axis=1).astype(np.int32))
 
 
 def shuffled(values: NDArray[Any], purpose: str = "runs") -> NDArray[Any]:
