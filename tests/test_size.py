@@ -15,20 +15,20 @@ TESTS = Path(__file__).parent
 READ = ("methods", "repeats", "search", "seams")
 #: Lower a ceiling when the code has become smaller; a feature that needs room removes something.
 CEILINGS = {
-    "lines of Python in src": 46_158,
-    "of these code": 32_351,
+    "lines of Python in src": 46_112,
+    "of these code": 32_316,
     "modules": 291,
     "kernel classes": 24,
     "names that several kernel classes have": 0,
-    "lines of tests": 25_033,
+    "lines of tests": 25_032,
     "quilting: files to read": 12,
-    "quilting: lines to read": 2_820,
+    "quilting: lines to read": 2_809,
     "graphcut: files to read": 18,
-    "graphcut: lines to read": 4_220,
+    "graphcut: lines to read": 4_195,
     "efros-leung: files to read": 8,
     "efros-leung: lines to read": 1_336,
     "near-regular: files to read": 13,
-    "near-regular: lines to read": 2_596,
+    "near-regular: lines to read": 2_592,
 }
 
 
