@@ -91,6 +91,7 @@ def _plug_in(host: str, source: Path, output: Path) -> Path:
     files = [*sorted(source.iterdir()), *sorted((HERE / "shared").glob("*.py"))]
     files += [HERE / host / "README.md", HERE.parent / "LICENSE"]
     with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as archive:
+        archive.writestr(f"{source.name}/", "")  # by which Krita finds the module
         for file in files:
             if file.is_file():
                 archive.write(file, f"{source.name}/{file.name}")

@@ -100,6 +100,30 @@ def options_of(task: str) -> list[dict[str, Any]]:
     return json.loads(text)[task]  # type: ignore[no-any-return]
 
 
+def title_of(option: dict[str, Any]) -> str:
+    """Return the label of an option in a dialog."""
+    title: str = option["name"].replace("_", " ")
+    return title[0].upper() + title[1:]
+
+
+def about(option: dict[str, Any]) -> str:
+    """Return the help of an option in a dialog."""
+    text: str = option["help"][0].upper() + option["help"][1:]
+    return text + (f"; default: {option['default_text']}" if option["default_text"] else "")
+
+
+def choices_of(option: dict[str, Any]) -> tuple[list[tuple[str, str]], str]:
+    """Return values with their labels, and the first choice, of an option that has choices."""
+    if option["type"] == "axes":
+        pairs = [("none", "No"), ("both", "Along both axes"), ("x", "Along x"), ("y", "Along y")]
+        return (pairs[1:], "both") if option["default"] else (pairs, "none")
+    if option["type"] == "bool":
+        return [("auto", "Automatic"), ("yes", "Yes"), ("no", "No")], "auto"
+    if option["name"] == "method":
+        return [(value, label) for value, label in option["choices"]], "auto"
+    return [(one, one.capitalize()) for one in option["choices"]], option["default"]
+
+
 def words_of(task: str, values: dict[str, Any]) -> list[str]:
     """Return the words of the command line for values of options by their names.
 
@@ -149,18 +173,18 @@ class Run:
     Attributes
     ----------
     share : float
-        Part of the work that is done, from 0 to 1.
+        Part of the current stage that is done, from 0 to 1.
     stage : str
         What is being done.
     """
 
     def __init__(self, command: str, words: list[str]) -> None:
         self.share, self.stage = 0.0, "starting"
-        self._last, self._canceled = "", False
+        self._error, self._canceled = "", False
         try:
             self._process = subprocess.Popen(
-                [command, *words],
-                stdin=subprocess.DEVNULL,
+                [command, "--for-program", *words],
+                stdin=subprocess.PIPE,  # closed to cancel, also if the host ends this process
                 stdout=subprocess.DEVNULL,
                 stderr=subprocess.PIPE,
                 **_started(),
@@ -176,10 +200,9 @@ class Run:
         return self._process.poll() is None
 
     def cancel(self) -> None:
-        """Ask the process to end."""
+        """Ask the process to end, which takes it up to a second."""
         self._canceled = True
-        if self.running:
-            self._process.terminate()
+        self._process.stdin.close()  # type: ignore[union-attr]
 
     def finish(self) -> None:
         """Wait for the end; raise `Canceled`, or `Problem` with the command's own error."""
@@ -192,17 +215,23 @@ class Run:
         if self._canceled:
             raise Canceled("Canceled")
         if code:
-            said = self._last or f"weftex ended with code {code}"
+            said = self._error or f"weftex ended with code {code}"
             raise Problem(said[:1].upper() + said[1:])
 
     def _read(self) -> None:
         with self._process.stderr as stream:  # type: ignore[union-attr]
             for line in stream:
-                self._hear(line.decode("utf-8", "replace").strip())
+                text = line.decode("utf-8", "replace").strip()
+                if text.startswith("{"):
+                    self._hear(json.loads(text))
+                else:  # Python's own last words
+                    self._error = text or self._error
 
-    def _hear(self, line: str) -> None:
-        if line:
-            self._last = re.sub(r"^weftex: (error: )?", "", line)
+    def _hear(self, told: dict[str, Any]) -> None:
+        if "stage" in told:
+            self.stage = told["stage"]
+            self.share = told["done"] / told["of"] if told["of"] else 0.0
+        self._error = told.get("error", self._error)
 
 
 def run(command: str, words: list[str], report: Callable[[float, str], bool]) -> None:

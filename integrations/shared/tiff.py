@@ -58,6 +58,13 @@ class Picture:
         """Return the picture with alpha, which is 1 if there was none."""
         return self._with(self.channels + 1) if self.channels in (1, 3) else self
 
+    def cropped(self, x: int, y: int, width: int, height: int) -> Picture:
+        """Return a rectangle of the picture."""
+        pixel = self.channels * self.bits // 8
+        starts = (((y + row) * self.width + x) * pixel for row in range(height))
+        data = b"".join(self.data[start : start + width * pixel] for start in starts)
+        return Picture(width, height, self.channels, self.bits, data)
+
     def _with(self, channels: int) -> Picture:
         old, count = self.values(), self.width * self.height
         new = array(CODES[self.bits], [full(self.bits)]) * (count * channels)

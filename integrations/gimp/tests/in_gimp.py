@@ -53,6 +53,8 @@ def select(image, told):
     kind, *numbers = told
     if kind == "rectangle":
         image.select_rectangle(Gimp.ChannelOps.REPLACE, *numbers)
+    elif kind == "add":
+        image.select_rectangle(Gimp.ChannelOps.ADD, *numbers)
     elif kind == "ellipse":
         image.select_ellipse(Gimp.ChannelOps.REPLACE, *numbers)
     elif kind == "feather":

@@ -8,6 +8,7 @@ back. The image changes only after the run, as one step of undo.
 from __future__ import annotations
 
 import os
+import re
 import sys
 from pathlib import Path
 from typing import Any
@@ -25,8 +26,6 @@ import tiff
 from command import Canceled, Problem
 
 _READ_WRITE = GObject.ParamFlags.READWRITE
-_AXES = (("none", "No"), ("both", "Along both axes"), ("x", "Along x"), ("y", "Along y"))
-_YES_NO = (("auto", "Automatic"), ("yes", "Yes"), ("no", "No"))
 
 
 class Rectangle(tuple):  # type: ignore[type-arg]
@@ -196,8 +195,28 @@ def heal_selection(image: Any, drawables: list[Any], work: Work) -> None:
     photo = work.file("photo.tif", picture_of(drawable, whole))
     result = work.make(photo, "--mask", work.file("mask.tif", mask))
     put(drawable.get_shadow_buffer(), whole, result, drawable)
+    before = own_bytes(drawable, part)
     drawable.merge_shadow(True)
+    restore(drawable, part, before, selection_of(image, drawable, part).data)
     drawable.update(*part)
+
+
+def own_bytes(drawable: Any, part: Rectangle) -> bytes:
+    """Return pixels in the drawable's own format."""
+    data: bytes = drawable.get_buffer().get(part.gegl, 1.0, None, Gegl.AbyssPolicy.NONE)
+    return data
+
+
+def restore(drawable: Any, part: Rectangle, before: bytes, mask: bytes) -> None:
+    """Set pixels to their former bytes where the mask is 0: GIMP rounds floats there."""
+    after = bytearray(own_bytes(drawable, part))
+    size = len(after) // len(mask)
+    for run in re.finditer(b"\0+", mask):
+        start, end = run.start() * size, run.end() * size
+        after[start:end] = before[start:end]
+    buffer = drawable.get_buffer()
+    buffer.set(part.gegl, Babl.get_name(drawable.get_format()), bytes(after))
+    buffer.flush()
 
 
 def fuse_groups(image: Any, drawables: list[Any], work: Work) -> None:
@@ -281,35 +300,22 @@ def values_of(task: str, config: Any) -> dict[str, Any]:
 
 def add_argument(procedure: Any, option: dict[str, Any]) -> None:
     """Add the argument of a procedure for an option."""
-    name = option["name"].replace("_", "-")
-    title = option["name"].replace("_", " ").capitalize()
-    about = option["help"][0].upper() + option["help"][1:]
-    if option["default_text"]:
-        about += f"; default: {option['default_text']}"
+    name, title = option["name"].replace("_", "-"), command.title_of(option)
+    text = command.about(option)
     if option["type"] == "size":
-        for side in ("width", "height"):
-            text = f"{side.capitalize()} in pixels; 0: {option['default_text']}"
-            procedure.add_int_argument(
-                side, f"_{side.capitalize()}", text, 0, 262_144, 0, _READ_WRITE
-            )
-        return
-    if option["type"] == "int":
-        low, high = (0, 2**31 - 1) if option["name"] == "seed" else (0, 8192)
-        first = 1 if option["name"] == "seed" else 0
-        procedure.add_int_argument(name, title, about, low, high, first, _READ_WRITE)
-        return
-    pairs, first = [(one, one) for one in option["choices"]], option["default"]
-    if option["type"] == "axes":
-        pairs, first = list(_AXES), "both" if option["default"] else "none"
-        pairs = pairs[1:] if option["default"] else pairs
-    elif option["type"] == "bool":
-        pairs, first = list(_YES_NO), "auto"
-    elif option["name"] == "method":
-        pairs, first = [tuple(one) for one in option["choices"]], option["choices"][0][0]
-    choice = Gimp.Choice.new()
-    for number, (value, label) in enumerate(pairs):
-        choice.add(value, number, label, "")
-    procedure.add_choice_argument(name, title, about, choice, first, _READ_WRITE)
+        for side in ("Width", "Height"):
+            text = f"{side} in pixels; 0: {option['default_text']}"
+            procedure.add_int_argument(side.lower(), side, text, 0, 262_144, 0, _READ_WRITE)
+    elif option["type"] == "int":
+        seed = name == "seed"
+        high, first = (2**31 - 1, 1) if seed else (8192, 0)
+        procedure.add_int_argument(name, title, text, 0, high, first, _READ_WRITE)
+    else:
+        pairs, first = command.choices_of(option)
+        choice = Gimp.Choice.new()
+        for number, (value, label) in enumerate(pairs):
+            choice.add(value, number, label, "")
+        procedure.add_choice_argument(name, title, text, choice, first, _READ_WRITE)
 
 
 def _setting() -> str:

@@ -163,14 +163,12 @@ def test_versions_that_do_not_fit_are_refused(command, program):
 
 def test_a_run_ends_with_the_commands_own_error_or_when_it_is_canceled(command, program):
     command.run(program("pass"), [], lambda share, stage: True)
-    failing = program(
-        "print('weftex: error: the sample is too small', file=sys.stderr)", "sys.exit(2)"
-    )
+    failing = program('sys.exit(\'{"error": "the sample is too small"}\')')
     with pytest.raises(command.Problem, match="^The sample is too small$"):
         command.run(failing, [], lambda share, stage: True)
     start = time.monotonic()
     with pytest.raises(command.Canceled):
-        command.run(program("time.sleep(60)"), [], lambda share, stage: False)
+        command.run(program("sys.stdin.read()", "sys.exit(129)"), [], lambda share, stage: False)
     assert time.monotonic() - start < 30
 
 
