@@ -9,8 +9,8 @@ from hypothesis.extra.numpy import arrays
 from twins import seams as reference
 from twins.boundary_zone import zone_of, zone_weights
 from weftex.methods.patches import patch_kernels as _kernels
+from weftex.methods.patches.boundary_zone import boundary_zone
 from weftex.results.paste_kernels import Layout
-from weftex.search.boundary_zone import boundary_zone
 
 SIDES = ("left", "top", "right", "bottom")
 

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 import weftex
 from processes import ENVIRONMENT, run
 from twins import components as reference
-from weftex.search import zone_kernels as _kernels
+from weftex.methods.patches import zone_kernels as _kernels
 from weftex.search.pca import fit_pca
 
 SAMPLES = ("pebbles", "grass", "bricks")

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from weftex.methods.graphcut.placement import Patch
-    from weftex.search.boundary_zone import BoundaryZone
+    from weftex.methods.patches.boundary_zone import BoundaryZone
 
 
 class PatchRecorder(Recorder):

@@ -97,7 +97,7 @@ def sample_by_patches(output: Output, method: PatchSampling) -> None:
         # E_out, the boundary zone of the patches already pasted: Fig. 3 (b) to (d), Fig. 5 for
         # tileable output, any shape at a hole. Of the sample's patches a kd-tree, the quadtree
         # pyramid or principal components find candidates for it (section 3:
-        # `search.zone_search`, `zone_kernels.nearest_by_blocks` and `nearest_by_features`).
+        # `patches.zone_search`, `zone_kernels.nearest_by_blocks` and `nearest_by_features`).
         candidates = output.search_for(run)
         # Step 1 where nothing is pasted yet, else steps 2 to 4: draw B_k from Psi_B
         # (`patch_kernels.draw_one`), paste it.

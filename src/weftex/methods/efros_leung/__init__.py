@@ -18,10 +18,10 @@ from weftex.methods.efros_leung.layers import (
     shared,
     unfilled_with_filled_neighbors,
 )
+from weftex.methods.efros_leung.weighted_search import ExhaustiveSearch, gaussian_weights
 from weftex.methods.pixels.growth import PixelModel, WindowedMethod, narrowed, width_for
 from weftex.notes import asked_among, note
 from weftex.parameters import parameter
-from weftex.search.exhaustive import ExhaustiveSearch, gaussian_weights
 from weftex.search.windows import square_windows
 
 if TYPE_CHECKING:
@@ -147,7 +147,7 @@ def grow_in_layers(prepared: Prepared, growth: Growth) -> None:
     waves = Waves(growth.canvas.shape, wrap, method.window_width, growth.seed)
     # The context is the "already synthesized pixels in a square window"; similarity is the
     # "Gaussian weighted sum of differences": "find the best match [...] and take all samples
-    # within some distance from that match", one of which is drawn: `exhaustive_kernels`.
+    # within some distance from that match", one of which is drawn: `weighted_kernels`.
     canvas = growth.pixels, growth.done, growth.source, wrap
     with shared(
         [prepared.search.on(*canvas, method.tolerance) for _ in range(growth.threads)]

@@ -15,7 +15,7 @@ from weftex.raster.masks import grown
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from weftex.search.exhaustive import Draw, Drawn
+    from weftex.methods.efros_leung.weighted_search import Draw, Drawn
     from weftex.search.windows import Windows
 
 _SHARE = 8  # pixels; fewer are not worth another thread

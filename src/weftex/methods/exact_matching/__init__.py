@@ -175,7 +175,7 @@ def synthesize(prepared: Prepared, growth: Growth, level: int) -> Sheet:
     method, sample, parents = prepared.method, prepared.levels[level], None
     height, width = (-(-n >> level) for n in growth.canvas.shape)
     # Sections 4 and 4.1: the kd-tree over the sample's colors, and the windows of each color:
-    # `search.color_index.ColorIndex`, `lists.color_lists`.
+    # `methods.exact_matching.color_index.ColorIndex`, `lists.color_lists`.
     lists = sample.causal
     top = lists.reach
     # Section 4.3: a band as high as a window reaches. It is cropped at the end, and so are as

@@ -1,4 +1,4 @@
-from weftex.search.color_kernels cimport ColorTree
+from weftex.methods.exact_matching.color_kernels cimport ColorTree
 
 # The sample, and the lists of section 4.1; `ColorLists` says what the arrays hold.
 cdef class Lists:

@@ -5,7 +5,7 @@ Shared types are declared in list_kernels.pxd.
 """
 
 import cython
-from cython.cimports.weftex.search.color_kernels import near_colors
+from cython.cimports.weftex.methods.exact_matching.color_kernels import near_colors
 from cython.cimports.weftex.search.picture_kernels import Query
 from cython.cimports.weftex.search.window_kernels import gather_runs, run_distance
 

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from weftex.methods.exact_matching import list_kernels as kernels
+from weftex.methods.exact_matching.color_index import ColorIndex
 from weftex.methods.exact_matching.defaults import reach_of
-from weftex.search.color_index import ColorIndex
 from weftex.search.picture_kernels import Query
 from weftex.search.windows import windows_of
 

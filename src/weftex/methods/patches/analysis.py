@@ -9,10 +9,10 @@ import numpy as np
 
 from weftex.errors import InvalidInputError
 from weftex.exemplar import Exemplar
+from weftex.methods.patches.boundary_zone import boundary_zone
 from weftex.methods.patches.method import PatchMethod
+from weftex.methods.patches.zone_search import QuadtreePyramid, ZoneSearch
 from weftex.raster.boxes import box_sums
-from weftex.search.boundary_zone import boundary_zone
-from weftex.search.zone_search import QuadtreePyramid, ZoneSearch
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any, ClassVar, Self
 from weftex.analysis.patch_sizes import HOLE_PATCHES, patch_size_for, patch_size_of, patch_size_on
 from weftex.errors import InvalidInputError
 from weftex.method import Method
+from weftex.methods.patches.zone_search import SEARCHES
 from weftex.parameters import parameter
-from weftex.search.zone_search import SEARCHES
 
 if TYPE_CHECKING:
     import numpy as np

@@ -29,13 +29,13 @@ from weftex.methods.patches.orders import (
 )
 from weftex.methods.patches.patch_kernels import Patches, Tolerance, lay_patches
 from weftex.methods.patches.plane_order import PatchAxis, PlaneOrder, least_period
+from weftex.methods.patches.zone_kernels import Shortlist
+from weftex.methods.patches.zone_search import ZoneSearch
 from weftex.notes import is_asked, note, pixel_asked
 from weftex.progress import Progress, ProgressCallback
 from weftex.random import seed_number
 from weftex.results.paste_kernels import Layout
 from weftex.results.patches import PatchSynthesis
-from weftex.search.zone_kernels import Shortlist
-from weftex.search.zone_search import ZoneSearch
 from weftex.threads import thread_count
 
 if TYPE_CHECKING:

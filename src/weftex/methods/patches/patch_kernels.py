@@ -3,14 +3,7 @@
 
 import cython
 from cython.cimports.libc.math import sqrt
-from cython.cimports.weftex.raster.difference_kernels import squared
-from cython.cimports.weftex.repeats.overlap_kernels import (
-    CONTINUES,
-    best_unrepeated,
-    exclude_repeats,
-)
-from cython.cimports.weftex.results.paste_kernels import Layout, paste
-from cython.cimports.weftex.search.zone_kernels import (
+from cython.cimports.weftex.methods.patches.zone_kernels import (
     ALL,
     Shortlist,
     ZoneWindows,
@@ -19,6 +12,13 @@ from cython.cimports.weftex.search.zone_kernels import (
     gather,
     list_candidates,
 )
+from cython.cimports.weftex.raster.difference_kernels import squared
+from cython.cimports.weftex.repeats.overlap_kernels import (
+    CONTINUES,
+    best_unrepeated,
+    exclude_repeats,
+)
+from cython.cimports.weftex.results.paste_kernels import Layout, paste
 
 # The largest m of section 3.2. If most of so many candidates match, others do too, see `spread`.
 MOST_CANDIDATES = cython.declare(cython.Py_ssize_t, 10000)

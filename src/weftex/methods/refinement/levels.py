@@ -10,17 +10,17 @@ import numpy as np
 
 from weftex.exemplar import Exemplar
 from weftex.methods.refinement.defaults import reach_and_level_count, seed_spacing
+from weftex.methods.refinement.nearest import nearest_search
+from weftex.methods.refinement.similar import nearest_center, similar_places
+from weftex.methods.refinement.stack import Layout
 from weftex.raster.pyramids import gaussian_stack, mask_stack
-from weftex.search.nearest import nearest_search
-from weftex.search.similar import nearest_center, similar_places
-from weftex.search.stack import Layout
 from weftex.search.windows import windows_of
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from weftex.method import Model
-    from weftex.search.nearest import NearestSearch
+    from weftex.methods.refinement.nearest import NearestSearch
     from weftex.search.windows import Windows
 
 ONE = 256  # distances are multiplied with integers; this is a factor of 1

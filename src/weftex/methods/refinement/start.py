@@ -13,8 +13,8 @@ from weftex.analysis.scale import dominant_scale
 from weftex.errors import InvalidInputError
 from weftex.methods.lattices.model import is_strained
 from weftex.naming import method_of, text_of
+from weftex.raster.masks import grown
 from weftex.registry import METHODS
-from weftex.seams.belts import seam_belts
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -141,3 +141,23 @@ def keep_patches(sources: NDArray[np.int32], belt: int, windows: Windows, growth
     growth.source[kept] = windows.from_sample(place[kept])
     growth.done[kept] = 1
     growth.hole = None if not growth.done.any() else growth.done == 0
+
+
+def seam_belts(
+    source: NDArray[np.int32],
+    reach: int,
+    wrap: tuple[bool, bool],
+    period: tuple[int, int] | None = None,
+) -> NDArray[np.bool_]:
+    """Mask (H, W) of the pixels within `reach` of a seam, where neighbors have no adjacent sources.
+
+    `source` is (H, W, 2); `period` is the size of a tileable sample.
+    """
+    belts = np.zeros(source.shape[:2], bool)
+    for axis in (0, 1):
+        step = np.roll(source, -1, axis) - source - np.eye(2, dtype=np.int32)[axis]
+        broken = ((step if period is None else step % np.array(period)) != 0).any(axis=2)
+        if not wrap[axis]:
+            broken.swapaxes(0, axis)[-1] = False
+        belts |= broken | np.roll(broken, 1, axis)
+    return grown(belts, reach - 1, wrap)

@@ -2,8 +2,8 @@
 """The kernels of iterative refinement; compiled by Cython, see setup.py."""
 
 import cython
+from cython.cimports.weftex.methods.refinement.nearest_kernels import NearestWindows, nearest_window
 from cython.cimports.weftex.raster.difference_kernels import squared
-from cython.cimports.weftex.search.nearest_kernels import NearestWindows, nearest_window
 from cython.cimports.weftex.search.picture_kernels import (
     Picture,
     Query,

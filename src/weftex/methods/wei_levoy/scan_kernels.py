@@ -2,8 +2,8 @@
 """The kernel of Wei and Levoy's method; compiled by Cython, see setup.py."""
 
 import cython
+from cython.cimports.weftex.methods.wei_levoy.tsvq_kernels import Tree, nearest
 from cython.cimports.weftex.search.picture_kernels import Picture
-from cython.cimports.weftex.search.tsvq_kernels import Tree, nearest
 from cython.cimports.weftex.search.window_kernels import copy_pixel
 
 

@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from weftex.methods.wei_levoy import scan_kernels as kernels
+from weftex.methods.wei_levoy.tsvq import TSVQ, build_tsvq
 from weftex.notes import note, parts
 from weftex.search.picture_kernels import Picture
 from weftex.search.pyramid_windows import parent_offsets, window_offsets, window_vectors
-from weftex.search.tsvq import TSVQ, build_tsvq
 
 if TYPE_CHECKING:
     from weftex.exemplar import Exemplar

@@ -3,9 +3,9 @@
 
 import cython
 from cython.cimports.libc.math import sqrt
+from cython.cimports.weftex.methods.patches.zone_kernels import distances_by_features, project
 from cython.cimports.weftex.search.picture_kernels import Query
 from cython.cimports.weftex.search.window_kernels import run_distance
-from cython.cimports.weftex.search.zone_kernels import distances_by_features, project
 
 
 class NearestWindows:

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from weftex.search import exhaustive_kernels as kernels
+from weftex.methods.efros_leung import weighted_kernels as kernels
 from weftex.search.picture_kernels import Picture
 from weftex.search.windows import new_query
 

@@ -5,8 +5,8 @@ import pytest
 
 from families import noise
 from twins import refinement as reference
+from weftex.methods.refinement.stack import Layout
 from weftex.raster.pyramids import gaussian_pyramid, gaussian_stack, mask_pyramid, mask_stack
-from weftex.search.stack import Layout
 
 
 @pytest.mark.parametrize("tileable", [False, True])

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from weftex.exemplar import Exemplar
-from weftex.search.color_index import ColorIndex
+from weftex.methods.exact_matching.color_index import ColorIndex
 from weftex.search.windows import windows_of
 
 

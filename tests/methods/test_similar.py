@@ -11,8 +11,8 @@ from twins import similar as reference
 from twins.windows import by_rows, window_centers
 from twins.windows import nearest_center as nearest_by_definition
 from weftex.exemplar import Exemplar
+from weftex.methods.refinement.similar import nearest_center, similar_places
 from weftex.raster.pyramids import gaussian_pyramid
-from weftex.search.similar import nearest_center, similar_places
 from weftex.search.windows import windows_of
 
 
@@ -75,7 +75,7 @@ def test_centers_are_taken_in_parts(monkeypatch):
     coarse, fine = two_levels(False)
     coarser = coarse, similar_places(coarse, 2, 2)
     expected = similar_places(fine, 2, 2, coarser)
-    monkeypatch.setattr("weftex.search.similar._AT_ONCE", 7)
+    monkeypatch.setattr("weftex.methods.refinement.similar._AT_ONCE", 7)
     assert np.array_equal(similar_places(fine, 2, 2, coarser), expected)
 
 
@@ -84,8 +84,8 @@ def test_large_levels_take_the_children_themselves(tileable, monkeypatch):
     """Without a search: a child is like the children that lie as it does beside their parents."""
     coarse, fine = two_levels(tileable)
     parents = similar_places(coarse, 2, 2)
-    monkeypatch.setattr("weftex.search.similar._MOST_CENTERS", 100)
-    monkeypatch.setattr("weftex.search.similar.kernels.nearest_windows", None)
+    monkeypatch.setattr("weftex.methods.refinement.similar._MOST_CENTERS", 100)
+    monkeypatch.setattr("weftex.methods.refinement.similar.kernels.nearest_windows", None)
     found = by_place(fine, similar_places(fine, 2, 2, (coarse, parents)))
     top, left = (int(n) for n in coarse.period[:2])
     like = {

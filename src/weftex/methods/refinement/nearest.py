@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from weftex.search import nearest_kernels
+from weftex.methods.refinement import nearest_kernels
 from weftex.search.pca import (
     MOST_COMPONENTS,
     ZonePCA,

@@ -8,9 +8,9 @@ from hypothesis import strategies as st
 import weftex
 from families import noise
 from weftex.exemplar import Exemplar
-from weftex.search import nearest_kernels as kernels
+from weftex.methods.refinement import nearest_kernels as kernels
+from weftex.methods.refinement.nearest import nearest_search
 from weftex.search import picture_kernels
-from weftex.search.nearest import nearest_search
 from weftex.search.picture_kernels import Query
 from weftex.search.windows import windows_of
 

@@ -6,8 +6,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from twins import tree as reference
-from weftex.search import tsvq, tsvq_kernels
-from weftex.search.tsvq import build_tsvq
+from weftex.methods.wei_levoy import tsvq, tsvq_kernels
+from weftex.methods.wei_levoy.tsvq import build_tsvq
 
 
 def vectors_of(count, size, values, seed):

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from weftex.search import tsvq_kernels as kernels
+from weftex.methods.wei_levoy import tsvq_kernels as kernels
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

@@ -8,8 +8,8 @@ from hypothesis.extra.numpy import arrays
 
 from twins import boundary_zone as reference
 from twins import seams
-from weftex.search import zone_kernels as _kernels
-from weftex.search.boundary_zone import boundary_zone
+from weftex.methods.patches import zone_kernels as _kernels
+from weftex.methods.patches.boundary_zone import boundary_zone
 
 masks = arrays(bool, st.tuples(st.integers(1, 12), st.integers(1, 12)))
 widths = st.integers(1, 6)

@@ -8,9 +8,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from twins import quadtree_pyramid as reference
-from weftex.search import zone_kernels as _kernels
-from weftex.search.boundary_zone import boundary_zone
-from weftex.search.zone_search import QuadtreePyramid
+from weftex.methods.patches import zone_kernels as _kernels
+from weftex.methods.patches.boundary_zone import boundary_zone
+from weftex.methods.patches.zone_search import QuadtreePyramid
 
 
 @pytest.mark.parametrize("level, side", [(1, 1), (2, 2), (3, 4)])

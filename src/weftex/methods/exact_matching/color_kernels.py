@@ -6,8 +6,8 @@ The tree is that of `ColorIndex`: node i at level l, counted from 2**l, has the 
 """
 
 import cython
+from cython.cimports.weftex.methods.patches.zone_kernels import offer
 from cython.cimports.weftex.raster.difference_kernels import squared
-from cython.cimports.weftex.search.zone_kernels import offer
 
 
 class ColorTree:

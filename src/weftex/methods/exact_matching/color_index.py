@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from weftex.search import color_kernels as kernels
+from weftex.methods.exact_matching import color_kernels as kernels
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

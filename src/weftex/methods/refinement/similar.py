@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from weftex.search import similar_kernels as kernels
+from weftex.methods.refinement import similar_kernels as kernels
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

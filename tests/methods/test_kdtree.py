@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from weftex.errors import UnsupportedError
-from weftex.search.zone_search import KDTree
+from weftex.methods.patches.zone_search import KDTree
 
 
 def distances(points, query):
@@ -48,5 +48,5 @@ def test_without_scipy_the_error_says_what_to_install(monkeypatch):
     import sys
 
     monkeypatch.setitem(sys.modules, "scipy.spatial", None)
-    with pytest.raises(UnsupportedError, match=r"pip install 'weftex\[kdtree\]'"):
+    with pytest.raises(UnsupportedError, match="pip install 'scipy>=1.13'"):
         KDTree(np.zeros((1, 1), np.int16), np.zeros(1, np.int32), 0.5)

@@ -10,7 +10,7 @@ import weftex
 from materials import made_up, states
 from twins import exhaustive as reference
 from twins.exhaustive import choice_of_all as slow
-from weftex.search.exhaustive import ExhaustiveSearch, gaussian_weights
+from weftex.methods.efros_leung.weighted_search import ExhaustiveSearch, gaussian_weights
 from weftex.search.windows import windows_of
 
 WRAPS = list(families.WRAPS.values())

@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from weftex.errors import missing_packages
-from weftex.search import zone_kernels
-from weftex.search.boundary_zone import BoundaryZone
+from weftex.methods.patches import zone_kernels
+from weftex.methods.patches.boundary_zone import BoundaryZone
+from weftex.methods.patches.zone_kernels import SOURCES, ZoneWindows
 from weftex.search.pca import ZonePCA, fit_pca
-from weftex.search.zone_kernels import SOURCES, ZoneWindows
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
