@@ -15,9 +15,9 @@ TESTS = Path(__file__).parent
 READ = ("methods", "repeats", "search", "seams")
 #: Lower a ceiling when the code has become smaller; a feature that needs room removes something.
 CEILINGS = {
-    "lines of Python in src": 46_112,
-    "of these code": 32_316,
-    "modules": 291,
+    "lines of Python in src": 46_100,
+    "of these code": 32_310,
+    "modules": 290,
     "kernel classes": 24,
     "names that several kernel classes have": 0,
     "lines of tests": 25_032,
