@@ -34,7 +34,7 @@ _SYSTEMS = {
 _DIALOGS = {
     "synth": ("size", "tileable", "landmarks"),
     "tile": ("axes", "border"),
-    "fill": ("overlap", "match_tone"),
+    "fill": ("match_tone",),  # an overlap would change unselected pixels
     "fuse": ("boundary", "belt_width", "tileable"),
 }
 _METHOD = "synthesis method; weftex chooses one for the sample unless you do"

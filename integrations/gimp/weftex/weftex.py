@@ -300,15 +300,18 @@ def values_of(task: str, config: Any) -> dict[str, Any]:
 
 def add_argument(procedure: Any, option: dict[str, Any]) -> None:
     """Add the argument of a procedure for an option."""
-    name, title = option["name"].replace("_", "-"), command.title_of(option)
+    name, title = option["name"].replace("_", "-"), f"_{command.title_of(option)}"
     text = command.about(option)
     if option["type"] == "size":
         for side in ("Width", "Height"):
             text = f"{side} in pixels; 0: {option['default_text']}"
-            procedure.add_int_argument(side.lower(), side, text, 0, 262_144, 0, _READ_WRITE)
+            procedure.add_int_argument(
+                side.lower(), f"_{side} (0: default)", text, 0, 262_144, 0, _READ_WRITE
+            )
     elif option["type"] == "int":
         seed = name == "seed"
         high, first = (2**31 - 1, 1) if seed else (8192, 0)
+        title += "" if seed or option["default"] is not None else " (0: default)"
         procedure.add_int_argument(name, title, text, 0, high, first, _READ_WRITE)
     else:
         pairs, first = command.choices_of(option)

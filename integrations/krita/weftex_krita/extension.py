@@ -116,11 +116,11 @@ class Job:
         self._warn = warn
         self._bar = QProgressDialog("starting", "Cancel", 0, 1000, window and window.qwindow())
         self._bar.setWindowTitle(f"weftex: {self._task.title}")
+        self._bar.setMinimumWidth(320)
         self._bar.setWindowModality(Qt.WindowModal)
         self._bar.setAutoReset(False)
         self._bar.setAutoClose(False)
         self._bar.setMinimumDuration(500)
-        self._bar.canceled.connect(self._run.cancel)
         self._timer = QTimer()
         self._timer.timeout.connect(self._look)
         self._timer.start(100)
@@ -133,7 +133,9 @@ class Job:
     def _look(self) -> None:
         """Show the progress; finish when the command has ended."""
         if self._run.running:
-            if not self._bar.wasCanceled():
+            if self._bar.wasCanceled():
+                self._run.cancel()
+            else:
                 self._bar.setLabelText(self._run.stage)
                 self._bar.setValue(round(1000 * self._run.share))
             return

@@ -79,11 +79,9 @@ def new_document(name: str, picture: tiff.Picture, document: Any, node: Any) -> 
         picture.width, picture.height, name, node.colorModel(), node.colorDepth(),
         node.colorProfile(), document.resolution(),
     )  # fmt: skip
-    old = made.rootNode().childNodes()
-    layer = new_layer(made, name, picture, node, 0, 0)
-    made.rootNode().addChildNode(layer, None)
-    for one in old:
-        one.remove()
+    layer = made.rootNode().childNodes()[0]  # a new document has one, which undo cannot remove
+    layer.setName(name)
+    put(layer, picture, 0, 0)
     made.refreshProjection()
     made.setModified(True)
     return made
