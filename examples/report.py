@@ -22,5 +22,5 @@ for patch_size in (None, 8):
     figures = found.assessment
     print(f"patch size {patch_size or 'by sample'}: score {figures.score:.2f}")
     print(f"  {figures.verdict()}")
-    print(f"  patches {figures.patches}, joints {figures.joints}; real: {found.real['patches']}")
+    print(f"  patches {figures.patches}; real: {found.real['patches']}")
     found.save(folder / f"report_{patch_size or 'auto'}.html")

@@ -5,9 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from twins.measures import differ_at_joints, prediction_error
+from twins.measures import prediction_error
 from weftex.quality import kernels, seams
-from weftex.quality.copying import squared_steps
 
 
 def test_patches_are_weighed_by_definition(rng):
@@ -60,21 +59,3 @@ def test_steps_are_fitted_by_definition(rng):
     np.testing.assert_allclose(knots, [activity[part].mean() for part in parts])
     assert (np.diff(usual) >= 0).all()
     np.testing.assert_allclose(usual[0], left[parts[0]].mean() + 1 / 6)
-
-
-@pytest.mark.parametrize("seed", range(4))
-def test_joints_by_definition(seed):
-    rng = np.random.default_rng(seed)
-    own = rng.integers(0, 256, (7, 9, 2), np.uint8)
-    made = rng.integers(0, 256, (11, 13, 2), np.uint8)
-    source = np.stack([rng.integers(0, 7, (11, 13)), rng.integers(0, 9, (11, 13))], axis=2)
-    source[3:8, 2:9] = np.indices((5, 7)).transpose(1, 2, 0) + (seed, 1)
-    source[rng.random((11, 13)) < 0.1] = -1
-    source = source.clip(-1, (6, 8)).astype(np.int32)
-    found = []
-    for neighbors in (
-        ((slice(0, -1), slice(0, None)), (slice(1, None), slice(0, None))),
-        ((slice(0, None), slice(0, -1)), (slice(0, None), slice(1, None))),
-    ):
-        found += squared_steps(own.astype(np.int32), made, source, neighbors).tolist()
-    assert (sum(found), len(found)) == differ_at_joints(own, made, source)

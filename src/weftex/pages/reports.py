@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from weftex import Assessment, Exemplar, Synthesis, assess, load_exemplar
+from weftex.errors import InvalidInputError, shown
 from weftex.pages.html import Page, document, number, parameters, pictures, small, table
 from weftex.quality import FIGURES, LARGEST_MEASURED, SCORE, as_shown, fault_maps, real_crops
 
@@ -160,7 +161,7 @@ _SAME = 2.0  # levels; a picture further than this from that of its source is an
 def report(
     sample: Any,
     result: Any,
-    source: Synthesis | NDArray[Any] | str | os.PathLike[str] | None = None,
+    source: Synthesis | str | os.PathLike[str] | None = None,
     *,
     tileable: bool | tuple[bool, bool] | None = None,
 ) -> Report:
@@ -172,8 +173,8 @@ def report(
         What the result was made from; see `weftex.load_exemplar`.
     result : path, array, PIL image, Exemplar or Synthesis
         The result, of the sample's dtype and channels. Maps that both have are measured too.
-    source : Synthesis, path or array (H, W, 2), optional
-        Where each pixel comes from: what `Synthesis.save` wrote, or `Synthesis.source`.
+    source : Synthesis or path, optional
+        The Synthesis that the result is a picture of, or what `Synthesis.save` wrote.
     tileable : bool or (bool, bool), optional
         Whether the vertical and the horizontal axis wrap around; by default as the source says.
 
@@ -205,14 +206,15 @@ def report(
         made = load_exemplar(result)
         result = pixels = made.pixels
         named, made_maps = made.name, made.maps
-    found = assess(exemplar, result, source, tileable=tileable)
+    if not isinstance(source, Synthesis | None):
+        raise InvalidInputError(f"source is {shown(source)}; it must be a Synthesis or its file")
+    maps = fault_maps(exemplar, pixels, source)
     notes: list[str] = []
-    if isinstance(source, Synthesis):
+    if source is not None:
         notes += _another(source, exemplar, pixels)
         tileable = source.canvas.wrap if tileable is None else tileable
+    found = assess(exemplar, pixels, tileable=tileable)
     same = {name: _same_map(name, made_maps) for name in exemplar.maps}
-    if source is None:
-        notes.append("Without a source, the figures of copying cannot be measured.")
     if max(pixels.shape[:2]) > LARGEST_MEASURED:
         notes.append(
             f"The result is large: only its middle, {LARGEST_MEASURED} pixels a side, was measured."
@@ -228,8 +230,8 @@ def report(
         result_name=named,
         assessment=found,
         real=real_crops(exemplar),
-        maps=fault_maps(exemplar, result, source),
-        provenance=source.provenance if isinstance(source, Synthesis) else {},
+        maps=maps,
+        provenance={} if source is None else source.provenance,
         notes=tuple(notes),
         of_maps={
             name: _of_map(exemplar.map(name), made_maps[other], tileable)
@@ -248,7 +250,7 @@ def _same_map(name: str, made: Collection[str]) -> str | None:
 def _of_map(
     own: Exemplar, made: NDArray[Any], tileable: bool | tuple[bool, bool] | None
 ) -> MapReport:
-    """Measure a map of the result; the figures of copying are those of the picture."""
+    """Measure a map of the result."""
     found = assess(own, made, tileable=tileable)
     return MapReport(as_shown(own, own.pixels), as_shown(own, made), found)
 
@@ -262,5 +264,4 @@ def _another(source: Synthesis, exemplar: Exemplar, pixels: NDArray[Any]) -> lis
     apart = float(abs(np.subtract(*levels)).mean())
     if apart <= _SAME:
         return []
-    text = f"The result differs from the picture of its source by {apart:.1f} levels on average"
-    return [f"{text}, so the figures of copying may not hold."]
+    return [f"The result differs from the picture of its source by {apart:.1f} levels on average."]

@@ -5,19 +5,17 @@ from __future__ import annotations
 import dataclasses
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from weftex.errors import InvalidInputError, shown
 from weftex.exemplar import Exemplar
-from weftex.exemplar.turns import as_it_was, as_made_from
+from weftex.exemplar.turns import as_it_was
 from weftex.quality.appearance import color_distance, patch_distance, sharpness
-from weftex.quality.copying import check_source, copying
 from weftex.quality.figures import FIGURES
 from weftex.quality.score import Scorer, weigh
 from weftex.quality.seams import wrap_seam
-from weftex.quality.view import middle, view_of
 from weftex.raster.arrays import check_pixels
 from weftex.results.synthesis import Synthesis
 
@@ -53,8 +51,6 @@ class Assessment:
         See `weftex.quality.seams.seams`.
     sharpness : float or None
         See `weftex.quality.appearance.sharpness`.
-    copied, piece, largest, distinct, joints : float or None
-        See `weftex.quality.copying.copying`; they need a source.
     wrap : float or None
         See `weftex.quality.seams.wrap_seam`; only of a tileable result.
     flags : tuple of str
@@ -74,11 +70,6 @@ class Assessment:
     lattice: float | None = None
     seams: float | None = None
     sharpness: float | None = None
-    copied: float | None = None
-    piece: float | None = None
-    largest: float | None = None
-    distinct: float | None = None
-    joints: float | None = None
     wrap: float | None = None
     flags: tuple[str, ...] = ()
     score: float | None = None
@@ -111,7 +102,6 @@ class Assessment:
 def assess(
     sample: Exemplar | NDArray[Any],
     result: Synthesis | NDArray[Any],
-    source: Synthesis | NDArray[Any] | None = None,
     *,
     tileable: bool | tuple[bool, bool] | None = None,
 ) -> Assessment:
@@ -127,9 +117,6 @@ def assess(
         What the result was made from. Pixels that its mask leaves out do not count.
     result : Synthesis or array (H, W) or (H, W, C)
         The result, of the sample's dtype and channels.
-    source : int array (H, W, 2) or Synthesis, optional
-        Row and column in the sample of each pixel, negative for none, or the Synthesis that the
-        result is a picture of; a result that is a Synthesis brings its own.
     tileable : bool or (bool, bool), optional
         Whether the vertical and the horizontal axis wrap around; by default as the Synthesis
         says, otherwise not.
@@ -141,7 +128,7 @@ def assess(
     Raises
     ------
     InvalidInputError
-        If result or source do not go with the sample.
+        If the result does not go with the sample.
 
     Examples
     --------
@@ -153,14 +140,11 @@ def assess(
     >>> good.score < bad.score, bad.patches > 5 * good.patches
     (True, True)
     """
-    exemplar, pixels, source, pictured, wrap = pair_of(sample, result, source, tileable)
-    exemplar = as_it_was(exemplar)
-    scorer, used = Scorer(exemplar), None
+    exemplar = sample if isinstance(sample, Exemplar) else Exemplar(sample)
+    pixels, wrap = _checked(exemplar, result, tileable)
+    scorer = Scorer(as_it_was(exemplar))
     own, whole = scorer.own, scorer.view(pixels)
     made = whole.center(LARGEST_MEASURED)
-    if source is not None:
-        copied = own if pictured is exemplar else view_of(pictured)
-        used = copying(copied, made, middle(source, made.shape))
     patches, scales = patch_distance(own, made)
     color_difference, color = color_distance(own, made)
     scored = scorer.figures(made)
@@ -174,33 +158,16 @@ def assess(
         "wrap": wrap_seam(scorer.steps, whole, wrap),
         "score": weigh(scored),
     }
-    if used is not None:
-        figures |= dataclasses.asdict(used)
     figures = {name: _rounded(value) for name, value in figures.items()}
     return Assessment(**figures, flags=_flags(figures))
 
 
-class Pair(NamedTuple):
-    """A sample and a result.
-
-    `source` (H, W, 2) refers to `pictured`: the sample, or a picture of its oriented copies.
-    """
-
-    exemplar: Exemplar
-    pixels: NDArray[Any]
-    source: NDArray[Any] | None
-    pictured: Exemplar
-    wrap: tuple[bool, bool]
-
-
-def pair_of(
-    sample: Exemplar | NDArray[Any],
+def _checked(
+    exemplar: Exemplar,
     result: Synthesis | NDArray[Any],
-    source: Synthesis | NDArray[Any] | None = None,
-    tileable: bool | tuple[bool, bool] | None = None,
-) -> Pair:
-    """Return a pair as `weftex.assess` takes it, checked."""
-    exemplar = sample if isinstance(sample, Exemplar) else Exemplar(sample)
+    tileable: bool | tuple[bool, bool] | None,
+) -> tuple[NDArray[Any], tuple[bool, bool]]:
+    """Return the pixels of a result, and whether each axis wraps around."""
     tiles = False if tileable is None else tileable
     wrap: Any = tiles if isinstance(tiles, tuple) else (tiles,) * 2
     if len(wrap) != 2 or not all(isinstance(axis, (bool, np.bool_)) for axis in wrap):
@@ -208,42 +175,16 @@ def pair_of(
             f"tileable is {shown(tileable)}; it must be True, False or two of them"
         )
     pixels: Any = result
-    pictured = exemplar
     if isinstance(result, Synthesis):
         pixels = result.image if result.exemplar is not None else result.render(exemplar)
-    pixels = check_pixels(pixels, "result")
-    origin = source if isinstance(source, Synthesis) else result
-    if isinstance(origin, Synthesis):
-        pictured = as_made_from(exemplar, origin.turn)
-        if origin.sample_shape != pictured.shape or origin.shape != pixels.shape[:2]:
-            raise InvalidInputError(
-                f"the source makes {_size(origin.shape)} from {_size(origin.sample_shape)}, but "
-                f"result and sample are {_size(pixels.shape)} and {_size(pictured.shape)}"
-            )
-        source = made_from(origin) if source is None or source is origin else source
-        wrap = origin.canvas.wrap if tileable is None else wrap
-    rows: Any = source
-    if rows is not None:
-        rows = check_source(rows, pictured.shape, pixels.shape[:2])
-    return Pair(exemplar, pixels, rows, pictured, wrap)
-
-
-def made_from(result: Synthesis) -> NDArray[np.int32]:
-    """Return the source of a result, -1 where pixels were known before."""
-    source = result.pictured_source()
-    if result.canvas.hole is not None:
-        source[~result.canvas.hole] = -1
-    return source
-
-
-def _size(shape: tuple[int, ...]) -> str:
-    return f"{shape[1]}x{shape[0]}"
+        wrap = result.canvas.wrap if tileable is None else wrap
+    return check_pixels(pixels, "result"), wrap
 
 
 def real_crops(sample: Exemplar) -> dict[str, float | None]:
     """Return the mean figures of the sample's halves, each as if made from the other half.
 
-    Halves that the mask does not leave whole are left out; figures of the source are None.
+    Halves that the mask does not leave whole are left out.
     """
     y, x = (side // 2 for side in sample.shape)
     boxes = (np.s_[:y], np.s_[-y:] if y else np.s_[:0]), (np.s_[:, :x], np.s_[:, -x:])

@@ -6,7 +6,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from weftex.quality.assess import LARGEST_MEASURED, pair_of
+from weftex.errors import InvalidInputError
+from weftex.exemplar.turns import as_made_from
+from weftex.quality.assess import LARGEST_MEASURED
 from weftex.quality.seams import StepModel, seam_map
 from weftex.quality.view import middle, views
 from weftex.results.drawing import draw_sources
@@ -23,15 +25,20 @@ _SEAM = 0.5  # surprise beyond the usual that is drawn at full strength
 
 
 def fault_maps(
-    sample: Exemplar,
-    result: Synthesis | NDArray[Any],
-    source: Synthesis | NDArray[Any] | None = None,
+    exemplar: Exemplar, pixels: NDArray[Any], source: Synthesis | None
 ) -> dict[str, Bytes]:
     """Return pictures of where a result fails, uint8 (h, w, 3), by name; see `Report.maps`.
 
-    The arguments are those of `assess`. Of large results the middle is drawn.
+    `source` is what the pixels are a picture of; one that cannot be is refused. Of large results
+    the middle is drawn.
     """
-    exemplar, pixels, source, pictured, _ = pair_of(sample, result, source)
+    pictured = exemplar if source is None else as_made_from(exemplar, source.turn)
+    sizes = pictured.shape, pixels.shape[:2]
+    if source is not None and (source.sample_shape, source.shape) != sizes:
+        raise InvalidInputError(
+            f"the source makes {_size(source.shape)} from {_size(source.sample_shape)}, but result "
+            f"and sample are {_size(sizes[1])} and {_size(sizes[0])}"
+        )
     height, width = pixels.shape[:2]
     pixels = middle(pixels, (min(height, LARGEST_MEASURED), min(width, LARGEST_MEASURED)))
     own, made = views(exemplar, pixels)
@@ -41,17 +48,24 @@ def fault_maps(
         picture = as_shown(exemplar, pixels)
         maps["seams"] = _marked(picture, np.minimum(seams / _SEAM, 1), (255, 40, 0))
     if source is not None:
-        source = middle(source, made.shape)
-        known = source[..., 0] >= 0
-        maps["source"] = draw_sources(source, pictured.shape)
+        places = source.pictured_source()
+        if source.canvas.hole is not None:
+            places[~source.canvas.hole] = -1
+        places = middle(places, made.shape)
+        known = places[..., 0] >= 0
+        maps["source"] = draw_sources(places, pictured.shape)
         count = np.zeros(pictured.shape)
-        np.add.at(count, (source[known][:, 0], source[known][:, 1]), 1)
+        np.add.at(count, (places[known][:, 0], places[known][:, 1]), 1)
         usual = max(float(count.mean()), 1e-9)
         often = np.clip(np.log2((count + usual / 8) / usual) / 3, -1, 1)
         shown = as_shown(pictured, pictured.pixels)
         seldom = _marked(shown, np.maximum(-often, 0), (0, 90, 255))
         maps["use"] = _marked(seldom, np.maximum(often, 0), (255, 150, 0), 1.0)
     return maps
+
+
+def _size(shape: tuple[int, ...]) -> str:
+    return f"{shape[1]}x{shape[0]}"
 
 
 def as_shown(exemplar: Exemplar, pixels: NDArray[Any]) -> Bytes:

@@ -110,33 +110,6 @@ FIGURES: dict[str, Figure] = {
         "is blurred|is noisier than the sample",
         agrees=0.58,
     ),
-    "copied": Figure(
-        "copied", "share", "", None,
-        "How much of it was copied in pieces of at least 64 pixels.",
-        "whether copying is wanted",
-    ),
-    "piece": Figure(
-        "piece", "pixels", "", None,
-        "The side of the piece that a pixel usually lies in.",
-        "whether copying is wanted",
-    ),
-    "largest": Figure(
-        "largest piece", "of the sample", "", None,
-        "The largest piece that was copied, as a share of the sample.",
-        "whether copying is wanted: judges like large pieces",
-    ),
-    "distinct": Figure(
-        "distinct", "share", "high", 0.7,
-        "How many pixels within half the sample's side come from different places.",
-        "repetition further apart",
-        "repeats the same parts nearby",
-    ),
-    "joints": Figure(
-        "joints", "steps of the sample", "low", 1.5,
-        "The step of colors where two pieces meet.",
-        "all else",
-        "has pieces that do not fit each other",
-    ),
     "wrap": Figure(
         "seam at the wrap", "share", "low", 0.1,
         "How much of the border shows as a seam where the result wraps around.",
