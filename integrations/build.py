@@ -1,10 +1,10 @@
 """Package an integration as the file that its host program installs.
 
-    python integrations/build.py blender|gimp|krita [--wheels FOLDER] [--output FOLDER]
+    python integrations/build.py blender|comfyui|gimp|krita [--wheels FOLDER] [--output FOLDER]
 
-For Blender, wheels of weftex are taken from the folder, for each system that it has one for;
-without a folder one is built for this machine. The packages that weftex needs besides NumPy and
-OpenImageIO, which Blender and arrays do without, are pure Python and come from the package index.
+For Blender and ComfyUI, wheels of weftex are taken from the folder, for each system that it has one
+for; without a folder one is built for this machine. The packages that weftex needs in Blender
+besides NumPy, which are pure Python, come from the package index.
 The plug-ins of GIMP and Krita call the command weftex: they contain no wheels, but the options that
 weftex declares.
 """
@@ -47,15 +47,7 @@ def blender(wheels: Path | None, output: Path) -> Path:
         folder = Path(temporary) / source.name
         shutil.copytree(source, folder, ignore=shutil.ignore_patterns("__pycache__"))
         kept = folder / "wheels"
-        kept.mkdir()
-        if wheels:
-            for wheel in sorted(wheels.glob("weftex-*.whl")):
-                shutil.copy(wheel, kept)
-        else:
-            _pip("wheel", "--no-deps", "--wheel-dir", str(kept), str(HERE.parent))
-        own = [one.name for one in kept.iterdir()]
-        if not own:
-            raise SystemExit(f"{wheels} has no wheels of weftex")
+        own = _add_wheels(wheels, kept)
         _pip("download", "--no-deps", "--only-binary=:all:", "--dest", str(kept), *_PURE)
         systems = sorted({name for part, name in _SYSTEMS.items() for one in own if part in one})
         manifest = folder / "blender_manifest.toml"
@@ -65,12 +57,42 @@ def blender(wheels: Path | None, output: Path) -> Path:
         lines = f"platforms = [{named}]\nwheels = [{listed}]\n"
         manifest.write_text(f"{head}{lines}\n[permissions]{permissions}", "utf-8")
         shutil.copy(HERE.parent / "LICENSE", folder)
-        output.mkdir(parents=True, exist_ok=True)
-        path = output / f"{source.name}.zip"
-        with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as archive:
-            for file in sorted(folder.rglob("*")):
-                if file.is_file():
-                    archive.write(file, file.relative_to(folder))
+        return _pack(folder, folder, output / f"{source.name}.zip")
+
+
+def comfyui(wheels: Path | None, output: Path) -> Path:
+    """Write the folder of nodes as a ZIP file that is unpacked in `custom_nodes`."""
+    source = HERE / "comfyui" / "weftex_comfyui"
+    with tempfile.TemporaryDirectory() as temporary:
+        folder = Path(temporary) / source.name
+        shutil.copytree(source, folder, ignore=shutil.ignore_patterns("__pycache__"))
+        _add_wheels(wheels, folder / "wheels")
+        shutil.copy(HERE.parent / "LICENSE", folder)
+        shutil.copy(HERE / "comfyui" / "README.md", folder)
+        return _pack(folder, Path(temporary), output / f"{source.name}.zip")
+
+
+def _add_wheels(wheels: Path | None, folder: Path) -> list[str]:
+    """Put wheels of weftex into a new folder; return their names."""
+    folder.mkdir()
+    if wheels is None:
+        _pip("wheel", "--no-deps", "--wheel-dir", str(folder), str(HERE.parent))
+    else:
+        for wheel in sorted(wheels.glob("weftex-*.whl")):
+            shutil.copy(wheel, folder)
+    own = [one.name for one in folder.iterdir()]
+    if not own:
+        raise SystemExit(f"{wheels} has no wheels of weftex")
+    return own
+
+
+def _pack(folder: Path, root: Path, path: Path) -> Path:
+    """Write the files of a folder as a ZIP file, with names from `root` on; return its path."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as archive:
+        for file in sorted(folder.rglob("*")):
+            if file.is_file():
+                archive.write(file, file.relative_to(root))
     return path
 
 
@@ -126,7 +148,7 @@ def _pip(*arguments: str) -> None:
     )
 
 
-HOSTS = {"blender": blender, "gimp": gimp, "krita": krita}
+HOSTS = {"blender": blender, "comfyui": comfyui, "gimp": gimp, "krita": krita}
 
 
 def main() -> None:
