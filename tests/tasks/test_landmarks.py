@@ -198,7 +198,7 @@ def test_threads_do_not_matter(spotted):
 
 
 def test_the_method_is_that_of_the_original(spotted):
-    plain = plain_sample(spotted, "thin", None)
+    plain = plain_sample(spotted, "thin")
     model = weftex.Auto().fit(plain.exemplar)
     plain.inform(model)
     assert model.choose(256) == weftex.Auto().fit(spotted).choose(256)

@@ -13,14 +13,17 @@ if TYPE_CHECKING:
 def grown(mask: NDArray[np.bool_], steps: int, wrap: tuple[bool, bool]) -> NDArray[np.bool_]:
     """Dilate the mask by a square of `steps` pixels each way, across borders that wrap."""
     for axis in (0, 1):
-        length = mask.shape[axis]
-        reach = min(steps, length)
+        reach = min(steps, mask.shape[axis])
         pads = [(0, 0), (0, 0)]
-        pads[axis] = (reach + 1, reach)
-        total = np.pad(mask, pads, mode="wrap" if wrap[axis] else "constant").cumsum(axis)
-        ends = np.arange(2 * reach + 1, length + 2 * reach + 1)
-        mask = total.take(ends, axis) > total.take(ends - 2 * reach - 1, axis)
-    return mask
+        pads[axis] = (reach, reach)
+        lines = np.pad(mask, pads, mode="wrap" if wrap[axis] else "constant").swapaxes(0, axis)
+        width = 1  # lines that are joined
+        while width < 2 * reach + 1:
+            step = min(width, 2 * reach + 1 - width)
+            lines = lines[:-step] | lines[step:]
+            width += step
+        mask = lines.swapaxes(0, axis)
+    return np.ascontiguousarray(mask)
 
 
 def peeled(unknown: NDArray[np.bool_], wrap: tuple[bool, bool]) -> list[NDArray[np.int32]]:

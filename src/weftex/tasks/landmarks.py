@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from weftex.analysis.relief import smaller_copy
 from weftex.canvas import Canvas
 from weftex.errors import InvalidInputError, shown
 from weftex.exemplar.turns import as_made_from
@@ -17,9 +18,10 @@ from weftex.random import draw
 from weftex.raster.masks import grown
 from weftex.raster.turning import boxes_of, turned_pixels
 from weftex.results.pixels import PixelSynthesis
+from weftex.seams.around import cut_around
+from weftex.search.translation import Spectra, correlations, window_mismatch
 from weftex.tasks.auto import AutoModel, look
 from weftex.tasks.auto.rule import is_sure
-from weftex.tasks.fill import fill
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -31,12 +33,19 @@ if TYPE_CHECKING:
     from weftex.results.synthesis import Synthesis
     from weftex.tasks.auto import Findings
 
+    Mask = NDArray[np.bool_]
     Indices = NDArray[np.int32]  # of pixels: row * width + column
 
 #: What `synthesize` may do with landmarks.
 LANDMARKS = ("keep", "thin", "remove")
 _OVERLAP = 4  # pixels around landmarks within which fillings are cut
 _FILLINGS = 2  # of each landmark, so that fillings repeat less, too
+_MATCHED = 128  # pixels a side of the copy that parts are found on
+_AROUND = 4  # of its pixels around a landmark that match
+_TRIED = 4  # parts that are compared in full size
+_AVOID = 8  # weight of landmarks, and of parts used before, in the cost of a part
+_BESIDE = np.mgrid[-1:2, -1:2].reshape(2, -1).T
+_NEVER = np.iinfo(np.int64).max
 _COARSE = 1 / 5  # scale over the side above which only rare landmarks are filled
 _AREAS = 4  # sample areas of the output for each time that a rare landmark is shown
 #: Distances in shorter sides of the sample: of a landmark from itself, rare or not; up to which
@@ -46,11 +55,11 @@ _RARE_APART, _OTHERS_APART, _NEIGHBORS, _PAIRS_APART = 1.0, 0.9, 0.35, 1.5
 
 def remove_landmarks(exemplar: Exemplar) -> Exemplar:
     """Return a sample and its maps with the rare landmarks filled from the rest of them."""
-    plain = plain_sample(exemplar, "remove", None)
+    plain = plain_sample(exemplar, "remove")
     return exemplar if plain is None else plain.exemplar
 
 
-def plain_sample(exemplar: Exemplar, landmarks: str, threads: int | None) -> PlainSample | None:
+def plain_sample(exemplar: Exemplar, landmarks: str) -> PlainSample | None:
     """Return a sample with its landmarks filled; None if it has none, or a lattice or rows."""
     if not isinstance(landmarks, str) or landmarks not in LANDMARKS:
         known = ", ".join(LANDMARKS)
@@ -64,30 +73,106 @@ def plain_sample(exemplar: Exemplar, landmarks: str, threads: int | None) -> Pla
         return None
     thin = landmarks == "thin"
     masks, rare = find_landmarks(exemplar, thin and findings.scale <= _COARSE * min(exemplar.shape))
-    fillings = _fillings(exemplar, masks, _FILLINGS if thin else 1, threads) if masks else []
+    fillings = _fillings(exemplar, masks, _FILLINGS if thin else 1) if masks else []
     return PlainSample(exemplar, masks, rare, fillings, findings, thin) if fillings else None
 
 
-def _fillings(
-    exemplar: Exemplar, masks: list[NDArray[np.bool_]], count: int, threads: int | None
-) -> list[Indices]:
-    """Return sources of all pixels with the holes filled; fewer if little is left to fill from."""
-    hole = np.logical_or.reduce(masks)
-    usable = np.ones(exemplar.shape, bool) if exemplar.mask is None else exemplar.mask
-    how: dict[str, Any] = {"method": "graphcut", "placement": "entire", "match_tone": False}
-    how |= {"overlap": _OVERLAP, "tileable": exemplar.tileable, "threads": threads}
-    fillings: list[Indices] = []
-    while len(fillings) < count and (usable & ~hole).any():
-        try:
-            made = fill(exemplar.changed(mask=usable), hole, seed=len(fillings), **how)
-        except InvalidInputError:  # a mask that leaves the method too little
-            break
-        filling = made.source @ np.array([exemplar.shape[1], 1], np.int32)
-        used = np.zeros(exemplar.shape, bool)
-        used.ravel()[filling[filling != _indices(exemplar.shape)]] = True
-        usable = usable & ~used
-        fillings.append(filling)
-    return fillings
+def _fillings(exemplar: Exemplar, masks: list[Mask], count: int) -> list[Indices]:
+    """Return sources of all pixels with the landmarks filled, each from one part of the sample."""
+    filler, index = _Filler(exemplar, masks), _indices(exemplar.shape)
+    fillings = [index.copy() for _ in range(count)]
+    for mask in masks:
+        shifts = filler.shifts(mask, count)
+        zone = np.nonzero(grown(mask, _OVERLAP, filler.wrap) & (mask | ~filler.hole))
+        for filling, shift in zip(fillings, (shifts * count)[:count], strict=False):
+            rows, columns = (at + by for at, by in zip(zone, shift, strict=True))
+            filling[zone] = index[rows % index.shape[0], columns % index.shape[1]]
+    for filling in fillings:
+        moved = filling != index
+        new = filler.pixels.reshape(index.size, -1)[filling]
+        kept = ~cut_around(filler.pixels, new, moved, filler.hole & moved)
+        filling[kept] = index[kept]
+    return [filling for filling in fillings if (filling != index).any()]
+
+
+class _Filler:
+    """Finds parts of the sample that fill landmarks, on a smaller copy first."""
+
+    def __init__(self, exemplar: Exemplar, masks: list[Mask]) -> None:
+        small, self.step = smaller_copy(exemplar, _MATCHED)
+        self.small, self.pixels = small.matching(), exemplar.matching()
+        self.wrap, self.hole = (exemplar.tileable,) * 2, np.logical_or.reduce(masks)
+        usable = np.ones(exemplar.shape, bool) if exemplar.mask is None else exemplar.mask
+        self.spectra = Spectra(self.small, np.ones(small.shape), small.shape)
+        self.unknown = self._smaller(self.hole | ~usable)
+        self.lost = self._smaller(grown(~usable, _OVERLAP + self.step, self.wrap))
+        self.avoided = self._smaller(self.hole).astype(np.int64)  # landmarks, and parts in use
+
+    def _smaller(self, mask: Mask) -> Mask:
+        height, width, step = *self.small.shape[:2], self.step
+        squares = mask[: height * step, : width * step].reshape(height, step, width, step)
+        return np.asarray(squares.any(axis=(1, 3)))
+
+    def shifts(self, mask: Mask, count: int) -> list[NDArray[np.int64]]:
+        """Return shifts (rows, columns) from a landmark to parts that may fill it; [] if none."""
+        size, zone = np.array(self.spectra.size), self._smaller(mask)
+        wide = grown(zone, _AROUND, self.wrap)
+        ring = wide & ~self.unknown
+        known = np.array(np.nonzero(ring)) * self.step
+        window = Spectra(self.small, ring, self.spectra.size)
+        avoided, lost = correlations(np.stack([self.avoided, self.lost]), zone, self.spectra.size)
+        factors = int(zone.sum()) + _AVOID * avoided
+        costs = factors * (window_mismatch(self.spectra, window) + 1)
+        costs[lost > 0] = _NEVER
+        low, high = np.zeros(2, np.int64), size - 1  # of shifts that stay inside
+        for axis in (axis for axis in (0, 1) if not self.wrap[axis]):
+            lines = np.flatnonzero(wide.any(axis=1 - axis))
+            low[axis], high[axis] = -lines[0], size[axis] - 1 - lines[-1]
+            outside = np.arange(high[axis] + 1, size[axis] + low[axis])
+            costs.swapaxes(0, axis)[outside] = _NEVER
+        apart = math.isqrt(int(zone.sum())) // 2 + 1
+        _leave_out(costs, (0, 0), apart)
+        found: list[NDArray[np.int64]] = []
+        while len(found) < count and costs.min() < _NEVER:
+            tried: list[tuple[int, int]] = []
+            while len(tried) < _TRIED and costs.min() < _NEVER:
+                tried.append(divmod(int(costs.argmin()), size[1]))
+                _leave_out(costs, tried[-1], 1)
+            near = np.array(tried)
+            near = np.where(near <= high, near, near - size)
+            weights = np.array([factors[at] for at in tried])
+            found.append(self._refined(known, near, weights, (low, high)))
+            at = found[-1] // self.step
+            _leave_out(costs, at, apart)
+            self.avoided += np.roll(zone, at, (0, 1))
+        return found
+
+    def _refined(
+        self, known: NDArray[np.int64], shifts: NDArray[np.int64], weights: NDArray[np.int64],
+        inside: tuple[NDArray[np.int64], NDArray[np.int64]],
+    ) -> NDArray[np.int64]:  # fmt: skip
+        """Return the shift in pixels, near some of the copy, at which known pixels match best."""
+        low, high = (self.step * limit for limit in inside)
+        shifts, radius, here = shifts * self.step, self.step, self.pixels[tuple(known)]
+        while len(shifts) > 1 or radius > 1:
+            radius //= 2
+            shifts = np.clip((shifts[:, None] + radius * _BESIDE).reshape(-1, 2), low, high)
+            rows, columns = (
+                (at + by[:, None]) % side
+                for at, by, side in zip(known, shifts.T, self.hole.shape, strict=True)
+            )
+            differences = self.pixels[rows, columns].astype(np.int64) - here
+            mismatch = (differences**2).sum(axis=(1, 2)) + 1
+            best = int((mismatch.reshape(len(weights), -1) * weights[:, None]).argmin())
+            shifts, weights = shifts[[best]], weights[[best // len(_BESIDE)]]
+        result: NDArray[np.int64] = shifts[0]
+        return result
+
+
+def _leave_out(costs: NDArray[np.int64], place: Any, reach: int) -> None:
+    """Mark the costs around a place, across the borders."""
+    around = np.arange(-reach, reach + 1)
+    costs[np.ix_(*((at + around) % n for at, n in zip(place, costs.shape, strict=True)))] = _NEVER
 
 
 def _indices(shape: tuple[int, ...]) -> Indices:
@@ -99,7 +184,7 @@ class PlainSample:
     """A sample and fillings of its landmarks."""
 
     original: Exemplar
-    masks: list[NDArray[np.bool_]]  # of landmarks, the rare ones first
+    masks: list[Mask]  # of landmarks, the rare ones first
     rare: int
     fillings: list[Indices]
     findings: Findings  # of the original

@@ -124,7 +124,7 @@ def synthesize(
     if landmarks != "keep":
         from weftex.tasks.landmarks import plain_sample  # loads the analyses
 
-        plain = plain_sample(exemplar, landmarks, threads)
+        plain = plain_sample(exemplar, landmarks)
         exemplar = exemplar if plain is None else plain.exemplar
     if once:
         model = chosen.fit(exemplar)
