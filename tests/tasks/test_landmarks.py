@@ -145,7 +145,8 @@ def test_a_thinned_landmark_is_shown_rarely_and_whole(thinned):
 
 
 def test_kept_landmarks_are_shown_more_often(spotted, thinned):
-    kept = weftex.synthesize(spotted, (3 * SIDE, 3 * SIDE), seed=1, tileable=True)
+    how = {"tileable": True, "landmarks": "keep"}
+    kept = weftex.synthesize(spotted, (3 * SIDE, 3 * SIDE), seed=1, **how)
     assert len(corners_of_spots(kept)) > 2 * len(corners_of_spots(thinned))
     assert "landmarks" not in kept.provenance
 
@@ -204,6 +205,48 @@ def test_the_method_is_that_of_the_original(spotted):
     assert model.choose(256) == weftex.Auto().fit(spotted).choose(256)
 
 
+def test_auto_thins_in_large_outputs_and_says_why(spotted, thinned):
+    made = weftex.synthesize(spotted, (3 * SIDE, 3 * SIDE), seed=1, tileable=True)
+    assert (made.image == thinned.image).all()
+    assert made.provenance["reason"].endswith(
+        "; landmarks are thinned, because the features are small and the output has 9 times the "
+        "sample's area"
+    )
+
+
+@pytest.mark.parametrize(
+    ("sample", "size", "how"),
+    [
+        (with_spot()[0], 2 * SIDE, {}),
+        (with_spot()[0], 3 * SIDE, {"method": "graphcut"}),
+        (with_spot()[0].repeat(2, 0).repeat(2, 1), 1056, {}),  # mixes patches
+        (with_spot(noise(33).repeat(4, 0).repeat(4, 1)[:SIDE, :SIDE])[0], 3 * SIDE, {}),  # coarse
+    ],
+)
+def test_auto_keeps_landmarks_elsewhere(sample, size, how):
+    made = weftex.synthesize(sample, size, seed=1, **how)
+    assert "landmarks" not in made.provenance and "thinned" not in str(made.provenance)
+
+
+def test_a_landmark_is_filled_from_one_whole_part(spotted):
+    plain = plain_sample(spotted, "thin")
+    for filling in plain.fillings:
+        rows, columns = np.divmod(filling, SIDE)
+        at = np.nonzero(plain.masks[0])
+        shift = rows[at] - at[0], columns[at] - at[1]
+        assert (shift[0] == shift[0][0]).all() and (shift[1] == shift[1][0]).all()
+        assert not plain.masks[0][rows[at], columns[at]].any()
+
+
+def test_masked_pixels_fill_no_landmark():
+    pixels, _ = with_spot()
+    mask = np.ones((SIDE, SIDE), bool)
+    mask[:, 90:] = False
+    plain = plain_sample(weftex.Exemplar(pixels, mask=mask), "thin")
+    for filling in plain.fillings:
+        assert (filling % SIDE < 90)[mask].all()
+
+
 def test_mixed_patches_show_the_plain_sample(spotted):
     made = weftex.synthesize(spotted, 200, seed=1, landmarks="thin", method="patch-sampling")
     assert not red(made.image).any()
@@ -240,7 +283,7 @@ def test_distances_wrap_around():
 
 
 def test_what_is_refused(spotted):
-    with pytest.raises(weftex.InvalidInputError, match="must be one of keep, thin, remove"):
+    with pytest.raises(weftex.InvalidInputError, match="must be one of auto, keep, thin, remove"):
         weftex.synthesize(spotted, 64, landmarks="some")
     with pytest.raises(weftex.InvalidInputError, match="allow only keep"):
         weftex.synthesize(weftex.prepare.turned(spotted, "half"), 64, landmarks="thin")

@@ -20,7 +20,8 @@ if TYPE_CHECKING:
 
 _LOOK = 320  # pixels a side; larger samples are averaged down
 _SMALLEST = 64  # pixels a side; smaller samples have no landmarks
-_RADII = (2, 4, 8, 12)  # of the boxes, applied twice, whose means are compared
+_FINEST = 2  # radius of the boxes, applied twice, whose means are compared
+_RADII = (2, 4, 6)  # of others, on a copy half as large
 _UNIT = 16  # of these means, to a level of 255
 _FLOOR = 4.0  # levels that a color may differ by in any sample
 _TYPICAL = 0.85  # share of the means that the covariance is taken from
@@ -33,7 +34,7 @@ class _Tier:
 
     distance: float  # least Mahalanobis distance of a mean
     times: float  # least ratio of that to the 95 % quantile of all means
-    by_radius: tuple[float, ...]  # what distances count for, for each of `_RADII`
+    by_radius: tuple[float, ...]  # what distances count for, for each of these radii
     edge: float  # a landmark extends to this share of its largest distance
     margin: int  # pixels that are added around it
     least: float  # share of the sample
@@ -57,7 +58,11 @@ def find_landmarks(exemplar: Exemplar, others: bool = True) -> tuple[list[Mask],
     usable = np.ones(small.shape, bool) if small.mask is None else small.mask
     if min(small.shape) < _SMALLEST:
         return [], 0
-    far = [_distances(small.matching(), usable, radius) for radius in _RADII]
+    half, _ = smaller_copy(small, (max(small.shape) + 1) // 2)
+    far = [_distances(small, _FINEST), *(_distances(half, radius) for radius in _RADII)]
+    twice = np.ix_(*(np.minimum(np.arange(n) // 2, m - 1)
+                     for n, m in zip(small.shape, half.shape, strict=True)))  # fmt: skip
+    far[1:] = [(distances[twice], typical) for distances, typical in far[1:]]
     found = _with_tier(far, _RARE, usable, [])
     rare = len(found)
     found = _with_tier(far, _OTHERS, usable, found) if others else found
@@ -66,17 +71,17 @@ def find_landmarks(exemplar: Exemplar, others: bool = True) -> tuple[list[Mask],
     return [mask[np.ix_(rows, columns)] for mask in found], rare
 
 
-def _distances(
-    pixels: NDArray[np.uint8], usable: Mask, radius: int
-) -> tuple[NDArray[np.float64], float]:
+def _distances(exemplar: Exemplar, radius: int) -> tuple[NDArray[np.float64], float]:
     """Return the Mahalanobis distance of the mean around each pixel, and the 95 % quantile."""
+    pixels = exemplar.matching()
+    usable = np.ones(exemplar.shape, bool) if exemplar.mask is None else exemplar.mask
     weight = _smooth(usable.astype(np.int64), radius)
     sums = _smooth(pixels.astype(np.int64) * usable[..., None], radius)
     means = _UNIT * sums // np.maximum(weight, 1)[..., None]
     known = usable & (10 * weight > 3 * (2 * radius + 1) ** 4)
     if not known.any():
         return np.zeros(usable.shape), 1.0
-    values = means[known][:: max(1, radius // 2) ** 2]
+    values = means[known][:: max(_FINEST, radius // 2) ** 2]
     typical, middle = values, np.sort(values, axis=0)[len(values) // 2]
     for trimmed in (False, True, True):
         if trimmed:
@@ -138,16 +143,21 @@ def _with_tier(
 
 def _connected(mask: Mask, seed: tuple[int, int]) -> Mask:
     """Return the pixels of a mask that are connected with one of them."""
-    found = np.zeros_like(mask)
-    found[seed] = True
+    framed = np.pad(mask, 1)
+    found = np.zeros_like(framed)
+    found[seed[0] + 1, seed[1] + 1] = True
+    # Pixels of one row or column have one number if no other pixel is between them.
+    numbers = (
+        (~framed).cumsum().reshape(framed.shape),
+        (~framed.T).cumsum().reshape(found.T.shape).T,
+    )
     count = 0
     while count < (count := int(found.sum())):
-        for axis in (0, 1):
-            lines = found.swapaxes(0, axis)
-            lines[1:] |= lines[:-1].copy()
-            lines[:-1] |= lines[1:].copy()
-        found &= mask
-    return found
+        for number in numbers:
+            reached = np.zeros(framed.size + 1, bool)
+            reached[number[found]] = True
+            found = reached[number] & framed
+    return found[1:-1, 1:-1]
 
 
 def _is_compact(blob: Mask) -> bool:

@@ -85,9 +85,9 @@ TILEABLE = Option(
 )  # fmt: skip
 LANDMARKS = Option(
     "landmarks", TEXT, "recognizable features of the sample, such as its only red leaf: keep "
-    "repeats them, thin shows them rarely, remove replaces the most conspicuous; no effect on "
-    "samples with a lattice or rows", "keep", choices=("keep", "thin", "remove"),
-    metavar="keep|thin|remove", heading=_QUALITY,
+    "repeats them, thin shows them rarely, remove replaces the most conspicuous; auto thins small "
+    "ones in large outputs of --method auto; no effect on samples with a lattice or rows", "auto",
+    choices=("auto", "keep", "thin", "remove"), metavar="auto|keep|thin|remove", heading=_QUALITY,
 )  # fmt: skip
 
 #: What `weftex.label_maps.Gradient` takes; a map of a fusion may be such a gradient.

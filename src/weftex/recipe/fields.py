@@ -111,7 +111,7 @@ class Fields:
                 )
             if len(self.materials) > 1:
                 self._check_several(named)
-            if options["landmarks"] != "keep" and "turn" in self.materials[0]:
+            if options["landmarks"] not in ("auto", "keep") and "turn" in self.materials[0]:
                 raise InvalidInputError(
                     f"{named('landmarks')} and {named('turn')} exclude each other"
                 )
@@ -135,7 +135,7 @@ class Fields:
         alone: list[str] = [n for n in ("map_weights", "mask", "repeats") if n in given]
         if {"path", "maps"} <= given:
             alone.append("maps")
-        if self.options["landmarks"] != "keep":
+        if self.options["landmarks"] not in ("auto", "keep"):
             alone.append("landmarks")
         if self.options["sample_guide"] is not None:
             alone.append("sample_guide")

@@ -13,6 +13,7 @@ from weftex.exemplar import Exemplar
 from weftex.exemplar.material import Material, read_material, role_of_picture
 from weftex.recipe.fields import Fields, gradient
 from weftex.roles import COLOR, Role, role_of
+from weftex.tasks.method_names import may_thin
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -268,7 +269,9 @@ class OpenedRecipe:
         canvas = as_canvas(self.shape, options["tileable"])
         guide = self._guide("guide")
         # As `tasks.synthesize`, which guides, best-of and landmarks need; less to import.
-        if guide is None and options["best_of"] == 1 and options["landmarks"] == "keep":
+        wanted = options["landmarks"]
+        keep = wanted == "keep" or (wanted == "auto" and not may_thin(method, canvas, self.sample))
+        if guide is None and options["best_of"] == 1 and keep:
             method.require(canvas)
             return fit(self.sample).sample(canvas, **how)
         from weftex.tasks.synthesize import synthesize

@@ -37,15 +37,16 @@ if TYPE_CHECKING:
     Indices = NDArray[np.int32]  # of pixels: row * width + column
 
 #: What `synthesize` may do with landmarks.
-LANDMARKS = ("keep", "thin", "remove")
+LANDMARKS = ("auto", "keep", "thin", "remove")
 _OVERLAP = 4  # pixels around landmarks within which fillings are cut
 _FILLINGS = 2  # of each landmark, so that fillings repeat less, too
-_MATCHED = 128  # pixels a side of the copy that parts are found on
-_AROUND = 4  # of its pixels around a landmark that match
+_MATCHED = 64  # pixels a side of the copy that parts are found on
+_AROUND = 2  # of its pixels around a landmark that match
 _TRIED = 4  # parts that are compared in full size
 _AVOID = 8  # weight of landmarks, and of parts used before, in the cost of a part
 _BESIDE = np.mgrid[-1:2, -1:2].reshape(2, -1).T
 _NEVER = np.iinfo(np.int64).max
+_FINE = 1 / 8  # scale over the side up to which `auto` thins landmarks
 _COARSE = 1 / 5  # scale over the side above which only rare landmarks are filled
 _AREAS = 4  # sample areas of the output for each time that a rare landmark is shown
 #: Distances in shorter sides of the sample: of a landmark from itself, rare or not; up to which
@@ -75,6 +76,26 @@ def plain_sample(exemplar: Exemplar, landmarks: str) -> PlainSample | None:
     masks, rare = find_landmarks(exemplar, thin and findings.scale <= _COARSE * min(exemplar.shape))
     fillings = _fillings(exemplar, masks, _FILLINGS if thin else 1) if masks else []
     return PlainSample(exemplar, masks, rare, fillings, findings, thin) if fillings else None
+
+
+def thinned(model: Model, canvas: Canvas) -> PlainSample | None:
+    """Return a sample whose landmarks `auto` thins on a canvas; None if it keeps them.
+
+    It keeps those of samples with a lattice, rows or large features, whose joints they may be, and
+    where its method mixes patches.
+    """
+    assert isinstance(model, AutoModel)
+    findings = model.findings
+    small = findings.scale <= _FINE * min(findings.shape)
+    if findings.lattice or not small or model.choose(canvas).method != "graphcut":
+        return None
+    times = math.prod(canvas.shape) // math.prod(findings.shape)
+    because = f"the features are small and the output has {times} times the sample's area"
+    masks, rare = find_landmarks(model.exemplar)
+    fillings = _fillings(model.exemplar, masks, _FILLINGS) if masks else []
+    because = f"landmarks are thinned, because {because}"
+    plain = PlainSample(model.exemplar, masks, rare, fillings, findings, True, because)
+    return plain if fillings else None
 
 
 def _fillings(exemplar: Exemplar, masks: list[Mask], count: int) -> list[Indices]:
@@ -189,6 +210,7 @@ class PlainSample:
     fillings: list[Indices]
     findings: Findings  # of the original
     thin: bool  # whether outputs show some landmarks
+    because: str = ""  # said beside the reason of `auto`
 
     @cached_property
     def exemplar(self) -> Exemplar:
@@ -258,6 +280,8 @@ class PlainSample:
             )
         about = {"found": len(self.masks), "rare": self.rare, "shown": count}
         made.provenance["landmarks"] = about
+        if self.because:
+            made.provenance["reason"] = f"{made.provenance['reason']}; {self.because}"
         return made
 
 

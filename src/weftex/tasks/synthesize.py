@@ -12,7 +12,7 @@ from weftex.errors import InvalidInputError
 from weftex.exemplar import load_exemplar
 from weftex.method import Method
 from weftex.random import seed_number
-from weftex.tasks.method_names import AUTO, make_method
+from weftex.tasks.method_names import AUTO, make_method, may_thin
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -36,7 +36,7 @@ def synthesize(
     guide: Sample | None = None,
     sample_guide: Sample | None = None,
     best_of: int | Sequence[str | Method] = 1,
-    landmarks: str = "keep",
+    landmarks: str = "auto",
     threads: int | None = None,
     progress: ProgressCallback | None = None,
     **parameters: Any,
@@ -67,10 +67,12 @@ def synthesize(
         Number of results with successive seeds from `seed` on, or methods for one result each. The
         result with the best score is returned; its provenance has its method, its seed and all
         scores.
-    landmarks : {"keep", "thin", "remove"}
+    landmarks : {"auto", "keep", "thin", "remove"}
         What to do with landmarks, small salient regions by which repeats are recognized: keep them;
         thin: show each far apart, and fill its other places from the rest of the sample; or remove
-        them. Samples with a lattice or rows are not changed.
+        them. By default `Auto` thins them in outputs of at least 8 times the sample's area if
+        features are small, and all other methods keep them. Samples with a lattice or rows are not
+        changed.
     threads : int, optional
         Maximum number of threads; one for each processor by default.
     progress : callable, optional
@@ -120,14 +122,20 @@ def synthesize(
         canvas = dataclasses.replace(canvas, guide=_like(canvas.guide, exemplar))
     number = seed_number(seed)
     how: dict[str, Any] = {"seed": number, "threads": threads, "progress": progress}
-    plain = None
-    if landmarks != "keep":
+    plain, model = None, None
+    if landmarks not in ("auto", "keep"):
         from weftex.tasks.landmarks import plain_sample  # loads the analyses
 
         plain = plain_sample(exemplar, landmarks)
-        exemplar = exemplar if plain is None else plain.exemplar
-    if once:
+    elif landmarks == "auto" and once and may_thin(chosen, canvas, exemplar):
+        from weftex.tasks.landmarks import thinned
+
         model = chosen.fit(exemplar)
+        plain = thinned(model, canvas)
+    exemplar = exemplar if plain is None else plain.exemplar
+    if once:
+        if model is None or plain is not None:
+            model = chosen.fit(exemplar)
         if plain is not None:
             plain.inform(model)
         made = model.sample(canvas, **how)
