@@ -227,11 +227,11 @@ class Run:
                 else:  # Python's own last words
                     self._error = text or self._error
 
-    def _hear(self, told: dict[str, Any]) -> None:
-        if "stage" in told:
-            self.stage = told["stage"]
-            self.share = told["done"] / told["of"] if told["of"] else 0.0
-        self._error = told.get("error", self._error)
+    def _hear(self, event: dict[str, Any]) -> None:
+        if "stage" in event:
+            self.stage = event["stage"]
+            self.share = event["done"] / event["of"] if event["of"] else 0.0
+        self._error = event.get("error", self._error)
 
 
 def run(command: str, words: list[str], report: Callable[[float, str], bool]) -> None:

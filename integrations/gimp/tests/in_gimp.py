@@ -25,32 +25,32 @@ def whole(drawable):
     return Gegl.Rectangle.new(0, 0, drawable.get_width(), drawable.get_height())
 
 
-def add(image, told, parent=None):
+def add(image, spec, parent=None):
     """Add a layer from a file with its pixels, or a group with its layers, at the bottom."""
     position = len(parent.get_children() if parent else image.get_layers())
-    if "layers" in told:
-        group = Gimp.GroupLayer.new(image, told["name"])
+    if "layers" in spec:
+        group = Gimp.GroupLayer.new(image, spec["name"])
         image.insert_layer(group, parent, position)
-        for one in told["layers"]:
+        for one in spec["layers"]:
             add(image, one, group)
         return
-    width, height = told["size"]
+    width, height = spec["size"]
     layer = Gimp.Layer.new(
-        image, told["name"], width, height, TYPES[told["channels"]], 100, Gimp.LayerMode.NORMAL
+        image, spec["name"], width, height, TYPES[spec["channels"]], 100, Gimp.LayerMode.NORMAL
     )
     image.insert_layer(layer, parent, position)
-    layer.set_offsets(*told.get("offset", (0, 0)))
+    layer.set_offsets(*spec.get("offset", (0, 0)))
     name = Babl.get_name(layer.get_format())
-    layer.get_buffer().set(whole(layer), name, (FOLDER / told["file"]).read_bytes())
-    if told.get("mask"):
+    layer.get_buffer().set(whole(layer), name, (FOLDER / spec["file"]).read_bytes())
+    if spec.get("mask"):
         layer.add_mask(layer.create_mask(Gimp.AddMaskType.BLACK))
         layer.set_edit_mask(False)
-    if told.get("locked"):
+    if spec.get("locked"):
         layer.set_lock_content(True)
 
 
-def select(image, told):
-    kind, *numbers = told
+def select(image, spec):
+    kind, *numbers = spec
     if kind == "rectangle":
         image.select_rectangle(Gimp.ChannelOps.REPLACE, *numbers)
     elif kind == "add":
@@ -90,14 +90,14 @@ def do(number, job):
     )
     if job.get("profile") == "adobe":
         image.set_color_profile(Gimp.ColorProfile.new_rgb_adobe())
-    for told in job["layers"]:
-        add(image, told)
+    for spec in job["layers"]:
+        add(image, spec)
     if job.get("indexed"):
         image.convert_indexed(
             Gimp.ConvertDitherType.NONE, Gimp.ConvertPaletteType.GENERATE, 16, False, False, ""
         )
-    for told in job.get("select", []):
-        select(image, told)
+    for spec in job.get("select", []):
+        select(image, spec)
     before = described(image, f"{number}-before")
     procedure = Gimp.get_pdb().lookup_procedure(job["procedure"])
     config = procedure.create_config()

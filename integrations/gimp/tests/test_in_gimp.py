@@ -133,17 +133,19 @@ def done(tmp_path_factory):
         names[name] = session.job(procedure, layers, **more)
 
     for case, pixels in CASES.items():
-        told = common(*case)
+        space = common(*case)
         size = {"width": 150, "height": 100, "seed": 7}
-        add(("synth", *case), MORE, [layer(pixels)], values=size, **told)
-        add(("tile", *case), TILE, [layer(pixels)], **told)
-        add(("fill", *case), HEAL, [layer(pixels)], select=[HOLE], **told)
+        add(("synth", *case), MORE, [layer(pixels)], values=size, **space)
+        add(("tile", *case), TILE, [layer(pixels)], **space)
+        add(("fill", *case), HEAL, [layer(pixels)], select=[HOLE], **space)
     photo = PEBBLES
     ellipse, dot = ["ellipse", 50, 40, 30, 24], ["rectangle", 20, 20, 1, 1]
     for precision in PRECISIONS:
-        pixels, told = CASES[precision, 3], common(precision, 3)
-        add(("ellipse", precision), HEAL, [layer(pixels)], select=[ellipse], **told)
-        add(("feather", precision), HEAL, [layer(pixels)], select=[ellipse, ["feather", 9]], **told)
+        pixels, space = CASES[precision, 3], common(precision, 3)
+        add(("ellipse", precision), HEAL, [layer(pixels)], select=[ellipse], **space)
+        add(
+            ("feather", precision), HEAL, [layer(pixels)], select=[ellipse, ["feather", 9]], **space
+        )
     for precision, dtype in (
         ("HALF_LINEAR", np.float16), ("DOUBLE_LINEAR", np.float64), ("U32_NON_LINEAR", np.uint32)
     ):  # fmt: skip

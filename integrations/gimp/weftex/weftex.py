@@ -378,7 +378,7 @@ class WeftexPlugIn(Gimp.PlugIn):
         if made is not None:
             values.remove(1)
             values.insert(1, GObject.Value(Gimp.Image, made))
-            if mode == Gimp.RunMode.INTERACTIVE:
+            if mode != Gimp.RunMode.NONINTERACTIVE:
                 Gimp.Display.new(made)
         Gimp.displays_flush()
         return values

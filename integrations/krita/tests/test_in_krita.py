@@ -51,7 +51,10 @@ class Session:
 
     def job(self, task, pixels, depth="U8", model="RGBA", offset=(0, 0), size=None, **more):
         height, width = pixels.shape[:2]
-        data = in_krita(pixels, DEPTHS[depth], model) if pixels.shape[2] == 3 else pixels
+        own_model, own_depth = more.get("layer space", [model, depth])
+        data = pixels
+        if pixels.shape[2] == 3:
+            data = in_krita(pixels, DEPTHS[own_depth], own_model)
         file = f"in-{len(self.jobs)}.raw"
         (self.folder / file).write_bytes(data.tobytes())
         more.setdefault("values", {"seed": 7})
@@ -137,10 +140,11 @@ def done(tmp_path_factory):
         names[name] = session.job(task, pixels, **more)
 
     for space in SPACES:
-        told = {"model": space[0], "depth": space[1]}
-        add(("synth", *space), "Make More", values={"size": [150, 100], "seed": 7}, **told)
-        add(("tile", *space), "Make Tileable", **told)
-        add(("fill", *space), "Heal Selection", select=[HOLE], **told)
+        common = {"model": space[0], "depth": space[1]}
+        add(("synth", *space), "Make More", values={"size": [150, 100], "seed": 7}, **common)
+        add(("tile", *space), "Make Tileable", **common)
+        add(("fill", *space), "Heal Selection", select=[HOLE], **common)
+    add("other space", "Heal Selection", select=[HOLE], **{"layer space": ["RGBA", "U16"]})
     half = [[50, 40, 24, 20, 255], [74, 40, 10, 20, 100]]
     add("feather", "Heal Selection", select=half)
     add(
@@ -211,6 +215,17 @@ def test_the_photo_stays_as_it_is(done, name):
     before, after = job["before"]["layers"][0], job["after"]["layers"][0]
     assert before["name"] == after["name"]
     assert (folder / before["file"]).read_bytes() == (folder / after["file"]).read_bytes()
+
+
+def test_a_layer_keeps_its_own_color_space(done, tmp_path):
+    made, _ = made_by(done, "other space")
+    space = ["RGBA", "U16", "sRGB-elle-V2-g10.icc"]
+    assert [one["space"] for one in done["other space"]["after"]["layers"]] == [space, space]
+    mask = np.zeros(PEBBLES.shape[:2], bool)
+    mask[40:60, 50:74] = True
+    expected = by_command(tmp_path, "fill", PEBBLES * np.uint16(257), "--seed", "7", mask=mask)
+    x, y = done["other space"]["after"]["layers"][-1]["box"][:2]
+    assert (made[40 - y : 60 - y, 50 - x : 74 - x] == expected[40:60, 50:74]).all()
 
 
 def test_partly_selected_pixels_are_partly_covered(done):

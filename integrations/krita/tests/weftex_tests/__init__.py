@@ -51,6 +51,8 @@ def do(number, job):
     x, y, width, height = job["box"]
     node.setPixelData(bytes(document.width() * document.height() * 16), 0, 0, *job["size"])
     node = document.createNode("photo", "paintlayer")
+    if "layer space" in job:
+        node.setColorSpace(*job["layer space"], "sRGB-elle-V2-g10.icc")
     node.setPixelData((FOLDER / job["file"]).read_bytes(), x, y, width, height)
     document.rootNode().addChildNode(node, None)
     for one in document.rootNode().childNodes():
