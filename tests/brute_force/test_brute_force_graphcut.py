@@ -7,7 +7,7 @@ from scipy.sparse.csgraph import maximum_flow
 
 import weftex
 from random_cases import random_canvas, random_cases, random_exemplar
-from weftex.methods.graphcut.cutting import Picture
+from weftex.methods.graphcut.cutting import CutCanvas
 
 NEW, OLD = -1, -2  # the terminals
 
@@ -134,7 +134,7 @@ def test_each_cut_is_a_minimum_cut(rng, placement, monkeypatch):
             assert made == least
         return covered
 
-    whole = Picture.paste
-    monkeypatch.setattr(Picture, "paste", paste)
+    whole = CutCanvas.paste
+    monkeypatch.setattr(CutCanvas, "paste", paste)
     method.fit(exemplar).sample(canvas, seed=int(rng.integers(100)))
     assert compared

@@ -107,7 +107,7 @@ def test_bands_lie_along_the_box_that_the_patch_shows_in(known, width, hole, pas
     weights = reference.zone_weights(known, width, frozen, paste)
     top, left, bottom, right = seams.box_of(weights)
     depth = seams.band_depth(weights, width, hole)
-    assert zone.bands[:5].tolist() == [depth, top, left, bottom, right]
+    assert zone.bands[:5].tolist() == [depth, left, top, right, bottom]
     if hole:
         assert depth >= min(bottom - top, right - left) // 2
     there = reference.zone_of(known, width)[top:bottom, left:right]

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 import weftex
 from families import canvas_of, noise
 from weftex.methods.graphcut import GraphCut
-from weftex.methods.graphcut.cutting import OldSeams
+from weftex.methods.graphcut.cutting import WorstSeams
 from weftex.methods.graphcut.placement import chances_of, drawn_places
 from weftex.search.translation import Spectra, overlap_mismatch, window_mismatch
 
@@ -33,11 +33,11 @@ def test_refinement_never_makes_seams_worse(seam_cost, kind, monkeypatch):
         assert all(map(np.array_equal, kept, (self.cost, self.cells)))
         totals.append(int(self.cost.sum()))
 
-    whole = OldSeams.update
+    whole = WorstSeams.update
     pixels = weftex.load_exemplar("sample:pebbles").pixels[40:80, 50:90].copy()
     canvas = canvas_of(kind, pixels, (61, 50))
     method = GraphCut(patch_size=14, seam_cost=seam_cost, refinements=3.0)
-    monkeypatch.setattr(OldSeams, "update", update)
+    monkeypatch.setattr(WorstSeams, "update", update)
     method.fit(weftex.Exemplar(pixels)).sample(canvas, seed=1)
     assert len(totals) > 5
     assert all(later <= before for before, later in itertools.pairwise(totals))

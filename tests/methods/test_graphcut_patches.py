@@ -9,8 +9,8 @@ import pytest
 import weftex
 from families import canvas_of, noise
 from weftex.methods.graphcut import GraphCut, subpatch
-from weftex.methods.graphcut.cutting import Picture
-from weftex.methods.graphcut.seam_kernels import find_runs
+from weftex.methods.graphcut.cost_kernels import find_runs
+from weftex.methods.graphcut.cutting import CutCanvas
 from weftex.methods.graphcut.subpatch import SubPatchMatching
 
 sys.path.insert(0, str(Path(__file__).parents[2] / "benchmarks" / "quality"))
@@ -40,13 +40,13 @@ def test_in_a_photo_only_what_is_around_a_hole_counts(monkeypatch):
     pixels = np.tile(weftex.load_exemplar("sample:pebbles").pixels[40:100, 50:110], (3, 3, 1))
     hole = np.zeros((180, 180), bool)
     hole[80:100, 90:104] = True
-    pasted, cost = [], Picture.cost
+    pasted, cost = [], CutCanvas.cost
 
     def counted(self, patch, number):
         pasted.append(patch)
         return cost(self, patch, number)
 
-    monkeypatch.setattr(Picture, "cost", counted)
+    monkeypatch.setattr(CutCanvas, "cost", counted)
     sample = weftex.Exemplar(pixels[:60, :60])
     method, filled = GraphCut(placement="entire"), []
     for shade in (0, 90):
@@ -156,9 +156,9 @@ def test_cuts_that_end_early_and_updated_runs_change_nothing(kind, monkeypatch):
         assert np.array_equal(self.runs, kept)
         return covered
 
-    whole, paste = Picture.cheapest, Picture.paste
-    monkeypatch.setattr(Picture, "cheapest", cheapest)
-    monkeypatch.setattr(Picture, "paste", pasted)
+    whole, paste = CutCanvas.cheapest, CutCanvas.paste
+    monkeypatch.setattr(CutCanvas, "cheapest", cheapest)
+    monkeypatch.setattr(CutCanvas, "paste", pasted)
     pixels = np.ascontiguousarray(weftex.load_exemplar("sample:pebbles").pixels[40:90, 50:90])
     model = GraphCut(placement="entire", halvings=2, refinements=1.0).fit(weftex.Exemplar(pixels))
     made = model.sample(canvas_of(kind, pixels, (61, 70)), seed=1)

@@ -88,12 +88,14 @@ def quilt(output: Output, method: Quilting) -> None:
     def quilt_blocks(run: Run) -> None:
         # "Search the input texture for a set of blocks that satisfy the overlap constraints (above
         # and left)": the blocks of the sample, arranged to be searched by such an overlap. The
-        # error of the overlap is `zone_kernels.distance`.
+        # error of the overlap is `zone_kernels.distance`. Beyond the paper: unless `search` is
+        # exhaustive, only the `candidates` best at low resolution are compared.
         blocks = output.search_for(run)
         # Pick one within the tolerance (`patch_kernels.draw_one`). Compute the error surface
         # between it and the old blocks at the overlap, and make the minimum cost path along it the
         # block's boundary (section 2.1, `patch_kernels.cut_bands`). Paste the block.
         output.choose_and_paste(run, blocks, tolerance)
 
-    # "In raster scan order in steps of one block (minus the overlap)": `orders.scan_patches`.
+    # "In raster scan order in steps of one block (minus the overlap)": `orders.scan_patches`, which
+    # spreads blocks evenly, so that overlaps may be wider.
     output.paste_in_order(quilt_blocks)

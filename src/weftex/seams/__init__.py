@@ -1,5 +1,12 @@
-"""Cuts of any shape: max-flow, least paths, belts.
+"""Minimum cuts of grids by max-flow, and least paths.
 
-Quilting cuts with `weftex.methods.patches.patch_kernels.cut_bands`; patches are feathered by
-`weftex.results.paste_kernels.blend`.
+Each cut along a path is a dynamic program, and each has its own costs and steps:
+
+| function | path | used by |
+|---|---|---|
+| `methods.patches.patch_kernels.cut_bands` | over pixels, 8 neighbors, free ends | quilting |
+| `methods.near_regular.edge_kernels.least_boundary` | between pixels, given ends | near-regular |
+| `seams.path.least_path` | over pixels, open or closed | ashikhmin, wrapped output |
+
+Cuts of any shape are by `maxflow`: graphcut, `around` (fill), `boundary` and `merge` (fuse).
 """

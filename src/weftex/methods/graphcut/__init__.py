@@ -12,7 +12,7 @@ from weftex.endless.grid import Sizes
 from weftex.errors import InvalidInputError
 from weftex.exemplar.turns import turned
 from weftex.method import Method
-from weftex.methods.graphcut.cutting import OldSeams, Picture
+from weftex.methods.graphcut.cutting import CutCanvas, WorstSeams
 from weftex.methods.graphcut.entire import EntirePatchMatching, OrientedMatching
 from weftex.methods.graphcut.placement import draw_offsets
 from weftex.methods.graphcut.sample import PATCH_SHARE, Sample, check_boundary, patch_shape_for
@@ -307,7 +307,7 @@ def cover(method: GraphCut, placement: Placement, sample: Sample, growth: Growth
     assert method.candidates is not None and method.refinements is not None
     count, tolerance = method.candidates, _given(method.tolerance, 1.0)  # random: all match
     copies = method.placement == "entire" and bool(sample.boxes)
-    picture = Picture(sample, growth, placement.size, placement.reduction, count, copies=copies)
+    picture = CutCanvas(sample, growth, placement.size, placement.reduction, count, copies=copies)
     threads = min(growth.threads, count) if math.prod(placement.size) >= _LARGE else 1
     with quick_map(threads) as map_:
 
@@ -317,7 +317,7 @@ def cover(method: GraphCut, placement: Placement, sample: Sample, growth: Growth
             # Some of them, drawn by P(t) = exp(-C(t) / (k sigma**2)) (section 4).
             draws = growth.seed, number, count
             drawn = draw_offsets(matches, placement, tolerance, draws)
-            patches = placement.patches(matches, drawn, map_)
+            patches = matches.patches(drawn, map_)
             if len(patches) == 1:
                 return patches[0]
             # Minimum cut of old and new pixels; old seams (3.1), surrounded regions (3.2) count.
@@ -334,17 +334,17 @@ def cover(method: GraphCut, placement: Placement, sample: Sample, growth: Growth
         more = round(method.refinements * pasted)
         if not more:
             return
-        old_seams = OldSeams(picture, growth.canvas, placement.size)
+        seams = WorstSeams(picture, growth.canvas, placement.size)
         progress = growth.progress(more, "repairs")
         for number in range(pasted, pasted + more):
-            worst = old_seams.worst()
+            worst = seams.worst()
             # Not in the paper: seams that many patches did not improve cannot be improved.
-            if worst is None or old_seams.idle > _IDLE * pasted:
+            if worst is None or seams.idle > _IDLE * pasted:
                 progress.advance(progress.total - progress.done)
                 break
             best = best_patch(worst, number, centered=True)
             picture.paste(best)
-            old_seams.update_around(best)
+            seams.update_around(best)
             progress.advance(1)
 
 

@@ -1,4 +1,4 @@
-"""Patch fitting: cutting patches out, pasting them, and finding the worst seams.
+"""Patch fitting: cutting patches out along old and new seams, and finding the worst seams.
 
 Sections 3 and 4 of Kwatra et al., 2003.
 """
@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from weftex.methods.graphcut import graph_kernels, seam_kernels
+from weftex.methods.graphcut import cost_kernels, graph_kernels
 from weftex.notes import is_asked, note
 from weftex.raster.boxes import box_sums
 from weftex.seams.maxflow import search_trees
@@ -26,7 +26,7 @@ _AHEAD = 2**16  # pixels that are searched at a time for one that is missing
 _CELL = 8  # side in pixels of the squares that the costs of seams are summed over
 
 
-class Picture:
+class CutCanvas:
     """The canvas so far, with old seams: the labels of all patches that were pasted.
 
     `candidates` are cut at a time, in blocks of `block` pixels a side, a power of 2. `copies`: all
@@ -51,7 +51,7 @@ class Picture:
             assert canvas.hole is not None
             known = (~canvas.hole).ravel().astype(np.uint8)
         pixels, self.runs = growth.pixels.reshape(known.size, -1), np.zeros(known.size, np.int8)
-        self.labeling = seam_kernels.Labeling(
+        self.labeling = cost_kernels.Labeling(
             (pixels, growth.source.ravel(), self.done, known, self.runs),
             self.shape,
             canvas.wrap,
@@ -59,7 +59,7 @@ class Picture:
             self.sample_shape,
             sample.is_whole(copies),
         )
-        seam_kernels.find_runs(self.labeling)
+        cost_kernels.find_runs(self.labeling)
         # All lines of both, and a patch's length more, around the border.
         self._lines = [
             [
@@ -145,14 +145,14 @@ class Picture:
         return graph
 
 
-def _graph(labeling: seam_kernels.Labeling, height: int, width: int) -> graph_kernels.Graph:
+def _graph(labeling: cost_kernels.Labeling, height: int, width: int) -> graph_kernels.Graph:
     """Allocate the graph of a patch."""
     return graph_kernels.Graph(
         labeling,
         choice=np.empty((height, width), np.uint8),
         side=np.empty((height, width), np.uint8),
         near=np.empty((2, height, width), np.uint8),
-        scratch=np.empty((2, max(height, width)), np.int32),
+        costs=np.empty(max(height, width), np.int32),
         arcs=np.empty((height, width, 4), np.int32),
         source=np.empty((height, width), np.int32),
         sink=np.empty((height, width), np.int32),
@@ -160,13 +160,14 @@ def _graph(labeling: seam_kernels.Labeling, height: int, width: int) -> graph_ke
     )
 
 
-class OldSeams:
+class WorstSeams:
     """The costs of all seams of a covered canvas, kept up to date as patches are pasted.
 
-    The worst seams are those of the square of cells, half as wide as a patch, that costs most.
+    The worst seams, to be refined, are those of the square of cells, half as wide as a patch, that
+    costs most. Old seams count in every cut, in `graph_kernels.add_pair`.
     """
 
-    def __init__(self, picture: Picture, canvas: Canvas, patch_size: tuple[int, int]) -> None:
+    def __init__(self, picture: CutCanvas, canvas: Canvas, patch_size: tuple[int, int]) -> None:
         self.picture, self.canvas = picture, canvas
         self.cost = np.zeros(canvas.shape, np.int32)
         self.cells = np.zeros([-(-n // _CELL) for n in canvas.shape], np.int64)
@@ -196,7 +197,7 @@ class OldSeams:
                 line = np.arange(max(start, 0), min(start + length, n))
             lines.append(line.astype(np.int32))
         rows, columns = lines
-        seam_kernels.sum_seams(self.picture.labeling, rows, columns, self.cost, self.cells, _CELL)
+        cost_kernels.sum_seams(self.picture.labeling, rows, columns, self.cost, self.cells, _CELL)
 
     def worst(self) -> tuple[int, int] | None:
         """The middle of the square, half a patch wide, whose seams cost most; None if none do.

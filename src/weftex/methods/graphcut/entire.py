@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from operator import call
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -36,14 +36,6 @@ _DRIFT = 16  # in photos a tile lies up to 1/16 of its shorter side off the latt
 _MOST = 4.0  # pixels, at most
 _LEAST = 0.75  # pixels, so that there is a whole one at each multiple of the vectors
 _UNIT = 1 << 16  # of `CanvasLattice.phase`
-
-
-class Found(NamedTuple):
-    """What `EntirePatchMatching.patches` needs to find offsets in full size."""
-
-    pixel: tuple[int, int]
-    boxes: list[Level]  # what the sample may cover, from the full size on
-    allowed: list[NDArray[np.uint8]]  # pixels of the sample, likewise
 
 
 class EntirePatchMatching:
@@ -123,16 +115,12 @@ class EntirePatchMatching:
                 return self.penalty.of(Offsets(pixel, allowed, k, copy=self.copy))
 
             costs, factors = map_(call, (mismatch, penalty))
-        return Matches(costs, factors, allowed, k, Found(pixel, boxes, places))
 
-    def patches(
-        self, matches: Matches, drawn: list[tuple[int, int]], map_: Callable[..., Any] = map
-    ) -> list[Patch]:
-        """See `Placement.patches`."""
-        pixel, boxes, allowed = matches.found
-        boxes = boxes[: matches.halvings + 1]
-        full = in_full_size(drawn, boxes, self.levels, allowed, self._reach, map_)
-        return self._clipped(pixel, full, [float(matches.factors[place]) for place in drawn])
+        def patches(drawn: list[tuple[int, int]], map_: Callable[..., Any]) -> list[Patch]:
+            full = in_full_size(drawn, boxes[: k + 1], self.levels, places, self._reach, map_)
+            return self._clipped(pixel, full, [float(factors[place]) for place in drawn])
+
+        return Matches(costs, factors, allowed, k, patches)
 
     def _allowed(
         self, pixel: tuple[int, int], middle: NDArray[np.uint8], near: bool
@@ -278,20 +266,27 @@ class OrientedMatching:
         for top, each in zip(tops[:-1], found, strict=True):
             here = np.s_[top : top + each.allowed.shape[0], : each.allowed.shape[1]]
             costs[here], factors[here], allowed[here] = each.costs, each.factors, each.allowed
-        return Matches(costs, factors, allowed, least, (found, tops[:-1].tolist()))
 
-    def patches(
-        self, matches: Matches, drawn: list[tuple[int, int]], map_: Callable[..., Any] = map
+        def patches(drawn: list[tuple[int, int]], map_: Callable[..., Any]) -> list[Patch]:
+            return self._in_copies(found, tops[:-1].tolist(), drawn, map_)
+
+        return Matches(costs, factors, allowed, least, patches)
+
+    def _in_copies(
+        self,
+        found: list[Matches],
+        tops: list[int],
+        drawn: list[tuple[int, int]],
+        map_: Callable[..., Any],
     ) -> list[Patch]:
-        """See `Placement.patches`."""
-        found, tops = matches.found
+        """The patches of drawn offsets, the matches of each copy from row `tops` on."""
         which = np.searchsorted(tops, [y for y, _ in drawn], side="right") - 1
         patches: dict[tuple[int, int], Patch] = {}
-        for k, (way, (top, left, _, _)) in enumerate(zip(self.ways, self.boxes, strict=True)):
+        for k, (top, left, _, _) in enumerate(self.boxes):
             own = [at for at, of in zip(drawn, which, strict=True) if of == k]
             if not own:
                 continue
-            cut = way.patches(found[k], [(y - tops[k], x) for y, x in own], map_)
+            cut = found[k].patches([(y - tops[k], x) for y, x in own], map_)
             for at, patch in zip(own, cut, strict=True):
                 corner = {"source_top": patch.source_top + top}
                 patches[at] = patch._replace(**corner, source_left=patch.source_left + left)

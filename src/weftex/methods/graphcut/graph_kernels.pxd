@@ -1,4 +1,4 @@
-from weftex.methods.graphcut.seam_kernels cimport Labeling
+from weftex.methods.graphcut.cost_kernels cimport Labeling
 from weftex.seams.maxflow_kernels cimport Grid
 
 cdef enum:
@@ -23,7 +23,7 @@ cdef class Graph(Grid):
     cdef unsigned char[:, ::1] choice  # of each pixel
     cdef unsigned char[:, ::1] side  # of each block: 1 on the new side of the cut
     cdef unsigned char[:, :, ::1] near  # scratch of `narrow`
-    cdef int[:, ::1] scratch  # two rows
+    cdef int[::1] costs  # scratch of `add_within`
     cdef long long before  # the cost of the seams that the patch may change, before it
 
 # Here, or they cannot be inlined.

@@ -10,13 +10,12 @@ Compiled by Cython, see setup.py.
 import cython
 from cython.cimports.libc.limits import LLONG_MAX
 from cython.cimports.libc.string import memset
-from cython.cimports.weftex.methods.graphcut.seam_kernels import (
-    SCALE,
-    SOFT,
+from cython.cimports.weftex.methods.graphcut.cost_kernels import (
     Labeling,
     beside,
     continued,
     difference,
+    divided,
     seam_cost,
     update_runs,
 )
@@ -27,13 +26,13 @@ from cython.cimports.weftex.seams.maxflow_kernels import Grid, max_flow
 class Graph(Grid):
     """The graph of a patch over a box of the canvas, allocated for the largest box."""
 
-    def __init__(self, labeling: Labeling, choice, side, near, scratch, **grid):
+    def __init__(self, labeling: Labeling, choice, side, near, costs, **grid):
         Grid.__init__(self, **grid)
         self.labeling = labeling
         self.choice = choice
         self.side = side
         self.near = near
-        self.scratch = scratch
+        self.costs = costs
 
     def cover(self, rows, columns, from_rows, from_columns):
         """Set the rows and columns of the box, on the canvas and in the sample."""
@@ -80,11 +79,11 @@ def choose(graph: Graph) -> cython.Py_ssize_t:
 def add_pair(
     graph: Graph, i: cython.Py_ssize_t, j: cython.Py_ssize_t, d: cython.int, halvings: cython.int
 ) -> cython.longlong:
-    """Add the pair of a pixel of the box and its neighbor in direction d.
+    """Add the seams, new and old, between a pixel of the box and its neighbor in direction d.
 
-    It costs a if only the neighbor becomes new, b if only the pixel does, c if both stay old (an
-    old seam, or 0), and 0 if both become new. Instead of the paper's seam node (section 3.1), the
-    arcs from the source to both take alpha + beta = c, and the arcs between them a - alpha and
+    The pair costs a if only the neighbor becomes new, b if only the pixel does, c if both stay old
+    (an old seam, or 0), and 0 if both become new. Instead of the paper's seam node (section 3.1),
+    the arcs from the source to both take alpha + beta = c, and the arcs between them a - alpha and
     b - beta. This is exact if c <= a + b, as with metrics. Where costs weighed by gradients break
     it, b is raised to c - a; the cheapest labels are still no worse than the old ones. A neighbor
     outside the box stays old. Returns the cost of the pair if neither pixel has a choice.
@@ -167,7 +166,7 @@ def add_within(
     cython.declare(k=cython.Py_ssize_t, at=cython.Py_ssize_t, end=cython.Py_ssize_t)
     cython.declare(one=cython.p_const_int, other=cython.p_const_int, total=cython.int)
     step: cython.Py_ssize_t = 1 if d else 1 << halvings
-    channels: cython.Py_ssize_t = graph.labeling.colors.shape[1]
+    channels: cython.int = cython.cast(cython.int, graph.labeling.colors.shape[1])
     v: cython.Py_ssize_t = i + d
     u: cython.Py_ssize_t = first + 1 - d
     at_p: cython.int = on_canvas(graph, i, first)
@@ -176,22 +175,16 @@ def add_within(
     p_new: cython.p_const_uchar = cython.address(graph.labeling.colors[new, 0])
     q: cython.p_const_uchar = cython.address(graph.labeling.pixels[on_canvas(graph, v, u), 0])
     q_new: cython.p_const_uchar = cython.address(graph.labeling.colors[in_sample(graph, v, u), 0])
-    cost: cython.p_int = cython.address(graph.scratch[0, 0])
-    gradient: cython.p_int = cython.address(graph.scratch[1, 0])
-    softly: cython.int = SOFT * cython.cast(cython.int, channels)
+    cost: cython.p_int = cython.address(graph.costs[0])
     for k in range(count):
         at = k * step * channels
         cost[k] = difference(p + at, p_new + at, channels)
         cost[k] += difference(q + at, q_new + at, channels)
-    if graph.labeling.gradients.shape[0]:
+    if graph.labeling.by_gradients:
         one = cython.address(graph.labeling.gradients[d, graph.labeling.labels[at_p]])
         other = cython.address(graph.labeling.gradients[d, new])
         for k in range(count):
-            gradient[k] = one[k * step] + other[k * step] + softly
-        for k in range(count):  # exact, and faster than a division of integers
-            cost[k] = cython.cast(
-                cython.int, cython.cast(cython.double, SCALE * cost[k]) / gradient[k]
-            )
+            cost[k] = divided(cost[k], one[k * step] + other[k * step], channels)
     k = 0
     while k < count:
         at = (first + k * step) >> halvings

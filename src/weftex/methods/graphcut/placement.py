@@ -42,7 +42,8 @@ class Matches(NamedTuple):
     factors: NDArray[np.float64]  # of the repetition penalty
     allowed: NDArray[np.bool_]
     halvings: int  # the level
-    found: Any = None  # for `Placement.patches`
+    #: The patches of offsets that were drawn, found in full size; see `Placement.matches`.
+    patches: Callable[[list[tuple[int, int]], Callable[..., Any]], list[Patch]]
 
 
 class Placement(Protocol):
@@ -61,14 +62,6 @@ class Placement(Protocol):
         `map_` may use threads.
         """
 
-    def patches(
-        self,
-        matches: Matches,
-        drawn: list[tuple[int, int]],
-        map_: Callable[..., Any] = map,
-    ) -> list[Patch]:
-        """The patches of offsets that were drawn, found in full size."""
-
 
 def draw_offsets(
     matches: Matches,
@@ -86,7 +79,7 @@ def draw_offsets(
     near = [(n >> matches.halvings) // _APART for n in placement.size]
     costs = matches.costs * matches.factors
     drawn = drawn_places(costs, matches.allowed, tolerance * next(variances), draws, near)
-    note("matches", **{**matches._asdict(), "found": None}, drawn=drawn)
+    note("matches", **{**matches._asdict(), "patches": None}, drawn=drawn)
     return drawn
 
 

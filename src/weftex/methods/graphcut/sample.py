@@ -87,7 +87,7 @@ class Sample:
 
     @cached_property
     def seam_costs(self) -> tuple[NDArray[Any], ...]:
-        """Pixels, whether they are usable, their neighbors and gradients, for `seam_kernels`."""
+        """Pixels, whether they are usable, their neighbors and gradients, for `cost_kernels`."""
         pixels, usable = self.windows.pixels, self.windows.usable
         joins = _joins(usable != 0, self.exemplar.tileable)
         gradients = _gradients(pixels, joins) if self.by_gradients else np.zeros((0, 0), np.int32)
@@ -148,7 +148,7 @@ def _fits(exemplar: Exemplar, rows: int, columns: int) -> bool:
 
 
 def _joins(usable: NDArray[np.bool_], tileable: bool) -> NDArray[np.uint8]:
-    """The directions in which each pixel has a neighbor, as bits; see `seam_kernels.Labeling`."""
+    """The directions in which each pixel has a neighbor, as bits; see `cost_kernels.Labeling`."""
     joins = np.zeros(usable.shape, np.uint8)
     for d, (axis, step) in enumerate([(1, 1), (0, 1), (1, -1), (0, -1)]):
         beside = np.roll(usable, -step, axis)

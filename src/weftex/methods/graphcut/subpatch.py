@@ -150,18 +150,15 @@ class SubPatchMatching:
             if self.penalty is not None:
                 apart = allowed & ~self._continuing(part, y, x, k)
                 allowed = apart if apart.any() else allowed
-        return Matches(costs, factors, allowed, k, (part, boxes[: k + 1], (top, left)))
 
-    def patches(
-        self, matches: Matches, drawn: list[tuple[int, int]], map_: Callable[..., Any] = map
-    ) -> list[Patch]:
-        """See `Placement.patches`."""
-        part, boxes, (top, left) = matches.found
-        found = in_full_size(drawn, boxes, part.levels, part.corners, (0, 0))
-        return [
-            Patch(top, left, *self.size, part.top + v, part.left + u, float(matches.factors[at]))
-            for (v, u), at in zip(found, drawn, strict=True)
-        ]
+        def patches(drawn: list[tuple[int, int]], map_: Callable[..., Any]) -> list[Patch]:
+            found = in_full_size(drawn, boxes[: k + 1], part.levels, part.corners, (0, 0))
+            return [
+                Patch(top, left, *self.size, part.top + v, part.left + u, float(factors[at]))
+                for (v, u), at in zip(found, drawn, strict=True)
+            ]
+
+        return Matches(costs, factors, allowed, k, patches)
 
     def _corner(self, pixel: tuple[int, int], centered: bool) -> tuple[int, int]:
         """The upper left corner on the canvas of a patch that covers a pixel."""

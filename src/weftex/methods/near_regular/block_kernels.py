@@ -16,6 +16,7 @@ NEVER = cython.declare(cython.longlong, 1 << 60)  # more than any mismatch
 HALF = cython.declare(cython.longlong, 1 << 15)  # a pixel, in 1/65536
 MOST_DRAWN = cython.declare(cython.Py_ssize_t, 256)  # windows that a drawn block tries
 MOST_COMPARED = cython.declare(cython.Py_ssize_t, 512)  # similar windows that a gap compares
+ALL_SIMILAR = int(MOST_COMPARED)  # for Python
 
 Block = cython.struct(
     index=cython.longlong,  # in `sources`

@@ -17,6 +17,7 @@ from weftex.analysis.canvas_lattice import (
 from weftex.analysis.lattice import Lattice
 from weftex.canvas import Canvas
 from weftex.errors import InvalidInputError
+from weftex.methods.near_regular.block_kernels import ALL_SIMILAR
 from weftex.search.windows import windows_of
 
 if TYPE_CHECKING:
@@ -29,7 +30,6 @@ _SMALLEST_BLOCK = 0.15  # chosen here, over the same
 _WINDOWS = 6.0  # similar windows that a block should have to choose from
 _ROWS = 3  # rows to choose from, where nothing else repeats
 _TOLERANCE = 3  # px (section 4.2.2)
-_ALL_SIMILAR = 512  # candidates: all that a gap compares
 _BLEND_WIDTH = 4  # px (section 5.2)
 _STRAIN = 0.02  # of a sample that tiles; past it windows do not cross its border
 _CELL = 1.5  # pixels; a tile is cut into such cells to see whether all of them have a window
@@ -78,7 +78,7 @@ def resolve(method: Any, exemplar: Exemplar) -> Any:
         blend_width=blend_width,
         tolerance=tolerance,
         rectify=rectify,
-        candidates=method.candidates or (_ALL_SIMILAR if paper else 6),
+        candidates=method.candidates or (ALL_SIMILAR if paper else 6),
         variety=(0.0 if paper else 1.0) if method.variety is None else method.variety,
     )
 

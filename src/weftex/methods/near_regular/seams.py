@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from weftex.methods.near_regular import seam_kernels as kernels
+from weftex.methods.near_regular import edge_kernels as kernels
 from weftex.results.patches import PatchSynthesis
 
 if TYPE_CHECKING:
@@ -113,7 +113,7 @@ def _before_and_after(
 
 
 def _table(there: NDArray[np.bool_], **columns: NDArray[Any]) -> NDArray[np.void]:
-    """A table of vertices or edges as `seam_kernels` has them, of the places that are there."""
+    """A table of vertices or edges as `edge_kernels` has them, of the places that are there."""
     table = np.empty(np.count_nonzero(there), [(name, np.int64) for name in columns])
     for name, column in columns.items():
         table[name] = np.broadcast_to(column, there.shape)[there]

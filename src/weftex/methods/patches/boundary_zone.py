@@ -26,15 +26,13 @@ class BoundaryZone:
     #: (rows, columns): in 1/256, 256 where nothing was known, falling through the zone, 0 where the
     #: canvas stays. Where paths are cut, 1 to 255 mark the pixels that a path divides.
     weight: NDArray[np.uint16]
-    runs: NDArray[
-        np.int32
-    ]  # (n, 4), the zone as runs (upright?, v, u, length): tall for tall parts
-    blocks: NDArray[
-        np.int32
-    ]  # (n, 2): corners (v, u) of blocks in the zone, for the low resolution
+    #: (n, 4), the zone as runs (upright?, v, u, length): tall for tall parts.
+    runs: NDArray[np.int32]
+    #: (n, 2): corners (v, u) of blocks in the zone, for the low resolution.
+    blocks: NDArray[np.int32]
     side: int  # of the blocks
-    #: (9,), where minimum-error paths run: how deep, the box (top, left, bottom, right) that the
-    #: patch can show in, and whether there is a band at its left, top, right and bottom.
+    #: (9,), where minimum-error paths run: how deep, the box (left, top, right, bottom) that the
+    #: patch can show in, and whether there is a band at each of these sides.
     bands: NDArray[np.int32]
     area: int  # pixels in the zone
 
@@ -92,7 +90,7 @@ def boundary_zone(
         runs=runs_over(zone),
         blocks=np.ascontiguousarray(blocks, np.int32),
         side=side,
-        bands=np.array([depth, top, left, bottom, right, *cut], np.int32),
+        bands=np.array([depth, left, top, right, bottom, *cut], np.int32),
         area=int(zone.sum()),
     )
 

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Self
 from weftex.analysis.patch_sizes import HOLE_PATCHES, patch_size_for, patch_size_of, patch_size_on
 from weftex.errors import InvalidInputError
 from weftex.method import Method
+from weftex.methods.patches.patch_kernels import LARGEST_M
 from weftex.methods.patches.zone_search import SEARCHES
 from weftex.parameters import parameter
 
@@ -19,7 +20,7 @@ if TYPE_CHECKING:
     from weftex.exemplar import Exemplar
 
 _LAMBDA = 0.3  # patch size over the sample's shorter side (section 2.4)
-_CANDIDATES, _MOST_CANDIDATES = 40, 10000  # as in `patch_kernels`
+_CANDIDATES = 40
 #: The number of windows that match grows about with this power of the tolerated distance.
 #: (The power is 7 to 15 between the windows of bricks, grass, leaves, pebbles, tiles, weave, wood.)
 _MATCHING_POWER = 8
@@ -61,7 +62,7 @@ class PatchMethod(Method):
         None,
         "number of patches compared at full resolution; higher matches better and is slower",
         low=1,
-        high=_MOST_CANDIDATES,
+        high=LARGEST_M,
         default_text="40, more for a wide tolerance",
         hole_text=f"{_HOLE_CANDIDATES}",
         needs=("search", ("quadtree", "pca", "kdtree", "kdtree-pca")),
@@ -147,7 +148,7 @@ class PatchMethod(Method):
     def candidates_for(self, usual: int) -> int:
         """Return m: the usual number, or more, so that the windows that match are among them."""
         wider = min(max(self.looseness, 1.0), 4.0) ** _MATCHING_POWER
-        return min(round(usual * wider), _MOST_CANDIDATES)
+        return min(round(usual * wider), LARGEST_M)
 
     def resolved(self, exemplar: Exemplar) -> Self:
         """See `Method.resolved`: w_B and w_E (section 2.4), and m (section 3.2)."""

@@ -1,5 +1,8 @@
 # mypy: ignore-errors
-"""The kernel that chooses and pastes a run of patches; compiled by Cython, see setup.py."""
+"""The kernel that chooses and pastes a run of patches; compiled by Cython, see setup.py.
+
+Sections and equations are those of Liang et al. (2001), unless Efros and Freeman (2001) are named.
+"""
 
 import cython
 from cython.cimports.libc.math import sqrt
@@ -22,6 +25,7 @@ from cython.cimports.weftex.results.paste_kernels import Layout, paste
 
 # The largest m of section 3.2. If most of so many candidates match, others do too, see `spread`.
 MOST_CANDIDATES = cython.declare(cython.Py_ssize_t, 10000)
+LARGEST_M = int(MOST_CANDIDATES)  # for Python
 
 # The squared distance that a patch without repeats may have, relative to the best with some.
 UNREPEATED = cython.declare(cython.double, 1.7)
@@ -59,12 +63,8 @@ class Patches:
     keep_apart: cython.Py_ssize_t  # pixels between the sources of patches around
 
     def __init__(self, pixels, transposed, placements, cuts, bits, around, keep_apart):
-        self.pixels, self.transposed, self.placements, self.cuts = (
-            pixels,
-            transposed,
-            placements,
-            cuts,
-        )
+        self.pixels, self.transposed = pixels, transposed
+        self.placements, self.cuts = placements, cuts
         self.bits, self.around, self.keep_apart = bits, around, keep_apart
 
 
@@ -177,7 +177,7 @@ def measure(
             best = key  # the worst that may be drawn from here on
             bound = UNREPEATED * best if patches.keep_apart > 0 else best
             bound = max(bound, squared_limit(energy, best, tolerance))
-            if tolerance.of_best:
+            if tolerance.of_best:  # the limit of `draw_one` is relative to what is drawn from
                 bound *= (1 + tolerance.value) * (1 + tolerance.value)
             bound += 1
 
@@ -270,11 +270,11 @@ def cut_bands(
     cost: cython.longlong[:, ::1],
     cuts: cython.ushort[:, ::1],
 ) -> cython.void:
-    """Find the minimum error boundary cut along each band, by dynamic programming (section 2.1).
+    """Find the minimum error boundary cut along each band, by dynamic programming.
 
-    `bands` is depth, the box (top, left, bottom, right) and four flags for left, top, right,
-    bottom; row `p` of `cuts` is filled as `paste` reads it. Ties go to the pixel nearest the box's
-    border.
+    Section 2.1 of Efros and Freeman. `bands` is depth, the box (left, top, right, bottom) and
+    whether there is a band at each of these sides; row `p` of `cuts` is filled as `paste` reads it.
+    Ties go to the pixel nearest the box's border.
     """
     placement: cython.p_const_int = cython.address(layout.placements[p, 0])
     rows: cython.Py_ssize_t = layout.weights.shape[1]
@@ -295,18 +295,18 @@ def cut_bands(
         if not bands[5 + side]:
             continue
         upright = side % 2 == 0
-        first = bands[1] if upright else bands[2]
-        length = bands[3] - first if upright else bands[4] - first
-        edge = bands[2 - side if side < 2 else 6 - side]
+        first = bands[2] if upright else bands[1]
+        length = bands[4] - first if upright else bands[3] - first
+        edge = bands[1 + side]
         for i in range(length):
             for k in range(depth):
                 at = edge + k if side < 2 else edge - 1 - k
                 v = first + i if upright else at
                 u = at if upright else first + i
                 cost[i, k] = 0
-                if layout.weights[0, v, u] == 0:
+                if layout.weights[0, v, u] == 0:  # the canvas stays
                     cost[i, k] = OUTSIDE
-                elif layout.weights[0, v, u] < 256:
+                elif layout.weights[0, v, u] < 256:  # in the overlap
                     cost[i, k] = squared(
                         cython.address(
                             canvas[
@@ -329,9 +329,7 @@ def cut_bands(
         for k in range(1, depth):
             if cost[length - 1, k] < cost[length - 1, best]:
                 best = k
-        at = (
-            0 if side == 0 else rows if side == 2 else 2 * rows if side == 1 else 2 * rows + columns
-        )
+        at = side // 2 * rows if upright else 2 * rows + side // 2 * columns  # in the row of `cuts`
         for i in range(length - 1, -1, -1):
             if i < length - 1:
                 k = best

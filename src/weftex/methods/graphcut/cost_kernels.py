@@ -29,6 +29,7 @@ class Labeling:
         self.height, self.width = shape
         self.wrap_y, self.wrap_x = wrap
         self.colors, self.usable, self.joins, self.gradients = sample
+        self.by_gradients = len(self.gradients) > 0
         self.rows, self.columns = sample_shape
         self.whole = whole
 
@@ -94,9 +95,7 @@ def seam_cost(
         if b_at_p < 0 or a_at_q < 0:
             cost *= 4
             gradient *= 2
-    if labeling.gradients.shape[0]:
-        return SCALE * cost // (gradient + SOFT * channels)
-    return cost
+    return divided(cost, gradient, channels) if labeling.by_gradients else cost
 
 
 def sum_seams(

@@ -98,15 +98,9 @@ def find_corners(
     with cython.nogil:
         for n in range(vertices.shape[0]):
             compare(
-                pixels,
-                visibility,
-                vertices[n].one,
-                vertices[n].other,
-                pixels.shape[1],
-                1,
-                depth,
+                pixels, visibility, vertices[n].one, vertices[n].other, pixels.shape[1], 1, depth,
                 band,
-            )
+            )  # fmt: skip
             least = -1
             for y in range(-slack, slack + 1):
                 for x in range(-slack, slack + 1):

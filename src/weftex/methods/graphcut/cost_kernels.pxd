@@ -19,6 +19,7 @@ cdef class Labeling:
     cdef const unsigned char[::1] usable
     cdef const unsigned char[::1] joins
     cdef const int[:, ::1] gradients
+    cdef bint by_gradients
     cdef int rows
     cdef int columns
     cdef bint whole
@@ -37,6 +38,11 @@ cdef inline int difference(const unsigned char* a, const unsigned char* b,
     for k in range(channels):
         total += abs(<int> a[k] - <int> b[k])
     return total
+
+cdef inline int divided(int cost, int gradient, int channels) noexcept nogil:
+    """M' of section 5, rounded down: the cost of a seam divided by the gradients across it."""
+    # Exact, and faster than a division of integers.
+    return <int> (<double> (SCALE * cost) / (gradient + SOFT * channels))
 
 cdef inline int continued(Labeling labeling, int label, int d) noexcept nogil:
     """The sample's pixel beside a label in direction d, or -1 where the sample ends."""
