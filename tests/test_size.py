@@ -15,20 +15,20 @@ TESTS = Path(__file__).parent
 READ = ("methods", "repeats", "search", "seams")
 #: Lower a ceiling when the code has become smaller; a feature that needs room removes something.
 CEILINGS = {
-    "lines of Python in src": 45_954,
-    "of these code": 32_207,
+    "lines of Python in src": 45_937,
+    "of these code": 32_174,
     "modules": 289,
     "kernel classes": 24,
     "names that several kernel classes have": 0,
     "lines of tests": 24_962,
     "quilting: files to read": 12,
-    "quilting: lines to read": 2_809,
+    "quilting: lines to read": 2_808,
     "graphcut: files to read": 18,
-    "graphcut: lines to read": 4_195,
+    "graphcut: lines to read": 4_179,
     "efros-leung: files to read": 8,
     "efros-leung: lines to read": 1_336,
     "near-regular: files to read": 13,
-    "near-regular: lines to read": 2_592,
+    "near-regular: lines to read": 2_587,
 }
 
 

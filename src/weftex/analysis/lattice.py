@@ -1,7 +1,7 @@
 """The lattice of a near-regular sample: the translations at which it matches itself.
 
-With `goodness="height"` it is the thesis's: `correlation`, peaks (`autocorrelations`), `pairs`. With
-"contrast", the default, `candidates` adds evidence from `tiles`, `joints`, `bonds` and `rows`.
+With `goodness="height"` it is the thesis's: `correlation`, peaks (`autocorrelations`), `pairs`. The
+default, "contrast", adds evidence by `candidates`, from `tiles`, `joints`, `bonds` and `rows`.
 """
 
 from __future__ import annotations
