@@ -28,31 +28,30 @@ _WHITE = {"uint8": 255, "uint16": 65535}  # 1 in floating point
 
 @dataclass(frozen=True, eq=False)
 class Canvas:
-    """The place to fill.
+    """The output: its size, which axes wrap around, known pixels and guide.
 
     Parameters
     ----------
     height, width : int
-        In pixels, 1 or more, together at most `MAX_PIXELS`.
+        Size in pixels, 1 or more; at most 2**30 pixels in all.
     wrap : (bool, bool)
-        Whether the vertical and the horizontal axis are to repeat without a seam.
+        Whether the output repeats without a seam vertically and horizontally.
     known : array (H, W) or (H, W, C), optional
-        Pixels that are there already, in the sample's dtype and channels.
+        Known pixels, in the sample's dtype and channels; needs `hole`.
     hole : bool array (H, W), optional
-        True where `known` is to be filled; needed with `known`. Alone it describes a result whose
-        known pixels are not at hand.
+        True where `known` is to be filled.
     known_from : (int, int), optional
-        Row and column of the canvas's corner in the sample, when the known pixels are part of it.
+        Row and column of the canvas's corner in the sample, if known pixels are part of it.
     known_maps : mapping of str to array
-        Maps of the known pixels, by the names of the sample's, when they are not part of it.
+        Maps of the known pixels, by the names of the sample's, if they are not part of it.
     origin : (int, int)
-        Where in an endless plane the canvas's corner is, from -2**40 to 2**40.
+        Row and column of the canvas's corner in an endless plane, from -2**40 to 2**40.
     guide : array (H, W) or (H, W, C), optional
         Image that the output follows. It is compared with the sample's guide if there is one (see
         `Exemplar`), else with the sample's pixels, and has their dtype and channels.
     shown : int32 array (H, W), optional
-        For a block of a plane: flat indices of the sample for pixels that exist already, else -1.
-        In the hole too, where methods may begin with it.
+        For a block of a plane: flat index into the sample of each pixel that exists already, else
+        -1. Methods may start from it inside the hole.
 
     Raises
     ------
@@ -133,7 +132,7 @@ class Canvas:
 
     @property
     def kinds(self) -> tuple[str, ...]:
-        """Its kinds, of `weftex.method.CANVAS_KINDS`; "known" only where a pixel is known.
+        """What it asks of a method: "wrap", "known" (pixels), "guide", "random_access" (a window).
 
         Examples
         --------

@@ -17,9 +17,9 @@ class Choice:
     method : str
         A name in `weftex.METHODS`.
     parameters : dict
-        Those that differ from the method's defaults.
+        Parameters that differ from the method's defaults.
     because : str
-        What was found, as a clause.
+        The reason, as a clause.
     warnings : tuple of str
         Faults of the sample that no method can repair, with their size and a remedy.
     """

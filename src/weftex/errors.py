@@ -25,7 +25,7 @@ _LONGEST = 80  # characters of a value in a message
 class WeftexError(Exception):
     r"""Base class of everything that weftex raises on purpose.
 
-    Whatever names a message repeats, it is one line that prints.
+    The message is one line of printable text.
 
     Examples
     --------
@@ -38,11 +38,11 @@ class WeftexError(Exception):
 
 
 class InvalidInputError(WeftexError, ValueError):
-    """An argument, a picture or a combination of them cannot be worked with."""
+    """An argument, an image, or a combination of arguments is invalid."""
 
 
 class UnsupportedError(WeftexError):
-    """The method cannot do this, or an optional package is missing; the message says what helps."""
+    """The method cannot do the task, or an optional package is missing."""
 
 
 class FileError(WeftexError, OSError):
@@ -50,7 +50,7 @@ class FileError(WeftexError, OSError):
 
 
 class CancelledError(WeftexError):
-    """The progress callback asked to stop."""
+    """The progress callback returned False."""
 
 
 def missing_packages(what: str, extra: str) -> UnsupportedError:

@@ -39,7 +39,7 @@ class Gradient:
     Parameters
     ----------
     direction : float, optional
-        Of the last sample, in degrees: 0 is right, 90 (the default) is down.
+        Where the last sample lies, in degrees: 0 is right, 90 (the default) is down.
     center : (float, float), optional
         Row and column, 0 to 1, of the first sample; the others are rings around it.
     radii : sequence of float, optional

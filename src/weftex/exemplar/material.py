@@ -36,14 +36,14 @@ def load_exemplar(
     Parameters
     ----------
     sample : path, array, PIL image or Exemplar
-        A folder holds the maps of one material, recognized by their names (see `weftex.roles`). Its
-        color is the pixels, and all maps take part in matching. "sample:NAME" is a sample that
-        ships with weftex.
+        A folder holds the maps of one material, recognized by their file names. Its color becomes
+        the pixels, and all maps take part in matching. "sample:NAME" is a sample that ships with
+        weftex.
     files : mapping of str to str, optional
-        Which files of the folder are its maps, and what each is, such as
-        ``{"color": "front.png", "normal": "n.png"}``; others are ignored.
+        The files of the folder to use, by what they show, such as
+        ``{"color": "front.png", "normal": "n.png"}``; other files are ignored.
     **options
-        For `Exemplar` (mask, tileable, alpha, maps).
+        Parameters of `Exemplar`, such as `mask` and `tileable`.
 
     Raises
     ------

@@ -26,19 +26,20 @@ def turned(sample: Sample, turn: str) -> Exemplar:
     Parameters
     ----------
     sample : path, array, PIL image or Exemplar
-        Of a material that has no way up, or no left and right.
+        A material that has no way up, or no left and right.
     turn : {"flip", "half", "4", "8"}
-        Mirrored left to right; upside down, by half a turn; turned by quarters; both.
+        Copies beside the sample: mirrored left to right; rotated by 180 degrees; rotated by 90,
+        180 and 270 degrees; or these and all mirrored.
 
     Returns
     -------
     Exemplar
-        With two, four or eight copies, maps, mask and guide; the first is the sample.
+        Two, four or eight copies, with maps, mask and guide; the first is the sample.
 
     Raises
     ------
     FileError, InvalidInputError
-        If the sample cannot be read, is of turned copies already, or there is no such way.
+        If the sample cannot be read or has turned copies already, or `turn` is unknown.
 
     Notes
     -----

@@ -106,9 +106,9 @@ def read_image(path: StrPath, *, max_pixels: int | None = MAX_PIXELS) -> Picture
     """Read a picture.
 
     Half and double floats become float32; palettes and fewer than 8 bits become uint8. The EXIF
-    orientation is applied. Of several parts the first is read, of an EXR its data window. Alpha
-    that a TIFF or EXR stores premultiplied is divided out, and moved last. Refused are CMYK and
-    Lab, signed and 32-bit integers, deep and volume pictures.
+    orientation is applied. Files of several images give the first, EXR files their data window.
+    Premultiplied alpha of TIFF and EXR is divided out; alpha is always the last channel. CMYK and
+    Lab, signed and 32-bit integers, and deep and volume images are refused.
 
     Parameters
     ----------
@@ -175,9 +175,9 @@ def write_image(
 ) -> None:
     """Write a picture; the file appears whole or not at all.
 
-    float16 and float64 are written as float32. Nothing else is converted: see the table of this
-    module. An EXR gets its alpha premultiplied, as that format asks, and so loses color under zero
-    alpha; so does a WebP. Symbolic links are written through, permissions kept.
+    PNG and TIFF hold 8 and 16 bits, TIFF and EXR floats, the others 8 bits. float16 and float64 are
+    written as float32; nothing else is converted. EXR stores premultiplied alpha, so it loses color
+    under zero alpha, and so does WebP. Symbolic links are followed, permissions kept.
 
     Parameters
     ----------
@@ -191,16 +191,16 @@ def write_image(
         A color profile. It is left out where the format holds none (BMP, EXR), and where it is
         broken or made for another number of channels, such as an RGB profile for a gray picture.
     half : bool
-        Round floats to 16 bits where the format holds them, which EXR does.
+        Round floats to 16 bits, in EXR only.
     threads : int, optional
-        Compress large PNGs with at most so many; by default as many as there are processors.
+        Maximum number of threads that compress a large PNG; one for each processor by default.
 
     Raises
     ------
     InvalidInputError
         If the array is not a picture, or the format cannot hold it.
     FileError
-        If the file cannot be written; then what was there before is untouched.
+        If the file cannot be written; an existing file is then unchanged.
     """
     pixels = as_array(pixels, "pixels")
     check_output(path, pixels, alpha=alpha)

@@ -41,9 +41,9 @@ class Entry:
     result : Synthesis or None
         None where the method cannot make it.
     seconds : float
-        Time of fitting and making.
+        Wall-clock time of fitting and sampling.
     assessment : Assessment or None
-        The figures.
+        Measures and score of the result.
     note : str
         Why there is no result.
     """
@@ -56,7 +56,7 @@ class Entry:
 
     @property
     def rank(self) -> float:
-        """The score; infinite without one, so that it comes last."""
+        """The score, or infinity without one."""
         score = None if self.assessment is None else self.assessment.score
         return float("inf") if score is None else score
 
@@ -82,9 +82,9 @@ class Comparison(Page):
     shape : (int, int)
         Height and width of the outputs.
     seed : int
-        Of all of them.
+        Seed of all outputs.
     choice : Choice
-        What "auto" would choose, and why.
+        The method that "auto" would choose, and why.
     entries : tuple of Entry
         Best score first, then those without a result.
     """
@@ -178,7 +178,7 @@ def compare(
 ) -> Comparison:
     """Synthesize one output with every method, and measure each.
 
-    A method that cannot do it says why in its place.
+    If a method refuses the sample, its entry has the reason.
 
     Parameters
     ----------
@@ -191,7 +191,7 @@ def compare(
     seed, tileable, threads
         As for `weftex.synthesize`.
     progress : callable, optional
-        See `weftex.progress.ProgressCallback`; it counts methods, and is also asked within each.
+        See `weftex.progress.ProgressCallback`; it counts methods and can cancel within each.
 
     Returns
     -------

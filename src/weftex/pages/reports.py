@@ -62,20 +62,19 @@ class Report(Page):
     sample, result : uint8 array (H, W, 3)
         Both pictures as shown on the page.
     name, result_name : str
-        Of the sample, and of the result.
+        Names of sample and result.
     assessment : Assessment
-        All figures of the result.
+        All measures of the result.
     real : dict of str to float or None
-        The same figures of real pictures of this surface; see `weftex.quality.real_crops`.
+        The same measures of the sample's halves, each as if made from the other.
     maps : dict of str to uint8 array (H, W, 3)
-        "seams" and, with a source, "source" and "use" (of the sample), as far as they can be
-        made.
+        "seams" and, with a source, "source" and "use" (of the sample).
     provenance : dict
-        How the result was made, if its source says so.
+        How the result was made, if it is known.
     notes : tuple of str
-        Limits of the figures in this case.
+        Limits of the measures in this case.
     of_maps : dict of str to MapReport
-        The maps that both sample and result have.
+        Images and measures of each map that both sample and result have.
     """
 
     sample: Bytes

@@ -28,11 +28,11 @@ class PlaneFile:
     Attributes
     ----------
     definition : Definition
-        What it is made of.
+        Sample, method, size, seed and blocks.
     path : str
-        The file, or folder.
+        The file or folder.
     part : (int, int), optional
-        Number and count, where a process makes a part of level 0 only.
+        Number and count, if a process makes only a part of the full-resolution blocks.
     """
 
     definition: Definition
@@ -45,7 +45,7 @@ class PlaneFile:
 
     @cached_property
     def stores(self) -> dict[str, Store]:
-        """Where each picture goes."""
+        """The file or group of each map."""
         return self.definition.stores(self.path)
 
     @property
@@ -68,7 +68,7 @@ class PlaneFile:
         return self.count - sum(map(self.has, self.done() if done is None else done))
 
     def has(self, place: Place) -> bool:
-        """Whether a block is to be made."""
+        """Return whether a block belongs to this plane, or this part of it."""
         level, row, column = place
         if not 0 <= level < self.levels:
             return False
@@ -78,7 +78,7 @@ class PlaneFile:
         return inside and (numbers is None or row * columns + column in numbers)
 
     def make(self, record: Record, place: Place, **how: Any) -> None:
-        """Make a block of every picture, write it, and then that it is done."""
+        """Make and write a block of every map, and record it as done."""
         level, base = place[0], self.definition.base
         stores = self._stores(level)
         if level == 0:
@@ -104,7 +104,7 @@ class PlaneFile:
                 yield place
 
     def sound(self, done: Sums) -> Sums:
-        """Return the blocks that are as they were written, and made of such; reads all of them."""
+        """Return the undamaged blocks that are made of undamaged blocks; reads all blocks."""
         damaged = {*self.damaged(done)}
         found: dict[Place, tuple[int, ...]] = {}
         for place in sorted(filter(self.has, done)):  # level by level
@@ -114,7 +114,7 @@ class PlaneFile:
         return found
 
     def lost(self, done: Collection[Place]) -> Iterator[Place]:
-        """Give the blocks that were written, and of which a file is missing."""
+        """Yield the blocks that were written, but whose file is missing."""
         for place in filter(self.has, done):
             if any(store.lacks(place) for store in self._stores(place[0]).values()):
                 yield place
@@ -162,12 +162,12 @@ def open_plane(path: str | os.PathLike[str]) -> PlaneFile:
     Parameters
     ----------
     path : path
-        Its file, or folder.
+        The file or folder.
 
     Raises
     ------
     FileError
-        If it is none, or was made by another version whose definition cannot be read.
+        If there is no plane, or this version of weftex cannot read it.
     """
     target = os.fspath(path)
     record = Record(target)

@@ -31,14 +31,16 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Written:
-    """What a run did.
+    """The work of one run of `stream` or `repair`.
 
     Attributes
     ----------
-    blocks, made : int
-        Number of blocks in all, and of those that this run made.
+    blocks : int
+        Number of blocks of the file.
+    made : int
+        Number of blocks that this run made.
     pixels : int
-        Number of pixels of level 0 that this run made.
+        Number of full-resolution pixels that this run made.
     """
 
     blocks: int
@@ -60,10 +62,10 @@ def stream(
     progress: ProgressCallback | None = None,
     **parameters: Any,
 ) -> Written:
-    """Write a picture of any size to a file, a block at a time.
+    """Write an image of any size to a file, block by block.
 
-    A run that was interrupted continues when it is called again with the same arguments; the bytes
-    are those of one run.
+    To resume an interrupted run, call it again with the same arguments. The bytes are those of an
+    uninterrupted run. `threads` and `progress` may differ.
 
     Parameters
     ----------
@@ -71,30 +73,32 @@ def stream(
         The material; see `weftex.load_exemplar`.
     path : path
         ``.tif`` for a tiled BigTIFF or ``.zarr`` (extra ``zarr``), both with smaller versions.
-        Maps of a set have groups of a Zarr, or files beside it, ``plane_normal.tif``.
+        Maps become groups of a Zarr, or files beside it such as ``plane_normal.tif``.
     size : int or (int, int)
         Height and width, up to 2**40 each.
-    method, seed, tileable
-        As for `weftex.synthesize`. Without a seed that of the run that is there is taken.
+    method, tileable
+        As for `weftex.synthesize`.
+    seed : int, numpy Generator or None
+        The same seed gives the same bytes. None takes the seed of an interrupted run, or draws one.
     block : int
         Side of the blocks in pixels, a power of two from 64 to 4096; it changes no pixel.
     restart : bool
-        Remove what is there and begin again.
+        Delete what an earlier run wrote, and start again.
     threads : int, optional
         Maximum number of threads.
     progress : callable, optional
         See `weftex.progress.ProgressCallback`; steps are blocks.
     **parameters
-        Of the method.
+        Parameters of the method.
 
     Raises
     ------
     InvalidInputError
-        If an argument is out of range, or the file was begun by another run.
+        If an argument is out of range, or a run with other arguments began the file.
     UnsupportedError
-        If the method does not make windows of a plane.
+        If a package is missing.
     FileError
-        If the file cannot be written, or the disk has not enough room.
+        If the file cannot be written, or the disk is too small.
 
     Examples
     --------
@@ -182,14 +186,14 @@ _SHOWN = 8  # parts
 
 
 def check(path: str | os.PathLike[str], *, read: bool = False) -> PlaneFile:
-    """Return a plane that `weftex.planes.stream` wrote, if it is whole.
+    """Check that a plane that `weftex.planes.stream` wrote is whole, and return it.
 
     Parameters
     ----------
     path : path
-        Its file, or folder.
+        The file or folder.
     read : bool
-        Read all pixels, too, and compare them with their check sums.
+        Also read all pixels and compare them with their check sums.
 
     Raises
     ------
@@ -223,7 +227,7 @@ def repair(
     threads: int | None = None,
     progress: ProgressCallback | None = None,
 ) -> Written:
-    """Make the blocks and files of a plane again that are missing or damaged; reads all pixels.
+    """Read all pixels of a plane, and make missing or damaged blocks and files again.
 
     Parameters
     ----------

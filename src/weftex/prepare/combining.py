@@ -31,8 +31,8 @@ def together(samples: Sequence[Sample]) -> Exemplar:
     Parameters
     ----------
     samples : sequence of path, array, PIL image or Exemplar
-        Of one depth and at one scale, as photos from one distance are; gray and color may be mixed.
-        Maps that all of them have are kept, paired by role.
+        Photos of one dtype and from one distance; gray and color may be mixed. Maps that all of
+        them have are kept, paired by role.
 
     Returns
     -------
@@ -41,7 +41,7 @@ def together(samples: Sequence[Sample]) -> Exemplar:
     Raises
     ------
     FileError, InvalidInputError
-        If one cannot be read, there are none, or they are of different kinds.
+        If a sample cannot be read, the list is empty, or dtypes differ.
 
     Examples
     --------

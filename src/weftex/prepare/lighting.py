@@ -29,22 +29,22 @@ def even_light(sample: Sample, degree: int = 2) -> Exemplar:
     """Divide a photo by the light that fell on it, so that it is equally bright all over.
 
     The light is taken for a smooth surface, a polynomial in x and y for each color channel. It is
-    fitted to the logarithms of the values, as light multiplies, with less weight on places that
-    stand out. Whole numbers are taken for sRGB, floats for linear values.
+    fitted to the logarithms of the values, as light multiplies, with less weight on outliers.
+    Integers are taken for sRGB values, floats for linear values.
 
     Parameters
     ----------
     sample : path, array, PIL image or Exemplar
-        The photo; what a mask leaves out of it says nothing of the light, and is divided too.
+        The photo. Pixels outside its mask do not count for the fit, but are evened too.
     degree : int
-        Of the polynomial, 1 to 8: 2 for a lamp, a window or dark corners; more for light that rises
-        and falls several times, which takes things for light where a photo shows few of them.
+        Degree of the polynomial, 1 to 8: 2 for a lamp, a window or dark corners. Higher degrees
+        follow more complex light, but may take large features for light.
 
     Returns
     -------
     Exemplar
-        Pixels of the same dtype and, but for what gets too bright to be stored, of the same mean.
-        Alpha, maps, mask and guide stay as they are.
+        The photo with the same dtype and mean color (pixels too bright for the dtype are clipped).
+        Alpha, maps, mask and guide stay unchanged.
 
     Raises
     ------

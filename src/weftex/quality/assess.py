@@ -32,33 +32,25 @@ _SCORED = "uneven", "autocorrelation", "lattice", "seams"  # terms of the score 
 
 @dataclass(frozen=True)
 class Assessment:
-    """All figures of a result, rounded to three decimal places.
+    """All measures of a result, rounded to three digits; None for what cannot be measured.
 
-    A figure is None where it cannot be measured; `weftex.quality.figures.FIGURES` has the unit,
-    limit and meaning of each.
+    The page "Quality measures" has unit, limit and meaning of each.
 
     Attributes
     ----------
-    uneven : float or None
-        See `weftex.quality.score.Scorer.windows`.
-    patches : float or None
-        See `weftex.quality.appearance.patch_distance`; `patch_scales` has each scale, finest first.
-    color, color_difference : float or None
-        See `weftex.quality.appearance.color_distance`.
-    autocorrelation, lattice : float or None
-        See `weftex.quality.appearance`.
-    seams : float or None
-        See `weftex.quality.seams.seams`.
-    sharpness : float or None
-        See `weftex.quality.appearance.sharpness`.
+    uneven, patches, color, autocorrelation, lattice, seams, sharpness : float or None
+        The measures of these names.
+    patch_scales : tuple of float
+        `patches` at each of its scales, finest first.
+    color_difference : float or None
+        The distance between both color distributions, before it is divided for `color`.
     wrap : float or None
-        See `weftex.quality.seams.wrap_seam`; only of a tileable result.
+        The measure of this name; it needs a tileable result.
     flags : tuple of str
-        Names of the figures beyond their limits, the worst first.
+        Names of the measures beyond their limits, worst first.
     score : float or None
-        In which order a viewer would put pictures of one sample: 0 is the sample itself, less is
-        better. Of two pictures whose scores differ by d, judges prefer the lower in a share of
-        1 / (1 + exp(-d)). None where too little could be measured. See `weftex.quality.score`.
+        Predicted preference of a viewer: 0 is the sample itself, lower is better. If two scores
+        differ by d, a share of 1 / (1 + exp(-d)) of viewers prefers the lower one.
     """
 
     uneven: float | None = None
@@ -80,7 +72,7 @@ class Assessment:
         return {k: list(v) if isinstance(v, tuple) else v for k, v in plain.items()}
 
     def badness(self, name: str) -> float | None:
-        """Return how far a figure is from perfect: 0 is perfect, 1 is at its limit."""
+        """Return how far a measure is from perfect: 0 is perfect, 1 is at its limit."""
         value = getattr(self, name)
         return None if value is None else FIGURES[name].badness(value)
 
@@ -105,21 +97,20 @@ def assess(
     *,
     tileable: bool | tuple[bool, bool] | None = None,
 ) -> Assessment:
-    """Measure how good a result is.
+    """Measure how well a result matches its sample.
 
-    The figures of one pair of pictures are the same in every run. They compare with the sample, so
-    they say nothing about whether the sample itself is any good. Of a result of more than 2048
-    pixels a side the middle is measured, and its border if it is tileable.
+    The measures are deterministic, and do not rate the sample itself. If a result has more than
+    2048 pixels a side, only its middle is measured, and its border if it is tileable.
 
     Parameters
     ----------
     sample : Exemplar or array
-        What the result was made from. Pixels that its mask leaves out do not count.
+        The sample that the result was made from. Pixels outside its mask do not count.
     result : Synthesis or array (H, W) or (H, W, C)
         The result, of the sample's dtype and channels.
     tileable : bool or (bool, bool), optional
-        Whether the vertical and the horizontal axis wrap around; by default as the Synthesis
-        says, otherwise not.
+        Whether the vertical and the horizontal axis wrap around; by default as in the Synthesis,
+        else not.
 
     Returns
     -------
@@ -128,7 +119,7 @@ def assess(
     Raises
     ------
     InvalidInputError
-        If the result does not go with the sample.
+        If the result does not fit the sample.
 
     Examples
     --------

@@ -32,36 +32,35 @@ if TYPE_CHECKING:
 
 
 class Synthesis(Displayable, ABC):
-    """Which pixels of the sample an output is made of.
+    """A result: its image, its maps, and the sample pixels that they come from.
 
-    This is what all results have in common; `PatchSynthesis` keeps patches and `PixelSynthesis`
-    one source a pixel. A result can be replayed on any map that is aligned with the sample.
+    Functions and models return it; programs only create one with `load`.
 
     Parameters
     ----------
-    canvas, sample_shape
-        What was made, and height and width of the sample.
-    exemplar : Exemplar, optional
-        The sample; not there after `load` without one.
+    canvas : Canvas
+        Size, wrapping, and known pixels of the output.
+    sample_shape : (int, int)
+        Height and width of the sample.
+    exemplar : Exemplar or None
+        The sample; None after `load` without one.
     known_from : (int, int), optional
-        Where in the sample the canvas's known pixels are, when it is the same picture.
+        Row and column of the canvas's corner in the sample, if known pixels are part of it.
     provenance : dict
-        Method, parameters and seed.
+        Method, parameters, seed, and what else led to the result.
     picture : array, optional
-        The finished picture, when making it was part of the work.
+        The finished image, if the method already made it.
     match_tone : bool
-        Join the tones of a filled hole to those around it, see `weftex.results.cloning`.
+        Match the tone of a filled hole to its surroundings.
     tone_reach : float
-        Pixels in which steps of tone between pieces are spread, see `weftex.results.joining`; 0
-        leaves pixels as they are, as holes, drawings, vectors and colors with alpha always are.
-    turn : str, optional
-        Which copies its sample is made of, see `prepare.turned`; as the exemplar says, if given.
-    copy_shape : (int, int), optional
-        Height and width of the sample that was turned, likewise.
+        Distance in pixels over which steps of tone at seams are spread; 0 copies pixels unchanged.
+        Holes, drawings, normals and colors with alpha are always copied unchanged.
+    turn, copy_shape : str and (int, int), optional
+        For a sample of turned copies: which copies, and the size of one; see `prepare.turned`.
     is_window : bool
-        The result is a part of an endless plane; steps at its seams are not joined.
+        The result is a window of an endless plane, where tone steps are not spread.
     threads : int
-        Maximum number of threads that join steps of heights and tones.
+        Maximum number of threads of `render`.
     """
 
     #: The arrays that say where pixels come from, by the name of the parameter, and their types.
@@ -136,7 +135,7 @@ class Synthesis(Displayable, ABC):
         source_to: Place,
         provenance: dict[str, Any],
     ) -> Synthesis:
-        """Return the same at `to` in a larger canvas, of a sample that has this at `source_to`."""
+        """Return this result as a part, from `to` on, of a larger canvas and a larger sample."""
         arrays: dict[str, Any] = self._moved_arrays(canvas.shape, exemplar.shape, to, source_to)
         return type(self)(
             canvas,
@@ -164,7 +163,7 @@ class Synthesis(Displayable, ABC):
 
     @property
     def sample(self) -> Exemplar:
-        """The exemplar, of which `load` may have been given none."""
+        """The sample; raises `InvalidInputError` after `load` without one."""
         if self.exemplar is None:
             raise InvalidInputError("this result was loaded without its sample; render a map of it")
         return self.exemplar
@@ -180,18 +179,18 @@ class Synthesis(Displayable, ABC):
     def source(self) -> NDArray[np.int32]:
         """Where each pixel comes from: (H, W, 2), row and column in the sample.
 
-        Where patches are mixed, the one with the largest share; -1 for a known pixel that is not
-        in the sample. Of a turned copy of the sample, the place of which it is the copy.
+        Where patches are blended, the source with the largest share. Both numbers are -1 for a
+        known pixel that is not in the sample. Turned copies count as the sample itself.
         """
         return in_first_copy(self.pictured_source(), self.turn, self.copy_shape)
 
     def pictured_source(self) -> NDArray[np.int32]:
-        """The same, in the picture of copies if the sample was turned, with whole pieces."""
+        """Return `source`, but as coordinates in the picture of copies if the sample was turned."""
         bands = drawing.bands(self.shape[0])
         return np.concatenate([self._source_of(rows).astype(np.int32) for rows in bands])
 
     def layers(self, window: Window | None = None) -> tuple[NDArray[Any], NDArray[Any]]:
-        """Coordinates and weights of everything that shows in a window.
+        """Return all sources of each pixel and their shares, also where patches are blended.
 
         Parameters
         ----------
@@ -201,16 +200,16 @@ class Synthesis(Displayable, ABC):
         Returns
         -------
         coordinates : int32 array (h, w, layers, 2)
-            Row and column in the sample, heaviest layer first; -1 where there is none. Up to four
-            layers where patches are mixed, one where pixels are copied.
+            Row and column in the sample, largest share first; -1 where there is none. Up to four
+            layers where patches are blended, one where pixels are copied.
         shares : float32 array (h, w, layers)
-            Sum to 1, or are 0 for a known pixel that is not in the sample.
+            Share of each source. They sum to 1; all are 0 for a known pixel not in the sample.
         """
         coordinates, share = self._pictured_layers(self.canvas.check_window(window))
         return in_first_copy(coordinates, self.turn, self.copy_shape), share
 
     def _pictured_layers(self, window: Window) -> tuple[NDArray[Any], NDArray[Any]]:
-        """The same, in the picture of copies."""
+        """Return `layers` with coordinates in the picture of copies."""
         coordinates, share = self._layers(window)
         if self.canvas.hole is not None:  # patches may overlap known pixels
             top, left, height, width = window
@@ -230,20 +229,21 @@ class Synthesis(Displayable, ABC):
         window: Window | None = None,
         role: str | None = None,
     ) -> NDArray[Any]:
-        """Make the same from the pixels of another picture that is aligned with the sample.
+        """Make this result from another map or image that is aligned with the sample.
 
         Parameters
         ----------
         other : Exemplar or array, optional
-            Of the sample's size, an integer multiple or fraction of it, any dtype and channel
-            count; the sample itself by default.
+            The map, of the sample's size or an integer multiple or fraction of it, with any dtype
+            and number of channels; by default the sample itself.
         background : array, optional
-            For a filled hole whose surroundings are not part of the sample: the same surroundings
-            in `other`'s kind.
+            For a filled hole whose surroundings are not part of the sample: these surroundings, in
+            `other`'s dtype and channels.
         window : (top, left, height, width), optional
             Render only this part, in output pixels.
         role : str, optional
-            What an array shows, by a name of `weftex.roles.ROLES`; an `Exemplar` says it itself.
+            What an array shows, such as "normal"; else it is blended as plain numbers. Give none
+            with an `Exemplar`, which has its own role.
 
         Returns
         -------
@@ -253,7 +253,7 @@ class Synthesis(Displayable, ABC):
         Raises
         ------
         InvalidInputError
-            If `other` does not fit the sample, or known pixels have nothing to come from.
+            If `other` does not fit the sample, or `background` is needed and missing.
 
         Examples
         --------
@@ -323,9 +323,9 @@ class Synthesis(Displayable, ABC):
         Parameters
         ----------
         what : {"sources", "seams", "patches", "uncertainty"}
-            False colors by source position (red to the right, green downwards); the seams in red
-            over the gray image; a color for each piece that was copied as a whole; or the square
-            root of `uncertainty`, white for 1.
+            "sources": false colors by source position (red grows to the right, green down).
+            "seams": red seams over the gray image. "patches": a color for each copied piece.
+            "uncertainty": the square root of `uncertainty`, white for 1.
 
         Returns
         -------
@@ -345,7 +345,7 @@ class Synthesis(Displayable, ABC):
         return drawing.draw_pieces(self._source_of, self.shape, self.sample_shape)
 
     def uncertainty(self) -> NDArray[np.float64]:
-        """How badly each pixel fits its neighbors; see `drawing.uncertainty_of`."""
+        """Return how badly each pixel fits its neighbors: 0 as in the sample, 1 as at random."""
         return drawing.uncertainty_of(self.image, self._source_of, self.sample, self.canvas.wrap)
 
     def _source_of(self, rows: slice) -> NDArray[np.int64]:
@@ -354,7 +354,7 @@ class Synthesis(Displayable, ABC):
         return np.asarray(self._pictured_layers(window)[0][:, :, 0], np.int64)
 
     def save(self, path: str | os.PathLike[str]) -> None:
-        """Write everything but the pictures to a compressed `.npz` file."""
+        """Write the source map and provenance, but no pixels, to a compressed `.npz` file."""
         canvas, about = self.canvas, {name: getattr(self, name) for name in ABOUT}
         facts = Facts(shape=self.shape, wrap=canvas.wrap, origin=canvas.origin, **about)
         write_result(path, facts, self.arrays(), canvas.hole)
@@ -373,9 +373,9 @@ class Synthesis(Displayable, ABC):
         path : str or path
             The `.npz` file.
         exemplar : Exemplar, optional
-            The sample, if `image` is wanted.
+            The sample; `image` and `maps` need it.
         known : array, optional
-            The surroundings of a filled hole, likewise.
+            The photo around a filled hole; `image` needs it if that is not the sample.
 
         Raises
         ------

@@ -42,11 +42,9 @@ class Band:
     Attributes
     ----------
     period : float
-        Of its strongest ring, in pixels.
-    power : float
-        Of that ring; the strongest of all has 1.
-    background : float
-        Of the spectrum around that ring.
+        Period of its strongest ring, in pixels.
+    power, background : float
+        Power of that ring, and of the spectrum around it; the strongest ring has 1.
     """
 
     period: float
@@ -56,20 +54,16 @@ class Band:
 
 @dataclass(frozen=True)
 class Ratings:
-    """Lattices of a sample, rated as section 3.3 of the paper on near-regular textures does.
+    """Lattices of a sample, rated as in section 3.3 of the thesis on near-regular textures.
 
     Attributes
     ----------
-    goodness : str
-        By what: see `weftex.analysis.lattice.find_lattice`.
-    alpha, significant : float
-        Of eq. 3.22, and the share of a tile that an overlap must hold.
-    found : Rated or None
-        The sample's lattice; None without one.
-    given : Rated or None
-        The one that was asked about.
+    goodness, alpha, significant : str, float, float
+        The rating that was used; see `weftex.analyze`.
+    found, given : Rated or None
+        The lattice of the sample, and the one passed to `analyze`.
     runners_up : tuple of Rated
-        The others that could be one, the best first.
+        Other possible lattices, best first.
     """
 
     goodness: str
@@ -86,39 +80,36 @@ class Analysis:
 
     Attributes
     ----------
-    name : str
-        Of the sample.
-    height, width, channels : int
-        Of the picture.
-    dtype : str
-        Of its pixels.
+    name, dtype, maps : str, str, tuple of str
+        Name of the sample, type of its pixels, and names of its maps.
+    height, width, channels, colors : int
+        Size in pixels, number of channels, and number of different colors.
     alpha : bool
         Whether the last channel is alpha.
-    maps : tuple of str
-        Names of the aligned maps.
-    colors : int
-        Different colors among the usable pixels.
-    scale, confidence, scale_source : float, float, str
-        See `weftex.analysis.scale.DominantScale`.
+    scale : float
+        Size of the features, such as pebbles or bricks, in pixels.
+    confidence : float
+        Confidence of the scale, 0 to 1.
+    scale_source : {"lattice", "period", "things", "none"}
+        What the scale was measured by: lattice, strongest period, or size of single features.
     spectrum : tuple of Band
-        The curve that the scale is read from, coarse to fine.
+        Power by period, coarse to fine.
     regularity : float
-        See `weftex.analysis.properties.regularity`.
+        Correlation of the sample with itself after its best shift; 1 is an exact tiling.
     lattice : Lattice or None
-        See `weftex.analysis.lattice.find_lattice`.
+        Vectors after which the sample repeats, and their confidence. Methods take it as `lattice=`.
     ratings : Ratings
-        How good that lattice is, and which others there are.
+        Ratings of the lattice and of others.
     border_steps : (float, float)
-        See `weftex.analysis.properties.border_steps`.
+        Step at the border over the steps inside, downwards and to the right; 1 is no seam.
     tiles : (bool, bool)
-        Whether it tiles without a seam, downwards and to the right.
+        Whether the sample tiles without a seam, downwards and to the right.
     evenness : Evenness
-        See `weftex.analysis.properties`.
+        Faults of light, perspective and variety that `choice.warnings` puts into words.
     choice : Choice
-        The method of "auto" for an output of twice the sample's size, and why; see
-        `weftex.tasks.auto`.
+        The method that "auto" chooses for twice the sample's size, and why.
     windows : dict of str to int or None
-        The window of each method by default; None where it cannot be fitted to this sample.
+        Default window width of each method; None if it cannot be fitted to this sample.
     """
 
     name: str
@@ -220,14 +211,21 @@ def analyze(
     ----------
     sample : path, array, PIL image or Exemplar
         The material; see `weftex.load_exemplar`.
-    goodness, alpha, significant
-        How the lattice is found, see `weftex.analysis.lattice.find_lattice`; the paper's are
-        "height", 1.12 and 0.85. The choice of a method depends on the defaults only.
-    lattice : x1, y1, x2, y2, optional
-        Rate this lattice too; numbers, or a text with commas. A vector of one pixel is the
-        direction of rows.
+    goodness : {"contrast", "height", "dominance"}
+        How lattices are rated; the thesis uses "height".
+    alpha : float
+        Exponent of eq. 3.22 of the thesis.
+    significant : float
+        Share of a tile that an overlap must have to count, 0 to 1; 0.85 in the thesis. The three
+        do not change which method `choice` names.
+    lattice : Lattice, (x1, y1, x2, y2) or str, optional
+        Also rate this lattice. A vector of one pixel is the direction of rows.
     runners_up : int
         Number of other lattices to list, 0 to 24.
+
+    Returns
+    -------
+    Analysis
 
     Raises
     ------

@@ -58,31 +58,30 @@ def fill(
 ) -> Synthesis:
     """Fill the holes of a photo; every other pixel stays exactly as it is.
 
-    Patches come from the million pixels nearest to the holes (`NEIGHBORHOOD`), or from `sample`.
-    A photo with aligned maps is matched on all of them, and all of them are filled alike: see
-    `Synthesis.maps`.
+    Patches come from `sample`, or from the million pixels of the photo nearest to the holes. The
+    maps of a map set are matched and filled together: see `Synthesis.maps`.
 
     Parameters
     ----------
     photo : path, array, PIL image or Exemplar
-        The photo with holes; the pixels in them are ignored.
+        The photo with holes. Values inside them are ignored, but must not be NaN or infinite.
     mask : path, PIL image or bool array (H, W), optional
-        True, or white in a picture, where the photo is to be filled. By default, and where it is
-        the photo itself with its hole cut out, every pixel that is not fully opaque.
+        True, or white in an image, where the photo is to be filled. An image that is the photo
+        with transparent holes is also accepted. By default, all pixels that are not fully opaque.
     sample : path, array, PIL image or Exemplar, optional
-        Take patches from this instead of the photo; of the photo's dtype and channels, with maps
-        of the same roles.
+        Take patches from this sample instead of the photo. It must have the photo's dtype and
+        channels, and maps of the same roles.
     method : str or Method
         A name in `weftex.METHODS`, or a method with its parameters. By default `graphcut` for
         photos with a lattice, and for photos up to 512x512 with rows or features larger than a
         twelfth of the side; else, and if `parameters` are given, `patch-sampling`. The result's
         `provenance` has the reason.
     overlap : int
-        Pixels around the holes that may change too: the boundary between photo and filling is
-        then cut where they differ least, so that it does not follow the outline of the mask.
+        Width in pixels of a zone around the holes that may change too. The boundary between photo
+        and filling is cut inside it, so that it does not follow the outline of the mask.
     match_tone : bool, optional
-        Match the tone inside of the holes to that along their border, where both differ by more
-        than the texture varies. By default only if weftex chooses the method.
+        Match the tone of the filling to the tone around the hole, if they differ by more than the
+        texture itself varies. By default only if weftex chooses the method.
     seed : int, numpy Generator or None
         The same seed gives the same bytes.
     tileable : bool or {"x", "y"}
@@ -99,7 +98,7 @@ def fill(
     Returns
     -------
     Synthesis
-        Of the photo's size. Without holes `image` is the photo.
+        The filled photo. If the mask is empty, `image` equals the photo.
 
     Raises
     ------

@@ -61,8 +61,8 @@ def fuse(
     Parameters
     ----------
     samples : sequence of path, array, PIL image or Exemplar
-        Two or more, of one dtype, all with alpha or none. Gray ones become color beside color.
-        Their maps are paired by role.
+        Two or more, of one dtype, all with alpha or none. Gray samples become color if another has
+        color. Maps are paired by role.
     label_map : path, array, PIL image, Gradient or "gradient"
         A picture with one color for each sample; an integer array (H, W) of labels from 0; or a
         `weftex.label_maps.Gradient`, a transition from one sample to the next; "gradient" is
@@ -70,22 +70,21 @@ def fuse(
     size : int or (int, int), optional
         Height and width of the output: those of the map by default, and needed with a gradient.
     colors : sequence of colors, optional
-        The map's color for each sample; by default in order of appearance, from the upper left
-        corner row by row.
+        The label map's color of each sample. By default, colors belong to the samples in the order
+        in which they appear, row by row from the upper left corner.
     missing : mapping of str to float or "flat", optional
         Values, from 0 to 1, of maps for samples that lack them; a normal map is flat. By default
         maps that not all samples have are left out, and `provenance` says so.
     mixed : mapping of color to (int, int), optional
         Further colors, or labels, of regions that merge two samples, with the samples' numbers.
     boundary : {"cut", "merged"}
-        "merged" synthesizes belts along the cuts again, as the paper does: half as wide as the
-        larger window of the two materials, with that window, from a merged sample of the two.
+        "cut" only cuts. "merged" also synthesizes a belt along each cut from a sample merged of the
+        two materials, as the paper does. The belt is half as wide as the larger of their windows.
     belt_width : int, optional
-        Width in pixels of the belt that a boundary may use. By default 1.5 windows of the coarser
-        of its materials; less in regions that are too narrow for it.
+        Width in pixels of the belt that a boundary may use. By default 1.5 times the larger window
+        of its two materials; less in narrow regions.
     method : str or Method
-        A name in `weftex.METHODS`, or a method with its parameters, that copies single pixels and
-        fills holes.
+        A method that can fuse, by its name in `weftex.METHODS` or with its parameters.
     seed : int, numpy Generator or None
         The same seed gives the same bytes.
     tileable : bool or {"x", "y"}
@@ -100,7 +99,7 @@ def fuse(
     Returns
     -------
     PixelSynthesis
-        Its exemplar is the stacked samples, see `weftex.prepare.combining`.
+        The result. Its exemplar holds all samples, one below the other.
 
     Raises
     ------
@@ -108,7 +107,7 @@ def fuse(
         If samples differ in kind, a color has no sample or a sample no color, the map is of
         another size, or a value is out of range.
     UnsupportedError
-        If the method blends, or does not fill holes.
+        If the method cannot fuse.
 
     Examples
     --------

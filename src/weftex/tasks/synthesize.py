@@ -53,7 +53,8 @@ def synthesize(
         A name in `weftex.METHODS`, or a method with its parameters. By default `Auto` analyzes the
         sample and chooses; the result's `provenance` has the choice and its reason.
     seed : int, numpy Generator or None
-        The same seed gives the same bytes, whatever the number of threads.
+        The same seed gives the same bytes, with any number of threads. None draws a seed, a
+        Generator one number; `provenance["seed"]` has it.
     tileable : bool or {"x", "y"}
         Axes along which the output repeats without a seam.
     guide : path, array, PIL image or Exemplar, optional
@@ -64,15 +65,13 @@ def synthesize(
         An image of the sample's size that `guide` is compared with, such as a map of labels; see
         `Exemplar`.
     best_of : int, or sequence of str and Method
-        Number of results with successive seeds from `seed` on, or methods for one result each. The
-        result with the best score is returned; its provenance has its method, its seed and all
-        scores.
+        Number of results, made with `seed`, `seed` + 1 and so on; or methods, one result of each.
+        The result with the best score is returned. Its provenance has all scores.
     landmarks : {"auto", "keep", "thin", "remove"}
-        What to do with landmarks, small salient regions by which repeats are recognized: keep them;
-        thin: show each far apart, and fill its other places from the rest of the sample; or remove
-        them. By default `Auto` thins them in outputs of at least 8 times the sample's area if
-        features are small, and all other methods keep them. Samples with a lattice or rows are not
-        changed.
+        What to do with landmarks, small salient regions that reveal repeats: keep them, show each
+        only at places far apart, or remove them. By default `Auto` thins them in outputs of at
+        least 8 times the sample's area if features are small; other methods keep them. Samples with
+        a lattice or rows are not changed.
     threads : int, optional
         Maximum number of threads; one for each processor by default.
     progress : callable, optional
@@ -90,7 +89,7 @@ def synthesize(
     InvalidInputError
         If an argument is out of range or the sample cannot be used.
     UnsupportedError
-        If the method does not do this kind of canvas.
+        If the method cannot do this task, such as following a guide.
     FileError
         If the sample cannot be read.
 

@@ -41,10 +41,9 @@ def tile(
 ) -> Synthesis:
     """Make a photo tileable; its middle stays byte for byte.
 
-    A narrow frame at the edges is filled from the rest as a hole, and the boundary between photo
-    and filling is cut within the border where they differ least, see `weftex.fill`. Maps are filled
-    with it. A lattice tiles without a fault only at a size that holds whole tiles of it; otherwise
-    `provenance["warnings"]` names such a size.
+    A narrow frame at the edges is filled like a hole, maps included; see `weftex.fill`. The
+    boundary between photo and filling is cut within the border. A regular pattern, such as bricks,
+    needs a size that holds whole periods; otherwise `provenance["warnings"]` names such a size.
 
     Parameters
     ----------
@@ -61,7 +60,7 @@ def tile(
     Returns
     -------
     Synthesis
-        Of the photo's size.
+        The tileable photo, of the same size.
 
     Raises
     ------

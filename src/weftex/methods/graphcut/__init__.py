@@ -43,8 +43,8 @@ class GraphCut(Method):
     """Graph-cut textures.
 
     A patch of the sample is placed where it matches the pixels before it, and a minimum cut decides
-    which of its pixels replace older ones. Further patches may be placed over the worst seams. Old
-    seams count in every cut, so the picture only gets better.
+    which of its pixels replace older ones. Further patches may be placed over the worst seams. The
+    cost of old seams is part of every cut, so these patches never make seams worse.
 
     Examples
     --------
@@ -89,7 +89,7 @@ class GraphCut(Method):
         "how much worse than the best a match may be, in sample variances; higher is more random",
         low=0.0,
         high=1000.0,
-        default_text="0.003; 0 (the best matches) for entire patches",
+        default_text="0.003; 0 (best matches only) if placement is entire",
         needs=("placement", ("subpatch", "entire")),
     )
     candidates: int | None = parameter(
@@ -97,7 +97,7 @@ class GraphCut(Method):
         "number of placements tried for each patch; the cheapest seam wins; higher is slower",
         low=1,
         high=1000,
-        default_text="4; 24 for entire patches",
+        default_text="4; 24 if placement is entire",
     )
     seam_cost: str = parameter(
         "gradient",
@@ -111,7 +111,7 @@ class GraphCut(Method):
         "higher is slower",
         low=0.0,
         high=1000.0,
-        default_text="1 after random placement, else 0",
+        default_text="1 if placement is random, else 0",
     )
     variety: float = parameter(
         1.0,

@@ -27,10 +27,9 @@ if TYPE_CHECKING:
 class NearRegular(Method):
     """Constrained random sampling and gap filling.
 
-    The output is divided into blocks. Every second block is copied from the sample, a random
-    multiple of the translation vectors away; each gap between is copied from where the sample fits
-    its four neighbors best. So the regular structure continues at any size, and irregularities stay
-    irregular.
+    The output is divided into blocks. Every second block is drawn from the sample, a random
+    multiple of the translation vectors from its own position. Each gap between them is copied from
+    where the sample fits its four neighbors best. So irregularities stay irregular.
 
     Examples
     --------
@@ -67,7 +66,7 @@ class NearRegular(Method):
         "side of the square blocks",
         low=1,
         unit="px",
-        default_text="by tile and sample, up to 5/16 of its side as in the paper",
+        default_text="by tile and sample, up to 5/16 of the sample's side as in the paper",
     )
     border_width: int | None = parameter(
         None,
@@ -79,7 +78,8 @@ class NearRegular(Method):
     )
     blend: str = parameter(
         "auto",
-        "how blocks are joined: cut along the least error, feathered or pasted; auto by preset",
+        "how blocks are joined: cut along the least error, feathered or pasted; auto is cut, or "
+        "feather with the paper's preset",
         choices=("auto", "cut", "feather", "none"),
     )
     seam_cost: str = parameter(
@@ -110,8 +110,8 @@ class NearRegular(Method):
         low=0,
         high=64,
         unit="px",
-        default_text="3, a tenth of the shorter vector at most; 0 in the paper, with a mask, and "
-        "where the sample tiles",
+        default_text="3, at most a tenth of the shorter vector; 0 in the paper, and for samples "
+        "that have a mask or tile",
     )
     match: str = parameter(
         "difference",
@@ -163,7 +163,7 @@ class NearRegular(Method):
 
 
 class NearRegularModel(LatticeModel):
-    """A sample prepared for near-regular synthesis; `sample` and `window` make outputs from it.
+    """A sample prepared for near-regular synthesis.
 
     Parameters
     ----------

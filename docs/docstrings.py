@@ -1,0 +1,74 @@
+"""For mkdocstrings: docstrings as the site can render them.
+
+Parameters that share a line get one each, `**` between numbers is no emphasis, public names are
+links, and the parameters of a method's class are listed with their meaning, range and default.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import importlib
+import re
+from pathlib import Path
+from typing import Any
+
+from griffe import Class, Docstring, Extension, Object
+
+#: A line of a section that names several parameters, and what is said about them.
+SHARED = re.compile(r"^(\w+(?:, (?:\*\*)?\w+)+)( :.*)?\n((?: +\S.*(?:\n|$)|\n(?= ))+)", re.M)
+#: A line that is no code.
+PROSE = re.compile(r"^(?! *(?:>>>|\.\.\.)).*", re.M)
+PAGES = "".join(page.read_text("utf-8") for page in Path(__file__).parent.rglob("python/*.md"))
+#: The place of each name that has an entry on the site.
+ENTRIES = {path.rpartition(".")[2]: path for path in re.findall(r"^::: (\S+)$", PAGES, re.M)}
+
+
+def split(found: re.Match[str]) -> str:
+    """One entry for each name."""
+    return "".join(
+        f"{name}{found[2] or ''}\n{found[3].rstrip()}\n" for name in found[1].split(", ")
+    )
+
+
+def linked(found: re.Match[str]) -> str:
+    """A name with a link to its entry."""
+    return f"[{found[0]}][{ENTRIES[found[1]]}]" if found[1] in ENTRIES else found[0]
+
+
+def readable(found: re.Match[str]) -> str:
+    """A line of text with links and powers."""
+    line = re.sub(r"(?<=\w)\*\*(?=\w)", r"\\*\\*", found[0])
+    return re.sub(r"`weftex\.(?:\w+\.)*(\w+)`", linked, line)
+
+
+def parameters(cls: type) -> str:
+    """The section of a method's parameters."""
+    from weftex.cli.options import parameters_of
+
+    rows = ["Parameters", "----------"]
+    for field, values in parameters_of(cls):  # type: ignore[arg-type]
+        rows += [f"{field.name} : {str(field.type)}", f"    {field.metadata['help']}. *{values}*"]
+    return "\n".join(rows)
+
+
+class Readable(Extension):
+    """Changes docstrings before they are parsed."""
+
+    def on_object(self, *, obj: Object, **_: Any) -> None:
+        """Split shared lines and keep powers."""
+        if obj.docstring:
+            obj.docstring.value = PROSE.sub(readable, SHARED.sub(split, obj.docstring.value))
+
+    def on_class(self, *, cls: Class, **_: Any) -> None:
+        """List the parameters of a method, with plain defaults in its signature."""
+        declared = [m for m in cls.attributes.values() if str(m.value).startswith("parameter(")]
+        if not declared:
+            return
+        method = getattr(importlib.import_module(cls.module.path), cls.name)
+        for field in dataclasses.fields(method):
+            cls.members["__init__"].parameters[field.name].default = repr(field.default)
+        text = cls.docstring.value if cls.docstring else ""
+        head, mark, rest = text.partition("\nExamples\n")
+        cls.docstring = Docstring(
+            f"{head.rstrip()}\n\n{parameters(method)}\n{mark}{rest}", parent=cls
+        )
