@@ -47,7 +47,8 @@ def parameters(cls: type) -> str:
 
     rows = ["Parameters", "----------"]
     for field, values in parameters_of(cls):  # type: ignore[arg-type]
-        rows += [f"{field.name} : {str(field.type)}", f"    {field.metadata['help']}. *{values}*"]
+        text = field.metadata["help"]
+        rows += [f"{field.name} : {field.type}", f"    {text[0].upper()}{text[1:]}. *{values}*"]
     return "\n".join(rows)
 
 

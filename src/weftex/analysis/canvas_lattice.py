@@ -158,10 +158,9 @@ def is_sure(lattice: Lattice | None, pixels: int) -> bool:
     return pixels >= _TILES * lattice.area
 
 
-def four_numbers(lattice: Lattice) -> tuple[float, float, float, float]:
+def four_numbers(lattice: Lattice) -> tuple[float, ...]:
     """Return a lattice as x1, y1, x2, y2; along rows the second vector is one pixel."""
-    x1, y1, x2, y2 = lattice
-    return x1, y1, x2, y2
+    return tuple(lattice)
 
 
 def given_lattice(vectors: tuple[float, ...]) -> Lattice:

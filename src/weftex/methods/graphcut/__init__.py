@@ -86,7 +86,7 @@ class GraphCut(Method):
     )
     tolerance: float | None = parameter(
         None,
-        "how much worse than the best a match may be, in sample variances; higher is more random",
+        "randomness of the choice among matches, in sample variances; 0 takes the best matches",
         low=0.0,
         high=1000.0,
         default_text="0.003; 0 (best matches only) if placement is entire",

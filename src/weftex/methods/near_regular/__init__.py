@@ -78,8 +78,7 @@ class NearRegular(Method):
     )
     blend: str = parameter(
         "auto",
-        "how blocks are joined: cut along the least error, feathered or pasted; auto is cut, or "
-        "feather with the paper's preset",
+        "how blocks are joined; auto: cut along the least error, or feather in the paper's preset",
         choices=("auto", "cut", "feather", "none"),
     )
     seam_cost: str = parameter(
