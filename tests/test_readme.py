@@ -212,8 +212,7 @@ def test_the_pages_of_python_list_every_public_name():
     wanted = {name for module in (weftex, *modules.values()) for name in module.__all__}
     returned = {"Model", "Analysis", "Lattice", "Choice", "Entry", "Picture", "ProgressCallback"}
     assert {name for _, name in listed} == wanted - {"METHODS"} | returned
-    for module, name in listed:
-        assert hasattr(importlib.import_module(module), name)
+    assert all(hasattr(importlib.import_module(module), name) for module, name in listed)
 
 
 def test_the_readme_has_the_two_commands():

@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from weftex.analysis.canvas_lattice import four_numbers
 from weftex.choice import Choice
 from weftex.errors import InvalidInputError
 from weftex.methods import make_method
@@ -58,7 +57,7 @@ def others(first: Choice, findings: Findings, canvas: Canvas, effort: str) -> li
         return []
     found = []
     if lattice is not None and not is_sure(lattice, findings.shape) and lattice.confidence >= _WEAK:
-        vectors = {"lattice": four_numbers(lattice)} if findings.exact else {}
+        vectors = {"lattice": tuple(lattice)} if findings.exact else {}
         stiff = first.method == "graphcut" and findings.exact
         slug, placed = ("graphcut", WHOLE) if stiff else ("near-regular", {})
         found.append(Choice(slug, {**placed, **vectors}))
