@@ -130,7 +130,7 @@ def test_any_picture_makes_a_page(dtype, channels, own, made, rng):
     result = (rng.random((*made, *channels)) * 200).astype(dtype)
     found = report(sample, result)
     Page(found.html())
-    assert "nan" not in found.html().partition("Figures")[2].lower()
+    assert "nan" not in found.html().partition("Measures")[2].lower()
 
 
 def test_large_pictures_are_shown_smaller(rng):

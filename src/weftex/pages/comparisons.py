@@ -121,10 +121,10 @@ class Comparison(Page):
             *map(small, self.choice.warnings),
             f"<p>All made {width}x{height} pixels from this sample, with seed {self.seed}.</p>",
             show(as_shown(self.exemplar, self.exemplar.pixels), "Sample", name),
-            "<h2>Figures</h2>",
+            "<h2>Measures</h2>",
             table((self._row(entry, [*limited]) for entry in self.entries), head),
             small(
-                f"Score: {SCORE} Figures beyond their limits are in color. Limits: {limits}. A "
+                f"Score: {SCORE} Measures beyond their limits are in color. Limits: {limits}. A "
                 "dash: cannot be measured."
             ),
         ]

@@ -36,10 +36,10 @@ _CAPTIONS = {
         "The sample: orange where it was used more often than average, blue where seldom or never.",
     ),
 }
-_HEAD = ("Figure", "Result", "Real", "Limit", "", "Judges", "Meaning")
+_HEAD = ("Measure", "Result", "Real", "Limit", "", "Judges", "Meaning")
 _LEGEND = (
     "Real: the halves of the sample, each measured as if it had been made from the other. Judges: "
-    "the share of judged pairs of pictures that the figure alone orders as a judge did; 50% is a "
+    "the share of judged pairs of pictures that the measure alone orders as a judge did; 50% is a "
     "coin. A dash: cannot be measured."
 )
 
@@ -132,7 +132,7 @@ class Report(Page):
             shown = ((picture, *_CAPTIONS[name]) for name, picture in self.maps.items())
             parts += ["<h2>Where it fails</h2>", pictures(shown)]
         rows = (_figure_row(self, name) for name in FIGURES)
-        parts += ["<h2>Figures</h2>", table(rows, _HEAD), small(_LEGEND)]
+        parts += ["<h2>Measures</h2>", table(rows, _HEAD), small(_LEGEND)]
         if self.provenance:
             parts += ["<h2>How it was made</h2>", parameters(self.provenance)]
         return document(f"{self.result_name} from {self.name}", parts)

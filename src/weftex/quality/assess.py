@@ -83,7 +83,7 @@ class Assessment:
         if not self.flags:
             near = max(FIGURES, key=lambda name: self.badness(name) or 0.0)
             title = FIGURES[near].title
-            return f"Good: all figures are within their limits; the nearest to its own is {title}."
+            return f"Good: all measures are within their limits; {title} is closest to its limit."
         faults = [FIGURES[name].fault(getattr(self, name)) for name in self.flags]
         listed = faults[0] if len(faults) == 1 else f"{', '.join(faults[:-1])} and {faults[-1]}"
         worst = max(self.badness(name) or 0.0 for name in self.flags)

@@ -84,7 +84,7 @@ FIGURES: dict[str, Figure] = {
     ),
     "autocorrelation": Figure(
         "autocorrelation", _HALVES, "low", 1.6,
-        "Whether it is as similar to itself at short shifts as the sample is.",
+        "Whether the result is as similar to itself at short shifts as the sample.",
         "the content that is similar",
         "has another rhythm than the sample",
         agrees=0.67,
@@ -98,8 +98,8 @@ FIGURES: dict[str, Figure] = {
     ),
     "seams": Figure(
         "seams", "1 = as the sample's own", "low", 1.75,
-        "Steps between neighboring lines that the steps around them do not predict.",
-        "feathered seams; joints that end",
+        "Steps between neighboring lines of pixels that the steps around them do not explain.",
+        "feathered seams; mortar joints that end",
         "has visible seams", 1.0,
         agrees=0.52,
     ),
@@ -112,7 +112,7 @@ FIGURES: dict[str, Figure] = {
     ),
     "wrap": Figure(
         "seam at the wrap", "share", "low", 0.1,
-        "How much of the border shows as a seam where the result wraps around.",
+        "How much of the border shows as a seam where a tileable result repeats.",
         "salient features that reveal the tile",
         "shows a seam where it wraps around", 0.01,
     ),
