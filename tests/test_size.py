@@ -15,7 +15,7 @@ TESTS = Path(__file__).parent
 READ = ("methods", "repeats", "search", "seams")
 #: Lower a ceiling when the code has become smaller; a feature that needs room removes something.
 CEILINGS = {
-    "lines of Python in src": 45_937,
+    "lines of Python in src": 45_933,
     "of these code": 32_174,
     "modules": 289,
     "kernel classes": 24,
@@ -28,7 +28,7 @@ CEILINGS = {
     "efros-leung: files to read": 8,
     "efros-leung: lines to read": 1_336,
     "near-regular: files to read": 13,
-    "near-regular: lines to read": 2_587,
+    "near-regular: lines to read": 2_586,
 }
 
 
