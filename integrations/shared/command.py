@@ -31,6 +31,15 @@ class Canceled(Problem):
     """The user stopped the run."""
 
 
+#: What a host shows to the user: problems, a full disk, not enough memory.
+FAILURES = (Problem, OSError, MemoryError)
+
+
+def message_of(failure: BaseException) -> str:
+    """Return one of `FAILURES` as one line."""
+    return str(failure) or "There is not enough memory"
+
+
 def find_command(setting: str = "") -> str:
     """Return the path of the command: $WEFTEX, the setting, the PATH, the usual folders."""
     for named, source in ((os.environ.get("WEFTEX", ""), "$WEFTEX"), (setting, "the setting")):

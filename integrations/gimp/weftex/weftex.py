@@ -371,8 +371,9 @@ class WeftexPlugIn(Gimp.PlugIn):
                 made = make(image, list(drawables), Work(folder, task, config))
         except Canceled:
             return procedure.new_return_values(Gimp.PDBStatusType.CANCEL, None)
-        except Problem as problem:
-            error = GLib.Error.new_literal(Gimp.PlugIn.error_quark(), str(problem), 0)
+        except command.FAILURES as failure:
+            text = command.message_of(failure)
+            error = GLib.Error.new_literal(Gimp.PlugIn.error_quark(), text, 0)
             return procedure.new_return_values(Gimp.PDBStatusType.EXECUTION_ERROR, error)
         values = procedure.new_return_values(Gimp.PDBStatusType.SUCCESS, None)
         if made is not None:

@@ -72,11 +72,14 @@ class Session:
             "XDG_CONFIG_HOME": str(home / ".config"),
             "WEFTEX_TEST_FOLDER": str(self.folder), "WEFTEX": str(WEFTEX), **variables,
         }  # fmt: skip
-        answer = subprocess.run(
-            [XVFB, "-a", "-s", "-screen 0 1280x800x24",
-             "env", f"TMPDIR={self.folder}", KRITA, "--nosplash"],
-            capture_output=True, text=True, timeout=550, env=environment,
-        )  # fmt: skip
+        command = [XVFB, "-a", "-s", "-screen 0 1280x800x24", "env", f"TMPDIR={self.folder}"]
+        command += [KRITA, "--nosplash"]
+        for _ in range(3):  # xvfb-run does not wait for the X server of a busy machine
+            answer = subprocess.run(
+                command, capture_output=True, text=True, timeout=550, env=environment
+            )
+            if "could not connect to display" not in answer.stderr:
+                break
         path, failed = self.folder / "done.json", self.folder / "failed.txt"
         assert path.exists(), failed.read_text("utf-8") if failed.exists() else answer.stderr
         self.done = json.loads(path.read_text("utf-8"))

@@ -53,8 +53,8 @@ def ask(kind: Any) -> None:
             job = Job(kind, document, document.activeNode(), dialog.values(), path)
         except Canceled:
             return
-        except Problem as problem:
-            warn(kind.title, str(problem))
+        except command.FAILURES as failure:
+            warn(kind.title, command.message_of(failure))
             return
         job.start(lambda message: warn(kind.title, message))
 
@@ -147,8 +147,8 @@ class Job:
             self.made = self._task.finish()
         except Canceled:
             pass
-        except Problem as problem:
-            self.error = str(problem)
+        except command.FAILURES as failure:
+            self.error = command.message_of(failure)
         finally:
             self._folder.__exit__()
             Job.running.remove(self)
