@@ -169,13 +169,13 @@ def test_distances_are_equation_2(known, width, channels, data):
     corners = [(0, 0), (2, 4), (1, 2)]
     query = np.empty(zone.area * channels, np.uint8)
     transposed = np.ascontiguousarray(pixels.transpose(1, 0, 2))
-    energy = _kernels.gather(canvas, y, x, zone.runs, query)
+    energy = _kernels.copy_zone(canvas, y, x, zone.runs, query)
     mask = reference.zone_of(known, width)
     at = np.ix_((y + np.arange(rows)) % (rows + 3), (x + np.arange(columns)) % (columns + 2))
     there = canvas[at][mask].astype(int)
     assert energy == (there**2).sum()
     for v, u in corners:
-        key = _kernels.distance(pixels, transposed, v, u, zone.runs, query, -1)
+        key = _kernels.zone_distance(pixels, transposed, v, u, zone.runs, query, -1)
         here = pixels[v : v + rows, u : u + columns][mask].astype(int)
         assert key == ((here - there) ** 2).sum()
 
@@ -188,6 +188,6 @@ def test_distances_of_long_zones_do_not_overflow():
     black, white = np.zeros((200, 300, 3), np.uint8), np.full((200, 300, 3), 255, np.uint8)
     transposed = np.ascontiguousarray(white.transpose(1, 0, 2))
     query = np.empty(zone.area * 3, np.uint8)
-    assert _kernels.gather(black, 0, 0, zone.runs, query) == 0
-    key = _kernels.distance(white, transposed, 0, 0, zone.runs, query, -1)
+    assert _kernels.copy_zone(black, 0, 0, zone.runs, query) == 0
+    key = _kernels.zone_distance(white, transposed, 0, 0, zone.runs, query, -1)
     assert key == zone.area * 3 * 255**2 > 2**31

@@ -88,7 +88,7 @@ def quilt(output: Output, method: Quilting) -> None:
     def quilt_blocks(run: Run) -> None:
         # "Search the input texture for a set of blocks that satisfy the overlap constraints (above
         # and left)": the blocks of the sample, arranged to be searched by such an overlap. The
-        # error of the overlap is `zone_kernels.distance`. Beyond the paper: unless `search` is
+        # error of the overlap is `zone_kernels.zone_distance`. Beyond the paper: unless `search` is
         # exhaustive, only the `candidates` best at low resolution are compared.
         blocks = output.search_for(run)
         # Pick one within the tolerance (`patch_kernels.draw_one`). Compute the error surface

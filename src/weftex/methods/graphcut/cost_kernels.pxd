@@ -24,7 +24,7 @@ cdef class Labeling:
     cdef int columns
     cdef bint whole
 
-cdef int beside(Labeling labeling, int p, int dy, int dx) noexcept nogil
+cdef int neighbor(Labeling labeling, int p, int dy, int dx) noexcept nogil
 
 # Here, or they cannot be inlined.
 cdef inline int difference(const unsigned char* a, const unsigned char* b,

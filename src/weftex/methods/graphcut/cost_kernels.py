@@ -37,7 +37,7 @@ class Labeling:
 @cython.cfunc
 @cython.nogil
 @cython.exceptval(check=False)
-def beside(labeling: Labeling, p: cython.int, dy: cython.int, dx: cython.int) -> cython.int:
+def neighbor(labeling: Labeling, p: cython.int, dy: cython.int, dx: cython.int) -> cython.int:
     """The canvas pixel beside p, or -1 beyond a border that does not wrap around."""
     y: cython.int = p // labeling.width + dy
     x: cython.int = p % labeling.width + dx
@@ -117,7 +117,7 @@ def sum_seams(
             p = rows[i] * labeling.width + columns[j]
             cost = 0
             for d in range(2):
-                q = beside(labeling, p, d, 1 - d)
+                q = neighbor(labeling, p, d, 1 - d)
                 if q < 0 or q == p or not labeling.done[p] or not labeling.done[q]:
                     continue
                 if labeling.known[p] and labeling.known[q]:
@@ -151,7 +151,7 @@ def is_joined(
     """
     q: cython.int = p + (labeling.width if d else 1)
     if last:
-        q = beside(labeling, p, d, 1 - d)
+        q = neighbor(labeling, p, d, 1 - d)
         if q < 0:
             return True
     same: cython.bint = continued(labeling, labeling.labels[p], d) == labeling.labels[q]

@@ -12,10 +12,10 @@ from cython.cimports.libc.limits import LLONG_MAX
 from cython.cimports.libc.string import memset
 from cython.cimports.weftex.methods.graphcut.cost_kernels import (
     Labeling,
-    beside,
     continued,
     difference,
     divided,
+    neighbor,
     seam_cost,
     update_runs,
 )
@@ -43,7 +43,7 @@ class Graph(Grid):
 @cython.cfunc
 @cython.nogil
 @cython.exceptval(check=False)
-def choose(graph: Graph) -> cython.Py_ssize_t:
+def mark_choices(graph: Graph) -> cython.Py_ssize_t:
     """Fill in what each pixel may be; return the number of missing pixels that become new."""
     cython.declare(i=cython.Py_ssize_t, j=cython.Py_ssize_t, p=cython.int, run=cython.Py_ssize_t)
     cython.declare(done=cython.bint)
@@ -107,7 +107,7 @@ def add_pair(
         q = on_canvas(graph, v, u)
         q_new = in_sample(graph, v, u)
     else:
-        q = beside(graph.labeling, p, dy, dx)
+        q = neighbor(graph.labeling, p, dy, dx)
         q_new = -1
         if q < 0 or q == p or not graph.labeling.done[q]:
             return 0
@@ -241,8 +241,8 @@ def is_straight(
 def build(graph: Graph, halvings: cython.int, by_runs: cython.bint) -> cython.longlong:
     """Fill in the graph whose minimum cut says which blocks of the box the patch replaces.
 
-    What each pixel may be is in `graph.choice`; `by_runs`: as `choose` filled it in. Returns the
-    cost of pairs without a choice.
+    What each pixel may be is in `graph.choice`; `by_runs`: as `mark_choices` filled it in. Returns
+    the cost of pairs without a choice.
     """
     cython.declare(i=cython.Py_ssize_t, j=cython.Py_ssize_t, run=cython.Py_ssize_t)
     cython.declare(may=cython.p_const_uchar, below=cython.p_const_uchar, alike=cython.bint)
@@ -373,7 +373,7 @@ def cost_in_blocks(graph: Graph, halvings: cython.int, least: cython.double):
     """
     cython.declare(cost=cython.longlong, covered=cython.Py_ssize_t, limit=cython.longlong)
     with cython.nogil:  # beside other threads
-        covered = choose(graph)
+        covered = mark_choices(graph)
         least *= max(covered, 1)
         limit = LLONG_MAX // 2
         if least < 1e18:
@@ -384,7 +384,7 @@ def cost_in_blocks(graph: Graph, halvings: cython.int, least: cython.double):
 
 def paste_patch(graph: Graph, halvings: cython.int):
     """Cut in blocks, then in smaller ones around that cut, and paste; see `paste`."""
-    choose(graph)
+    mark_choices(graph)
     cut(graph, halvings, True, LLONG_MAX // 2)
     while halvings > 0:
         narrow(graph, halvings)

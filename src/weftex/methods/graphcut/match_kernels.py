@@ -56,7 +56,7 @@ def halve(
                 )
 
 
-def gather(
+def copy_box(
     canvas: cython.const[cython.uchar][:, :, ::1],
     done: cython.const[cython.uchar][:, ::1],
     rows: cython.const[cython.int][::1],
@@ -106,7 +106,7 @@ def run_of(
 @cython.cfunc
 @cython.nogil
 @cython.exceptval(check=False)
-def mismatch(
+def box_mismatch(
     box: cython.const[cython.uchar][:, :, ::1],
     known: cython.const[cython.uchar][:, ::1],
     sample: cython.const[cython.uchar][:, :, ::1],
@@ -191,7 +191,7 @@ def nudge(
                     continue
                 if not allowed[y, x]:
                     continue
-                cost = mismatch(
+                cost = box_mismatch(
                     box, known, sample, usable, y - offset[0], x - offset[1], whole, best * area
                 )
                 if cost < best or not found:

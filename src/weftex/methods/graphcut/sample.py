@@ -221,7 +221,7 @@ def levels_of(whole: Level, reduction: int) -> list[Level]:
 def box_of(canvas: Level, rows: NDArray[np.int32], columns: NDArray[np.int32]) -> Level:
     """Copy these rows and columns; nothing counts in those below 0."""
     box = _blank(len(rows), len(columns), canvas)
-    kernels.gather(canvas.pixels, canvas.mask, rows, columns, box.pixels, box.mask)
+    kernels.copy_box(canvas.pixels, canvas.mask, rows, columns, box.pixels, box.mask)
     return box
 
 

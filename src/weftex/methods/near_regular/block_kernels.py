@@ -66,7 +66,7 @@ class Gaps:
 @cython.inline
 @cython.nogil
 @cython.exceptval(check=False)
-def similar(
+def similar_window(
     sample: Sample,
     offsets: cython.const[cython.longlong][:, ::1], k: cython.Py_ssize_t,
     blocks: cython.const[Block][::1], n: cython.Py_ssize_t,
@@ -120,7 +120,7 @@ def draw_blocks(
             least = NEVER
             tried = 0
             for t in range(count):
-                here = similar(sample, offsets, k, blocks, n)
+                here = similar_window(sample, offsets, k, blocks, n)
                 k = k + 1 if k + 1 < count else 0
                 if here < 0:
                     continue
@@ -180,7 +180,7 @@ def correlation(gaps: Gaps, y: cython.Py_ssize_t, x: cython.Py_ssize_t) -> cytho
 @cython.cfunc
 @cython.nogil
 @cython.exceptval(check=False)
-def mismatch(gaps: Gaps, here: cython.int, bound: cython.longlong) -> cython.longlong:
+def border_mismatch(gaps: Gaps, here: cython.int, bound: cython.longlong) -> cython.longlong:
     """How badly a window fits the border: eq. (4.4), or by the GNCC; may stop past `bound`.
 
     A window that repeats its neighbors counts as worse, by `variety` where it repeats all.
@@ -245,11 +245,11 @@ def best_similar(
     tried: cython.Py_ssize_t = 0
     k: cython.Py_ssize_t = blocks[n].first
     for t in range(offsets.shape[0]):
-        here = similar(gaps.sample, offsets, k, blocks, n)
+        here = similar_window(gaps.sample, offsets, k, blocks, n)
         k = k + 1 if k + 1 < offsets.shape[0] else 0
         if here < 0:
             continue
-        key = mismatch(gaps, here, gaps.keys[wanted - 1] if count == wanted else NEVER)
+        key = border_mismatch(gaps, here, gaps.keys[wanted - 1] if count == wanted else NEVER)
         if count < wanted or key < gaps.keys[wanted - 1]:
             i = min(count, wanted - 1)
             while i > 0 and gaps.keys[i - 1] > key:
@@ -276,7 +276,7 @@ def best_within_tolerance(gaps: Gaps, count: cython.Py_ssize_t) -> cython.int:
     if count == 0:
         return -1
     best: cython.int = gaps.places[0]
-    least: cython.longlong = mismatch(gaps, best, NEVER)
+    least: cython.longlong = border_mismatch(gaps, best, NEVER)
     for t in range(count):
         for y in range(-gaps.tolerance, gaps.tolerance + 1):
             for x in range(-gaps.tolerance, gaps.tolerance + 1):
@@ -285,7 +285,7 @@ def best_within_tolerance(gaps: Gaps, count: cython.Py_ssize_t) -> cython.int:
                 here = usable_place(gaps.sample.usable, gaps.sample.period, v, u)
                 if here < 0:
                     continue
-                key = mismatch(gaps, here, least)
+                key = border_mismatch(gaps, here, least)
                 if key < least or (key == least and here < best):
                     least = key
                     best = here

@@ -11,9 +11,9 @@ from cython.cimports.weftex.methods.patches.zone_kernels import (
     Shortlist,
     ZoneWindows,
     climb,
-    distance,
-    gather,
+    copy_zone,
     list_candidates,
+    zone_distance,
 )
 from cython.cimports.weftex.raster.difference_kernels import squared
 from cython.cimports.weftex.repeats.overlap_kernels import (
@@ -137,11 +137,11 @@ def draw_one(
 @cython.cfunc
 @cython.nogil
 @cython.exceptval(check=False)
-def bar(
+def exclude_nearby(
     patches: Patches, p: cython.Py_ssize_t, width: cython.Py_ssize_t, count: cython.Py_ssize_t,
     found: Shortlist,
 ) -> cython.void:  # fmt: skip
-    """Bar offsets that repeat nearby patches; half of the patches continue none."""
+    """Exclude offsets that repeat nearby patches; half of the patches continue none."""
     exclude_repeats(
         patches.placements, patches.around[p], p, patches.keep_apart, patches.bits[p] & 1,
         found.places[:count], width, found.excluded,
@@ -168,7 +168,7 @@ def measure(
     i: cython.Py_ssize_t
     for i in range(count):
         place = found.places[i]
-        key = distance(
+        key = zone_distance(
             patches.pixels, patches.transposed, place // width, place % width, windows.runs,
             found.query, cython.cast(cython.longlong, bound),
         )  # fmt: skip
@@ -216,7 +216,7 @@ def spread(
 @cython.cfunc
 @cython.nogil
 @cython.exceptval(check=False)
-def choose(
+def choose_window(
     canvas: cython.const[cython.uchar][:, :, ::1],
     patches: Patches,
     p: cython.Py_ssize_t,
@@ -238,20 +238,20 @@ def choose(
         return windows.positions[
             cython.cast(cython.Py_ssize_t, ((patches.bits[p] >> 32) * windows_there) >> 32)
         ]
-    energy = gather(canvas, y, x, windows.runs, found.query)  # E_out
+    energy = copy_zone(canvas, y, x, windows.runs, found.query)  # E_out
     # Step 2: which windows match it.
     count = list_candidates(canvas, y, x, windows, found)
-    bar(patches, p, width, count, found)
+    exclude_nearby(patches, p, width, count, found)
     measure(patches, windows, tolerance, energy, count, found)
     if windows.source != ALL and windows.nodes.shape[1] > 1:
         count = climb(patches.pixels, patches.transposed, windows, count, found)
-        bar(patches, p, width, count, found)
+        exclude_nearby(patches, p, width, count, found)
     if count >= MOST_CANDIDATES and windows.source != ALL and not tolerance.of_best:
         start = cython.cast(cython.Py_ssize_t, patches.bits[p] >> 40)
         more = spread(windows, energy, start, tolerance, count, found)
         if more > 0:
             count = more
-            bar(patches, p, width, count, found)
+            exclude_nearby(patches, p, width, count, found)
             measure(patches, windows, tolerance, energy, count, found)
     # Steps 3 and 4: draw one of Psi_B, or take the closest.
     best = best_unrepeated(found.keys[:count], found.excluded, UNREPEATED)
@@ -360,7 +360,7 @@ def lay_patches(
     cython.declare(p=cython.Py_ssize_t, chosen=cython.Py_ssize_t)
     with cython.nogil:
         for p in range(first, last):
-            chosen = choose(canvas, patches, p, windows, tolerance, found)
+            chosen = choose_window(canvas, patches, p, windows, tolerance, found)
             patches.placements[p, 2] = cython.cast(cython.int, chosen // width)
             patches.placements[p, 3] = cython.cast(cython.int, chosen % width)
             if patches.cuts.shape[0] > 0:

@@ -1,7 +1,7 @@
-cpdef long long gather(const unsigned char[:, :, ::1] canvas, Py_ssize_t y, Py_ssize_t x,
+cpdef long long copy_zone(const unsigned char[:, :, ::1] canvas, Py_ssize_t y, Py_ssize_t x,
                       const int[:, ::1] runs, unsigned char[::1] query) noexcept nogil
 
-cpdef long long distance(const unsigned char[:, :, ::1] pixels, const unsigned char[:, :, ::1] transposed,
+cpdef long long zone_distance(const unsigned char[:, :, ::1] pixels, const unsigned char[:, :, ::1] transposed,
                         Py_ssize_t y, Py_ssize_t x, const int[:, ::1] runs,
                         const unsigned char[::1] query, long long bound) noexcept nogil
 

@@ -39,7 +39,7 @@ class Shortlist:
         self.excluded, self.path = excluded, path
 
 
-def gather(canvas, y, x, runs, query):
+def copy_zone(canvas, y, x, runs, query):
     """Copy the zone's pixels from the canvas, run by run; return the sum of their squares."""
     height: cython.Py_ssize_t = canvas.shape[0]
     width: cython.Py_ssize_t = canvas.shape[1]
@@ -63,7 +63,7 @@ def gather(canvas, y, x, runs, query):
     return energy
 
 
-def distance(pixels, transposed, y, x, runs, query, bound):
+def zone_distance(pixels, transposed, y, x, runs, query, bound):
     """Return A d**2 of eq. (2) for the window at (y, x), or stop past `bound` (negative: never).
 
     `transposed` is `pixels` transposed, so that upright runs are contiguous too: short rows cost
@@ -338,7 +338,7 @@ def climb(pixels, transposed, windows, count, found):
                         j += 1
                     if j == count and count < found.places.shape[0]:
                         places[count] = cython.cast(cython.int, y * width + x)
-                        keys[count] = distance(
+                        keys[count] = zone_distance(
                             pixels, transposed, y, x, windows.runs, found.query, -1
                         )
                         count += 1

@@ -10,7 +10,7 @@ from cython.cimports.weftex.search.window_kernels import copy_pixel
 @cython.cfunc
 @cython.nogil
 @cython.exceptval(check=False)
-def gather(
+def gather_window(
     level: Picture,
     y: cython.Py_ssize_t,
     x: cython.Py_ssize_t,
@@ -75,8 +75,8 @@ def replace_pixels(
             x = places[i] % level.pixels.shape[1]
             tree.known = 0
             if parents.shape[0]:
-                gather(coarser, y // 2, x // 2, parents, 0, tree)
-            gather(level, y, x, own, first, tree)
+                gather_window(coarser, y // 2, x // 2, parents, 0, tree)
+            gather_window(level, y, x, own, first, tree)
             level.done[y, x] = 1
             if tree.known == 0:
                 continue
