@@ -37,6 +37,8 @@ FAILURES = (Problem, OSError, MemoryError)
 
 def message_of(failure: BaseException) -> str:
     """Return one of `FAILURES` as one line."""
+    if isinstance(failure, OSError) and failure.strerror:
+        return f"{failure.strerror}: {failure.filename or tempfile.gettempdir()}"
     return str(failure) or "There is not enough memory"
 
 

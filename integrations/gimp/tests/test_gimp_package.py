@@ -172,6 +172,13 @@ def test_a_run_ends_with_the_commands_own_error_or_when_it_is_canceled(command, 
     assert time.monotonic() - start < 30
 
 
+def test_failures_of_the_system_are_one_line(command):
+    full = command.message_of(OSError(28, "No space left on device"))
+    assert full.startswith("No space left on device: ") and command.message_of(MemoryError())
+    assert command.message_of(OSError(13, "Permission denied", "/a")) == "Permission denied: /a"
+    assert command.message_of(command.Problem("too small")) == "too small"
+
+
 def test_the_environment_of_the_host_does_not_reach_the_command(command, monkeypatch):
     monkeypatch.setenv("PYTHONHOME", "/host")
     monkeypatch.setenv("APPDIR", "/tmp/.mount_host")
