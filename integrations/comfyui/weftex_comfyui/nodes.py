@@ -182,7 +182,9 @@ class Prepare(_Node):
     RETURN_TYPES, RETURN_NAMES = ("IMAGE", _SET), ("image", "set")
     _OPTIONS: ClassVar = [MATERIAL[name] for name in PREPARATION]
     _LANDMARKS: ClassVar = LANDMARKS._replace(
-        choices=("keep", "remove"), help="remove: fill salient regions from the rest of the photo"
+        choices=("keep", "remove"),
+        default="keep",
+        help="remove: replace recognizable features by the rest of the photo",
     )
 
     @classmethod
