@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import weftex
-from weftex.prepare.landmarks import find_landmarks
+from weftex.prepare.landmarks import find_landmarks, has_joint_network
 from weftex.tasks.landmarks import _Spacing, plain_sample, remove_landmarks
 
 SIDE, AT = 128, (40, 70)
@@ -86,6 +86,24 @@ def test_a_large_region_is_no_landmark():
 def test_pixels_outside_of_the_mask_are_ignored():
     pixels, spot = with_spot()
     assert find_landmarks(weftex.Exemplar(pixels, mask=~spot))[1] == 0
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_joints_of_drawn_stones_are_a_network(seed):
+    """Dark or bright ones on grain that is weaker than they; grain alone is none."""
+    middles = np.random.default_rng(seed).uniform(0, SIDE, (20, 2))
+    at = np.stack(np.indices((SIDE, SIDE)), axis=2)[..., None, :]
+    near = np.sort(np.hypot(*np.moveaxis(at - middles, 3, 0)), axis=2)
+    joint = near[..., 1] - near[..., 0] < 3
+    for tone in (-60, 60):
+        drawn = np.clip(noise(seed=seed) / 2 + 60 + tone * joint[..., None], 0, 255).astype(
+            np.uint8
+        )
+        assert has_joint_network(weftex.Exemplar(drawn))
+    assert not has_joint_network(weftex.Exemplar(noise(seed=seed)))
+    only = np.ones((SIDE, SIDE), bool)
+    only[:, SIDE // 2 :] = False
+    assert not has_joint_network(weftex.Exemplar(drawn, mask=only))
 
 
 def test_together_landmarks_cover_a_limited_share():

@@ -44,6 +44,8 @@ class _Tier:
 
 _RARE = _Tier(4.2, 1.45, (1.0, 1.0, 1.0, 1.0), 0.5, 4, 0.0, 0.03, 0.10)
 _OTHERS = _Tier(2.4, 0.9, (1.0, 1.1, 1.2, 1.2), 0.6, 3, 0.0015, 0.05, 0.27)
+_LINES = (1, 12)  # radii of the boxes, applied twice, between which lines are seen
+_SHARE = 0.3  # of the pixels that may be lines
 _LONGEST = 16.0  # ratio of the variances along and across a landmark
 _LEAST_SOLID = 0.6  # share of the ellipse of its variances that a landmark covers
 
@@ -69,6 +71,26 @@ def find_landmarks(exemplar: Exemplar, others: bool = True) -> tuple[list[Mask],
     rows, columns = (np.minimum(np.arange(n) // step, m - 1)
                      for n, m in zip(exemplar.shape, small.shape, strict=True))  # fmt: skip
     return [mask[np.ix_(rows, columns)] for mask in found], rare
+
+
+def has_joint_network(exemplar: Exemplar) -> bool:
+    """Return whether the darkest or the brightest lines of a sample join all of its sides.
+
+    So joints do, and cracks. Of grain, the darkest three tenths of the pixels are islands.
+    """
+    small, _ = smaller_copy(exemplar.changed(maps={}, guide=None), _LOOK)
+    usable = np.ones(small.shape, bool) if small.mask is None else small.mask
+    gray = np.where(usable, small.matching().sum(axis=2, dtype=np.int64), 0)
+    fine, wide = (
+        _UNIT * _smooth(gray, radius) // np.maximum(_smooth(usable.astype(np.int64), radius), 1)
+        for radius in _LINES
+    )
+    for level in (fine - wide, wide - fine):
+        most = np.sort(level[usable])[int(_SHARE * (int(usable.sum()) - 1))]
+        mask = usable & (level <= most)
+        if all(_connected(one, np.s_[0])[-1].any() for one in (mask, mask.T)):
+            return True
+    return False
 
 
 def _distances(exemplar: Exemplar, radius: int) -> tuple[NDArray[np.float64], float]:
@@ -141,11 +163,11 @@ def _with_tier(
     return found
 
 
-def _connected(mask: Mask, seed: tuple[int, int]) -> Mask:
-    """Return the pixels of a mask that are connected with one of them."""
+def _connected(mask: Mask, seeds: tuple[int, int] | slice | int) -> Mask:
+    """Return the pixels of a mask that are connected with some of them, given by an index."""
     framed = np.pad(mask, 1)
     found = np.zeros_like(framed)
-    found[seed[0] + 1, seed[1] + 1] = True
+    found[1:-1, 1:-1][seeds] = mask[seeds]
     # Pixels of one row or column have one number if no other pixel is between them.
     numbers = (
         (~framed).cumsum().reshape(framed.shape),

@@ -13,7 +13,7 @@ from weftex.analysis.relief import smaller_copy
 from weftex.canvas import Canvas
 from weftex.errors import InvalidInputError, shown
 from weftex.exemplar.turns import as_made_from
-from weftex.prepare.landmarks import find_landmarks
+from weftex.prepare.landmarks import find_landmarks, has_joint_network
 from weftex.random import draw
 from weftex.raster.masks import grown
 from weftex.raster.turning import boxes_of, turned_pixels
@@ -81,13 +81,15 @@ def plain_sample(exemplar: Exemplar, landmarks: str) -> PlainSample | None:
 def thinned(model: Model, canvas: Canvas) -> PlainSample | None:
     """Return a sample whose landmarks `auto` thins on a canvas; None if it keeps them.
 
-    It keeps those of samples with a lattice, rows or large features, whose joints they may be, and
-    where its method mixes patches.
+    It keeps those of samples with a lattice, rows, large features or a network of joints, as
+    landmarks may be joints there, and where its method mixes patches.
     """
     assert isinstance(model, AutoModel)
     findings = model.findings
     small = findings.scale <= _FINE * min(findings.shape)
     if findings.lattice or not small or model.choose(canvas).method != "graphcut":
+        return None
+    if has_joint_network(model.exemplar):
         return None
     times = math.prod(canvas.shape) // math.prod(findings.shape)
     because = f"the features are small and the output has {times} times the sample's area"
