@@ -63,7 +63,7 @@ def put(buffer: Any, part: Rectangle, picture: tiff.Picture, like: Any) -> None:
     buffer.flush()
 
 
-def selected_part(image: Any, drawable: Any) -> Rectangle:
+def selected_part(drawable: Any) -> Rectangle:
     """Return the part of a drawable that the selection covers; all of it without a selection."""
     found = drawable.mask_intersect()
     if not found[0]:
@@ -143,7 +143,7 @@ class Work:
 def make_more(image: Any, drawables: list[Any], work: Work) -> Any:
     """Open a new image, made from the layer or its selected part."""
     drawable = one_drawable(drawables)
-    part = selected_part(image, drawable)
+    part = selected_part(drawable)
     words = [work.file("sample.tif", picture_of(drawable, part))]
     if not Gimp.Selection.is_empty(image):
         mask = selection_of(image, drawable, part)
@@ -171,7 +171,7 @@ def make_tileable(image: Any, drawables: list[Any], work: Work) -> None:
     drawable = one_drawable(drawables)
     if not drawable.is_layer():
         raise Problem("Select a layer, not a mask or a channel")
-    part = selected_part(image, drawable)
+    part = selected_part(drawable)
     result = work.make(work.file("photo.tif", picture_of(drawable, part)))
     layer = new_layer(image, f"{drawable.get_name()} tileable", result, drawable)
     _, x, y = drawable.get_offsets()
@@ -188,7 +188,7 @@ def heal_selection(image: Any, drawables: list[Any], work: Work) -> None:
         raise Problem("A layer group has no pixels of its own: select one of its layers")
     if drawable.get_lock_content():
         raise Problem("The pixels of this layer are locked")
-    part = selected_part(image, drawable)
+    part = selected_part(drawable)
     whole = Rectangle((0, 0, drawable.get_width(), drawable.get_height()))
     mask = selection_of(image, drawable, whole)
     mask.data = mask.data.translate(bytes([0] + [255] * 255))
@@ -203,8 +203,7 @@ def heal_selection(image: Any, drawables: list[Any], work: Work) -> None:
 
 def own_bytes(drawable: Any, part: Rectangle) -> bytes:
     """Return pixels in the drawable's own format."""
-    data: bytes = drawable.get_buffer().get(part.gegl, 1.0, None, Gegl.AbyssPolicy.NONE)
-    return data
+    return drawable.get_buffer().get(part.gegl, 1.0, None, Gegl.AbyssPolicy.NONE)  # type: ignore
 
 
 def restore(drawable: Any, part: Rectangle, before: bytes, mask: bytes) -> None:
@@ -259,10 +258,7 @@ def paint_label(labels: bytearray, area: Rectangle, mask: Any, label: int) -> bo
     part = Rectangle((area[0] - x, area[1] - y, area[2], area[3]))
     kind = "A u8" if mask.has_alpha() else "Y' u8"
     cover = mask.get_buffer().get(part.gegl, 1.0, kind, Gegl.AbyssPolicy.NONE)
-    labels[:] = bytes(
-        label if share > 127 else old
-        for share, old in zip(cover, labels)  # noqa: B905, one size
-    )
+    labels[:] = bytes(label if a > 127 else b for a, b in zip(cover, labels))  # noqa: B905
     return label in labels
 
 
