@@ -20,7 +20,7 @@ CEILINGS = {
     "modules": 289,
     "kernel classes": 24,
     "names that several kernel classes have": 0,
-    "lines of tests": 24_980,
+    "lines of tests": 24_961,
     "quilting: files to read": 12,
     "quilting: lines to read": 2_808,
     "graphcut: files to read": 18,

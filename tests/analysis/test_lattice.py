@@ -335,6 +335,14 @@ def test_goodness_is_the_papers(sample):
         assert not any(Lattice(one.vectors).same_as(BOND) for one in others)
 
 
+@pytest.mark.parametrize("name", ["bricks", "tiles", "weave"])
+def test_height_takes_the_highest_goodness(name):
+    exemplar = weftex.load_exemplar(f"sample:{name}")
+    found = find_lattice(exemplar, goodness="height")
+    own, others = rate_lattices(exemplar, found, goodness="height", runners_up=24)
+    assert len(own.vectors) == 2 and own.goodness >= max(other.goodness for other in others)
+
+
 def test_overlaps_count_from_the_share_on(sample):
     """The more of a tile an overlap must hold, the fewer multiples count."""
     large = Lattice(((40, 0), (8, 36)))

@@ -44,14 +44,6 @@ def test_wei_levoy(levels, tree_size, seed):
 
 
 @pytest.mark.parametrize("seed", SEEDS)
-@pytest.mark.parametrize("window", [3, 5])
-def test_ashikhmin(window, seed):
-    sample, size = crop("leaves", 32, 30), (18, 20)
-    expected = reference.ashikhmin(sample, size, window, replacements=8, seed=seed)
-    check(weftex.Ashikhmin(window_width=window, passes=1), sample, size, expected, seed)
-
-
-@pytest.mark.parametrize("seed", SEEDS)
 @pytest.mark.parametrize("structured", [False, True])
 @pytest.mark.parametrize("tolerance", [0.0, 0.05])
 def test_exact_matching(tolerance, structured, seed):

@@ -1,7 +1,6 @@
 """Minimum-error paths against trying every path."""
 
 import numpy as np
-import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
@@ -11,8 +10,6 @@ from twins.boundary_zone import zone_of, zone_weights
 from weftex.methods.patches import patch_kernels as _kernels
 from weftex.methods.patches.boundary_zone import boundary_zone
 from weftex.results.paste_kernels import Layout
-
-SIDES = ("left", "top", "right", "bottom")
 
 
 def find_cuts(canvas, pixels, place, weight, bands, row, cost, cuts):
@@ -47,25 +44,6 @@ def compare(known, width, frozen, levels, rng):
     expected = reference.cut_row(paths, rows, columns)
     cut = kernel_cuts(canvas, pixels, corner, source, zone)
     assert np.array_equal(cut, expected)
-    return weights, cut
-
-
-@given(
-    st.integers(1, 12),
-    st.integers(1, 12),
-    st.integers(1, 5),
-    st.sets(st.sampled_from(SIDES), min_size=1),
-    st.sampled_from([2, 4, 256]),
-    st.integers(0, 2**30),
-)
-def test_cuts_follow_the_cheapest_paths(rows, columns, width, sides, levels, seed):
-    rng = np.random.default_rng(seed)
-    known = np.zeros((rows, columns), bool)
-    known[:, :width] |= "left" in sides
-    known[:width] |= "top" in sides
-    known[:, -width:] |= "right" in sides
-    known[-width:] |= "bottom" in sides
-    compare(known, width, None, levels, rng)
 
 
 masks = arrays(bool, st.tuples(st.integers(1, 12), st.integers(1, 12)))
@@ -77,23 +55,6 @@ def test_cuts_of_any_zone(known, width, hole, levels, data):
     frozen = data.draw(arrays(bool, known.shape)) & known if hole else None
     rng = np.random.default_rng(data.draw(st.integers(0, 2**30)))
     compare(known, width, frozen, levels, rng)
-
-
-@pytest.mark.parametrize("seed", range(5))
-def test_a_hole_in_the_middle_of_a_window_is_cut_along_its_outline(seed):
-    """What is laid of a hole's patch starts anywhere in the window; paths run there."""
-    rng = np.random.default_rng(seed)
-    known = np.ones((12, 12), bool)
-    known[5:10, 4:9] = False
-    zone_known = known.copy()  # and what an earlier patch of the hole laid
-    zone_known[5:10, 4:7] = True
-    weights, cut = compare(zone_known, 3, known, 256, rng)
-    final = reference.cut_weights(weights, cut)
-    assert (final[known] == 0).all() and (final[~zone_known] == 256).all()
-    assert set(np.unique(final)) == {0, 256}
-    mixed = (weights > 0) & (weights < 256)
-    assert mixed.any()
-    assert set(np.unique(final[mixed])) == {0, 256}, "the path runs through the overlap"
 
 
 def test_paths_keep_to_where_the_patch_shows():

@@ -43,9 +43,9 @@ def ashikhmin(
     Notes
     -----
     The paper leaves open what the first rows are compared with: here with random pixels above them,
-    which are those of the last rows before these are made. A place of the sample is valid if the
-    whole square around it lies in the sample. Of equal distances the candidate of the latest
-    neighbor wins, and a random one last.
+    which are those of the last rows before these are made; nothing if the output is no higher
+    than the window. A place of the sample is valid if the whole square around it lies in it. Of
+    equal distances the candidate of the latest neighbor wins, and a random one last.
 
     Examples
     --------
@@ -73,7 +73,7 @@ def ashikhmin(
 
     def neighborhood(y: int, x: int) -> list[tuple[int, int]]:
         """Steps to the L-shaped neighborhood; above the first row lie the last ones."""
-        return [(dy, dx) for dy, dx in l_shaped if 0 <= x + dx < width]
+        return [(a, b) for a, b in l_shaped if 0 <= x + b < width and (height >= window or a >= -y)]
 
     def candidates(y: int, x: int) -> list[tuple[int, int]]:
         """The neighbors' positions, shifted; random ones for those outside the valid region."""

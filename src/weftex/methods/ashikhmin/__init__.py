@@ -130,9 +130,9 @@ def grow(prepared: Prepared, growth: Growth) -> None:
     # from the one whose L-shaped window is most like its own, and the guide's like the output's:
     # see `candidate_kernels.choose` and `guide_distance` there.
     for i, line in enumerate(lines):
-        if i < half:
-            # Around the border, as the paper's windows go, to the random pixels of the last rows.
-            noise = slice(max(i + 1, height - half), None)
+        if i < half and height > 2 * half:
+            # Around the border, as the paper's windows go, to the random pixels above, not below.
+            noise = slice(height - half + i, None)
             growth.done[noise] = 1
             choice.choose(line, 0, around=True)
             growth.done[noise] = 0
