@@ -96,7 +96,7 @@ def test_pictures_of_all_kinds(wall, tmp_path):
         picture = pixels_of(page.get(f"results/{result['id']}/picture?map={one['name']}"), tmp_path)
         assert picture.shape[:2] == (72, 64) and picture.dtype == np.uint8
     assert page.ask("GET", f"results/{result['id']}/picture?map=x").status_code == 404
-    for what in ("sources", "seams", "patches", "uncertainty"):
+    for what in ("sources", "seams", "patches"):
         assert page.get(f"results/{result['id']}/picture?draw={what}").startswith(SIGNATURE)
     assert page.ask("GET", f"results/{result['id']}/picture?draw=/etc").status_code == 404
     answer = page.ask("GET", f"results/{result['id']}/picture?most=20")

@@ -120,7 +120,7 @@ def test_the_command_and_the_pictures_of_debug(tmp_path, monkeypatch, capsys):
     kept = re.search(r"best of: seed (\d) of 5 to 6: score", capsys.readouterr().err).group(1)
     assert main([*words, "-o", "b.png", "--seed", kept, "--quiet"]) == 0
     assert np.array_equal(read_image("a.png").pixels, read_image("b.png").pixels)
-    names = ["coordinates", "patches", "seams", "uncertainty"]
+    names = ["coordinates", "patches", "seams"]
     assert sorted(p.name for p in (tmp_path / "how").iterdir()) == [f"{n}.png" for n in names]
     made = weftex.synthesize(SAMPLE, 90, seed=int(kept), method="quilting")
     for name, what in zip(names, ["sources", *names[1:]], strict=True):

@@ -242,7 +242,7 @@ def write_debug(result: Synthesis, folder: str, outputs: Outputs) -> None:
     """Write how a result was put together."""
     from weftex.io.pictures import write_image
 
-    for what in ("sources", "patches", "seams", "uncertainty"):
+    for what in ("sources", "patches", "seams"):
         name = "coordinates" if what == "sources" else what
         write_image(outputs.add(os.path.join(folder, f"{name}.png")), result.draw(what))
 

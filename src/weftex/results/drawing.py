@@ -13,16 +13,13 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from weftex.exemplar import Exemplar
-
     #: Row and column in the sample of the pixels of some rows: (rows, W, 2), -1 for no source.
     SourceOf = Callable[[slice], NDArray[np.int64]]
 
 __all__ = ["DRAWINGS"]
 
 #: What `Synthesis.draw` draws.
-DRAWINGS = ("sources", "seams", "patches", "uncertainty")
-_REACH = 2  # pixels around one whose surroundings are compared
+DRAWINGS = ("sources", "seams", "patches")
 _BAND = 256  # rows
 
 
@@ -64,43 +61,6 @@ def draw_pieces(
             picture[rows][..., k] = 64 + (mixed >> np.uint64(40 + 8 * k)) % np.uint64(192)
         picture[rows][source[..., 0] < 0] = 0
     return picture
-
-
-def uncertainty_of(
-    image: NDArray[Any], source_of: SourceOf, exemplar: Exemplar, wrap: tuple[bool, bool]
-) -> NDArray[np.float64]:
-    """Mismatch (H, W) between the surroundings of each pixel and those of its source.
-
-    The mean squared difference over 5 x 5 pixels, divided by that of two random sample pixels: 0
-    inside a copied piece, about 1 for a random source, 0 for known pixels from elsewhere.
-    """
-    features = exemplar.matching()
-    made = exemplar.as_matching(image)
-    depth = min(made.shape[2], features.shape[2])  # maps that only the sample has do not count
-    made = made[..., :depth]
-    random = 2 * float(features[..., :depth].reshape(-1, depth).var(axis=0).mean())
-    found = np.zeros(image.shape[:2])
-    height, width = exemplar.shape
-    for rows in bands(image.shape[0]):
-        source = source_of(rows)
-        total, count = np.zeros(source.shape[:2]), np.zeros(source.shape[:2])
-        for dy in range(-_REACH, _REACH + 1):
-            for dx in range(-_REACH, _REACH + 1):
-                y, x = np.arange(rows.start, rows.stop) + dy, np.arange(image.shape[1]) + dx
-                there = np.ones(source.shape[:2], bool)
-                if not wrap[0]:
-                    there &= ((y >= 0) & (y < image.shape[0]))[:, None]
-                if not wrap[1]:
-                    there &= ((x >= 0) & (x < image.shape[1]))[None]
-                v, u = source[..., 0] + dy, source[..., 1] + dx
-                if not exemplar.tileable:
-                    there &= (v >= 0) & (v < height) & (u >= 0) & (u < width)
-                around = made[y[:, None] % image.shape[0], x[None] % image.shape[1]]
-                apart = around.astype(np.int32) - features[v % height, u % width, :depth]
-                total += there * (apart**2).mean(axis=2)
-                count += there
-        found[rows] = np.where(source[..., 0] < 0, 0, total / np.maximum(count, 1))
-    return found / random if random > 0 else found
 
 
 def gray_of(pixels: NDArray[Any]) -> NDArray[np.uint8]:

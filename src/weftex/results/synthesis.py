@@ -322,10 +322,9 @@ class Synthesis(Displayable, ABC):
 
         Parameters
         ----------
-        what : {"sources", "seams", "patches", "uncertainty"}
+        what : {"sources", "seams", "patches"}
             "sources": false colors by source position (red grows to the right, green down).
             "seams": red seams over the gray image. "patches": a color for each copied piece.
-            "uncertainty": the square root of `uncertainty`, white for 1.
 
         Returns
         -------
@@ -334,19 +333,12 @@ class Synthesis(Displayable, ABC):
         if not isinstance(what, str) or what not in drawing.DRAWINGS:
             known = ", ".join(drawing.DRAWINGS)
             raise InvalidInputError(f"cannot draw {shown(what)}; known: {known}")
-        if what == "uncertainty":
-            roots = np.sqrt(np.clip(self.uncertainty(), 0, 1))
-            return np.repeat(np.rint(255 * roots).astype(np.uint8)[..., None], 3, axis=2)
         if what == "sources":
             return drawing.draw_sources(self.source, self.copy_shape or self.sample_shape)
         if what == "seams":
             gray, source = drawing.gray_of(self.image), self.pictured_source()
             return drawing.draw_seams(gray, source, self.sample_shape)
         return drawing.draw_pieces(self._source_of, self.shape, self.sample_shape)
-
-    def uncertainty(self) -> NDArray[np.float64]:
-        """Return how badly each pixel fits its neighbors: 0 as in the sample, 1 as at random."""
-        return drawing.uncertainty_of(self.image, self._source_of, self.sample, self.canvas.wrap)
 
     def _source_of(self, rows: slice) -> NDArray[np.int64]:
         """Row and column, in the picture of copies, of the pixels of some rows."""
