@@ -15,12 +15,12 @@ TESTS = Path(__file__).parent
 READ = ("methods", "repeats", "search", "seams")
 #: Lower a ceiling when the code has become smaller; a feature that needs room removes something.
 CEILINGS = {
-    "lines of Python in src": 45_957,
-    "of these code": 32_192,
+    "lines of Python in src": 45_909,
+    "of these code": 32_155,
     "modules": 289,
     "kernel classes": 24,
     "names that several kernel classes have": 0,
-    "lines of tests": 24_961,
+    "lines of tests": 24_936,
     "quilting: files to read": 12,
     "quilting: lines to read": 2_808,
     "graphcut: files to read": 18,
