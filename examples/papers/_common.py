@@ -1,6 +1,6 @@
 """What the scripts of this folder share: samples, sheets of pictures, tables and the command line.
 
-Needs Pillow beside weftex: pip install '.[test]'.
+Needs Pillow and SciPy beside weftex: pip install '.[test]'.
 """
 
 from __future__ import annotations
@@ -13,9 +13,10 @@ from typing import TypeVar
 
 import numpy as np
 from PIL import Image, ImageDraw, ImageFont
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
 
 import weftex
-from weftex.quality.copying import pieces as numbered_pieces
 
 HERE = Path(__file__).parent
 Item = TypeVar("Item")
@@ -67,10 +68,19 @@ def clouds(side: int) -> np.ndarray:
 
 
 def pieces(result: weftex.Synthesis) -> np.ndarray:
-    """Size of the piece copied as a whole that each pixel belongs to, as `weftex report` has it."""
+    """Size of the piece copied as a whole that each pixel belongs to."""
     source = result.source
-    known = source[..., 0] >= 0
-    number = numbered_pieces(source - np.indices(result.shape).transpose(1, 2, 0), known)
+    index = np.arange(source.shape[0] * source.shape[1]).reshape(result.shape)
+    pairs = []
+    for step, first, second in (
+        ((1, 0), np.s_[:-1], np.s_[1:]),
+        ((0, 1), np.s_[:, :-1], np.s_[:, 1:]),
+    ):
+        goes_on = (source[second] == source[first] + step).all(axis=2) & (source[first] >= 0).all(2)
+        pairs.append((index[first][goes_on], index[second][goes_on]))
+    rows, columns = (np.concatenate(ends) for ends in zip(*pairs, strict=True))
+    graph = coo_array((np.ones(len(rows)), (rows, columns)), shape=(index.size, index.size))
+    number = connected_components(graph, directed=False)[1].reshape(result.shape)
     return np.bincount(number.ravel())[number]
 
 
