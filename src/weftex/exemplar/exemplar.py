@@ -39,7 +39,7 @@ class Exemplar(Displayable):
     ----------
     pixels : array (H, W) or (H, W, C)
         uint8, uint16, float32 or float64; any number of channels. Copied, never rescaled. The
-        mask of a masked array marks pixels that are not usable.
+        mask of a NumPy masked array is the opposite: True where not usable.
     maps : mapping of str to array or Exemplar, optional
         Aligned maps (normal, roughness, height …), of any dtype and channel count; of the same
         height and width, or an integer multiple or fraction of both. They take part in matching,

@@ -75,7 +75,7 @@ def stream(
         ``.tif`` for a tiled BigTIFF or ``.zarr`` (extra ``zarr``), both with smaller versions.
         Maps become groups of a Zarr, or files beside it such as ``plane_normal.tif``.
     size : int or (int, int)
-        Height and width, up to 2**40 each.
+        Height and width, up to 2**40 each (2**20 in a ``.tif``).
     method, tileable
         As for `weftex.synthesize`.
     seed : int, numpy Generator or None

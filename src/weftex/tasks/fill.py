@@ -74,8 +74,8 @@ def fill(
     method : str or Method
         A name in `weftex.METHODS`, or a method with its parameters. By default `graphcut` for
         photos with a lattice, and for photos up to 512x512 with rows or features larger than a
-        twelfth of the side; else, and if `parameters` are given, `patch-sampling`. The result's
-        `provenance` has the reason.
+        twelfth of the side; else, and if a `sample` or `parameters` are given, `patch-sampling`.
+        The result's `provenance` has the reason.
     overlap : int
         Width in pixels of a zone around the holes that may change too. The boundary between photo
         and filling is cut inside it, so that it does not follow the outline of the mask.
