@@ -259,10 +259,10 @@ FREE: dict[str, dict[str, Any]] = {
 }
 
 
-def repeated(pixels: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """The sample again and again, and where each pixel comes from."""
+def repeated(pixels: np.ndarray) -> np.ndarray:
+    """The sample again and again."""
     source = np.moveaxis(np.indices([sized(256)] * 2), 0, -1) % pixels.shape[:2]
-    return pixels[source[..., 0], source[..., 1]], source
+    return pixels[source[..., 0], source[..., 1]]
 
 
 def compared(pixels: np.ndarray, ways: dict[str, dict[str, Any]]) -> dict[str, np.ndarray]:
@@ -275,7 +275,7 @@ def fig52(folder: Path, suffix: str) -> None:
     for name in some(ALL_REGULAR):
         made = compared(small(name), WAYS)
         pictures = list(made.values())
-        lines.append([pictures[0], repeated(pictures[0])[0], *pictures[1:]])
+        lines.append([pictures[0], repeated(pictures[0]), *pictures[1:]])
     rows(folder / f"fig52{suffix}", ", ".join(["sample", "repeated", *WAYS]), lines)
 
 
@@ -328,7 +328,7 @@ def figures() -> Table:
         found = []
         for name in some(names):
             sample = small(name)
-            scores = {"repeated": weftex.assess(sample, *repeated(sample)).score}
+            scores = {"repeated": weftex.assess(sample, repeated(sample)).score}
             for way, how in ways.items():
                 settings = {"method": "near-regular"} | how
                 result = weftex.synthesize(sample, sized(256), seed=1, **settings)
