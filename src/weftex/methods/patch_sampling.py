@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 
 _PAPERS_EPSILON = 0.2  # section 2.4
 _HOLE_EPSILON = 0.02  # known pixels cannot be blended, so the best match is taken
+_FILLING = 0.05  # how much worse than the best a match may be where another seed fills a hole
 
 
 @dataclass(frozen=True)
@@ -92,6 +93,10 @@ def sample_by_patches(output: Output, method: PatchSampling) -> None:
     # distance of eq. (2); if it is empty, the patch with the smallest distance (step 3).
     # The weights alpha_i of section 2.1 are by similarity, or all alike.
     psi_b = Tolerance(method.epsilon, of_best=False, by_similarity=method.choice == "similarity")
+    canvas = output.frame.canvas
+    fills = canvas.known is not None and canvas.shown is None and method.epsilon <= _HOLE_EPSILON
+    if fills and output.seed != 1:  # not in the paper: each seed fills a hole differently
+        psi_b = Tolerance(_FILLING, of_best=True, by_similarity=False)
 
     def paste(run: Run) -> None:
         # E_out, the boundary zone of the patches already pasted: Fig. 3 (b) to (d), Fig. 5 for

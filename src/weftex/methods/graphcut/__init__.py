@@ -315,8 +315,7 @@ def cover(method: GraphCut, placement: Placement, sample: Sample, growth: Growth
             # C(t) for all offsets t (section 4), by FFT (section 5): `search.translation`.
             matches = placement.matches(pixel, number, centered, map_)
             # Some of them, drawn by P(t) = exp(-C(t) / (k sigma**2)) (section 4).
-            draws = growth.seed, number, count
-            drawn = draw_offsets(matches, placement, tolerance, draws)
+            drawn = draw_offsets(matches, placement, tolerance, (growth.seed, number, count))
             patches = matches.patches(drawn, map_)
             if len(patches) == 1:
                 return patches[0]

@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from weftex.methods.pixels.growth import Growth
 
 _AHEAD = 2**16  # pixels that are searched at a time for one that is missing
+_TOLERATED = 1.4  # times the least cost, of patches that another seed fills a hole by
 _CELL = 8  # side in pixels of the squares that the costs of seams are summed over
 
 
@@ -62,14 +63,13 @@ class CutCanvas:
         cost_kernels.find_runs(self.labeling)
         # All lines of both, and a patch's length more, around the border.
         self._lines = [
-            [
-                (np.arange(n + side) % n).astype(np.int32)
-                for n, side in zip(shape, size, strict=True)
-            ]
+            [np.arange(n + side, dtype=np.int32) % n for n, side in zip(shape, size, strict=True)]
             for shape in (self.shape, self.sample_shape)
         ]
         self._graphs = [_graph(self.labeling, *size) for _ in range(candidates)]
-        self._least = math.inf
+        # Not in the paper: seed 1 fills a hole by the cheapest patches, each other seed by others.
+        self.filling = growth.seed - 1 if canvas.known is not None and canvas.shown is None else 0
+        self._least, self._tolerated = math.inf, _TOLERATED if self.filling else 1.0
 
     def missing(self) -> Iterator[tuple[int, int]]:
         """Yield the first pixel that is missing, until none is."""
@@ -79,12 +79,12 @@ class CutCanvas:
             at = int(part.argmin())
             if part[at]:
                 first += len(part)
-                continue
-            first += at
-            yield divmod(first, self.shape[1])
+            else:
+                first += at
+                yield divmod(first, self.shape[1])
 
     def cheapest(self, patches: list[Patch], map_: Callable[..., Any] = map) -> Patch:
-        """The first of the patches of the least `cost`.
+        """Return the patch of the least `cost`, or one that costs little more, see `filling`.
 
         Candidates may meet in one patch, which is cut once, with the least of their factors.
         """
@@ -94,14 +94,11 @@ class CutCanvas:
                 different[patch[:-1]] = patch
         self._least = math.inf
         found = map_(self.cost, different.values(), range(len(different)))
-        costs = dict(zip(different, found, strict=True))
-        least = min(costs.values())
-        return next(
-            patch
-            for patch in patches
-            if costs[patch[:-1]] == least
-            and (least == 0 or patch.factor == different[patch[:-1]].factor)
-        )
+        costs = dict(zip(different.values(), found, strict=True))
+        most = max(min(costs.values()) * times for times in (1.0, self._tolerated))
+        good = sorted((patch for patch in costs if costs[patch] <= most), key=costs.__getitem__)
+        self.filling, which = divmod(self.filling, len(good))
+        return good[which]
 
     def cost(self, patch: Patch, number: int) -> float:
         """By how much a patch raises the cost of seams, for each missing pixel, times its factor.
@@ -111,7 +108,7 @@ class CutCanvas:
         a value between both costs.
         """
         # A little more, as rounding must not keep the cheapest one from its cost.
-        least = max(self._least, 0.0) / patch.factor * (1 + 1e-9)
+        least = max(self._least, 0.0) * self._tolerated / patch.factor * (1 + 1e-9)
         graph = self._graph_of(patch, number)
         more, covered = graph_kernels.cost_in_blocks(graph, self.halvings, least)
         each: float = more / max(covered, 1)

@@ -104,11 +104,10 @@ def drawn_places(
         if not sums[-1]:
             break
         at = int(sums.searchsorted(int(each) % int(sums[-1]), side="right"))
-        y, x = divmod(at, left.shape[1])
-        found.append((y, x))
+        found.append(divmod(at, left.shape[1]))
         rows, columns = (
             slice(max(middle - reach, 0), middle + reach + 1)
-            for middle, reach in zip((y, x), near, strict=True)
+            for middle, reach in zip(found[-1], near, strict=True)
         )
         left[rows, columns] = np.inf
     return found

@@ -170,7 +170,7 @@ class Output:
     ) -> None:
         self.analysis, self.method = analysis, analysis.method
         self.frame = frame_of(self.method, canvas)
-        self._threads, self._callback = threads, callback
+        self.seed, self._threads, self._callback = seed, threads, callback
         self._zones = Zones(analysis, self.frame.boundary_width)
         # (H, W, K): the frame as it is matched; 0 where nothing was pasted
         self.pixels = np.zeros((*self.frame.shape, analysis.pixels.shape[2]), np.uint8)
