@@ -16,15 +16,15 @@ READ = ("methods", "repeats", "search", "seams")
 #: Lower a ceiling when the code has become smaller; a feature that needs room removes something.
 CEILINGS = {
     "lines of Python in src": 45_909,
-    "of these code": 32_155,
+    "of these code": 32_154,
     "modules": 289,
     "kernel classes": 24,
     "names that several kernel classes have": 0,
-    "lines of tests": 24_936,
+    "lines of tests": 24_934,
     "quilting: files to read": 12,
     "quilting: lines to read": 2_808,
     "graphcut: files to read": 18,
-    "graphcut: lines to read": 4_179,
+    "graphcut: lines to read": 4_174,
     "efros-leung: files to read": 8,
     "efros-leung: lines to read": 1_336,
     "near-regular: files to read": 13,
