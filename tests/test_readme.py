@@ -5,10 +5,12 @@ import dataclasses
 import functools
 import importlib
 import itertools
+import os
 import re
 import runpy
 import shlex
 import sys
+import sysconfig
 import tomllib
 from pathlib import Path
 
@@ -77,7 +79,9 @@ def test_commands_of_pages(page, tmp_path, monkeypatch, capsys):
 @pytest.mark.pages
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
 def test_python_of_pages(page, tmp_path, monkeypatch):
+    """As in an activated environment: a page may run the command `weftex`."""
     monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("PATH", sysconfig.get_path("scripts"), prepend=os.pathsep)
     for block in blocks(page, "python"):
         exec(compile(block, str(page), "exec"), {})
 
