@@ -99,7 +99,8 @@ def border_steps(exemplar: Exemplar) -> tuple[float, float]:
     """Return the step across the border over the steps inside, downwards and to the right.
 
     A step is the mean squared difference of neighboring lines. The step at the border is divided
-    by the median of the others, or by the first or last where larger, as on a joint.
+    by the median of the others, or by the first or last where larger, as on a joint. Equal lines,
+    as in an image that was enlarged by repeating pixels, do not count.
     """
     levels = exemplar.matching()
     usable = np.ones(exemplar.shape, bool) if exemplar.mask is None else exemplar.mask
@@ -114,7 +115,8 @@ def border_steps(exemplar: Exemplar) -> tuple[float, float]:
             total += (changes * (part & np.roll(part, 1, 0))).sum(axis=1)
         steps = total / np.maximum((whole & np.roll(whole, 1, 0)).sum(axis=1), 1)
         inside = steps[1:] if len(steps) > 1 else steps  # one line borders on itself
-        usual = max(median(inside), float(inside[0]), float(inside[-1]), 1.0)
+        changing = inside[inside > 0] if inside.any() else inside
+        usual = max(median(changing), float(changing[0]), float(changing[-1]), 1.0)
         found.append(round(float(steps[0]) / usual, 2))
     return found[0], found[1]
 

@@ -23,7 +23,7 @@ from weftex.errors import InvalidInputError, WeftexError, did_you_mean
 _COMMANDS = {
     "synth": "synthesize an image of any size from a sample of a material",
     "fill": "fill the holes in a photo",
-    "tile": "make a photo tileable; its middle stays unchanged",
+    "tile": "make photos tileable, check whether they are, pad and crop them",
     "batch": "synthesize from every sample in a folder",
     "fuse": "merge several materials according to a map",
     "replay": "render a saved result with another map of the same sample",
@@ -54,9 +54,9 @@ usage: weftex COMMAND ...      (weftex COMMAND --help shows its options)
   weftex --for-program synth ...                   messages and progress as JSON
   weftex --version
 
-exit codes: 0 success; 2 error, explained in one line; 130 Ctrl-C; 143 SIGTERM; 129 SIGHUP;
-141 closed pipe. A run that fails writes no output; only 'batch' and images written block by block
-keep the parts that were finished.
+exit codes: 0 success; 1 'tile --check' found an image that is not tileable; 2 error, explained in
+one line; 130 Ctrl-C; 143 SIGTERM; 129 SIGHUP; 141 closed pipe. A run that fails writes no output;
+only 'batch' and images written block by block keep the parts that were finished.
 """
 
 

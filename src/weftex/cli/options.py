@@ -51,6 +51,7 @@ def parse_task(
     given = vars(args)
     parameters = {field: given["parameter_" + field] for field in fields}
     paths = args.materials if isinstance(args.materials, list) else [args.materials]
+    paths = paths[:1] if task == "tile" else paths  # each photo is a recipe of its own
     if given.get("sample") is not None:
         paths = [*paths, args.sample]
     chosen = method or None if args.method in (None, "auto") else args.method

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, NamedTuple
 from weftex.cli.options import given_blocks, parse_task
 from weftex.cli.parser import BLOCKS, Parser
 from weftex.cli.terminal import Bar, Outputs, finish
+from weftex.errors import InvalidInputError
 from weftex.recipe.declared import options_of
 
 if TYPE_CHECKING:
@@ -70,16 +71,20 @@ examples:
     ),
     "tile": _Help(
         """\
-Make a photo tileable at its own size. Only a border changes; all other pixels stay unchanged.\
+Make photos tileable at their own size. Only a border changes; all other pixels stay unchanged.
+--check, --pad and --crop change no border: they check images, or wrap pixels around them.\
 """,
         """\
 examples:
   weftex tile photo.jpg -o tile.png
   weftex tile photo.jpg -o strip.png --tileable x --border 40
   weftex tile stone_wall/ -o tile/                    a folder of aligned maps
+  weftex tile photos/ -o tiles/                       a folder of separate photos and of sets
+  weftex tile --check tiles/ --picture border.png     exit code 1 if one is not tileable
+  weftex tile --pad 32 tile.png -o padded.png         before an upscaler; --crop 64 after one by 2
 """,
         "PHOTO",
-        "image, folder of maps, or sample:NAME",
+        "images, folders of maps or of separate images, or sample:NAME",
         "chosen for the photo",
     ),
     "fuse": _Help(
@@ -107,7 +112,14 @@ def run_task(task: str, argv: list[str]) -> None:
     """Run the command of a task; `argv` is what follows its name."""
     said = _HELP[task]
     parser = Parser(task, said.about, said.examples)
-    count = "+" if task in ("synth", "fuse") else None
+    count = "+" if task in ("synth", "fuse", "tile") else None
+    if task == "tile":
+        from weftex.cli.tiling import TOOLS, add_tools, each_job, run_tool
+
+        if {word.split("=")[0] for word in argv} & {*TOOLS}:
+            run_tool(argv)
+            return
+        add_tools(parser)
     parser.add_argument("materials", metavar=said.metavar, nargs=count, help=said.materials)
     if task == "fill":
         text = "image to fill the holes from, in place of the photo"
@@ -123,23 +135,33 @@ def run_task(task: str, argv: list[str]) -> None:
 
         synthesize(recipe, args)
         return
-    debug = getattr(args, "debug", None)
+    if task == "tile" and args.picture is not None:
+        raise InvalidInputError("--picture has no effect without --check")
 
     def work(bar: Bar, outputs: Outputs) -> str:
-        from weftex.cli.files import open_job, report, write, write_debug
-
-        job, plan = open_job(recipe, args, outputs)
-        if debug is not None:
-            outputs.make_folder(debug)
-        result = job.make(progress=bar, threads=args.threads)
-        write(result, plan, args, outputs)
-        if debug is not None:
-            write_debug(result, debug, outputs)
-        if task == "fill" and not job.hole.any():
-            return f"the mask covers nothing; {args.output} is the photo unchanged"
-        return report(args, result, _done(job, result), bar.took, plan.told)
+        if task != "tile":
+            return _make(recipe, args, bar, outputs)
+        jobs = each_job(recipe, args, outputs)
+        return "\n".join(_make(one, own, bar, outputs) for one, own in jobs)
 
     finish(work, args.quiet, verbose=args.verbose)
+
+
+def _make(recipe: Recipe, args: argparse.Namespace, bar: Bar, outputs: Outputs) -> str:
+    """Do a task, write its output, and return what to print."""
+    from weftex.cli.files import open_job, report, write, write_debug
+
+    debug, start = getattr(args, "debug", None), bar.took
+    job, plan = open_job(recipe, args, outputs)
+    if debug is not None:
+        outputs.make_folder(debug)
+    result = job.make(progress=bar, threads=args.threads)
+    write(result, plan, args, outputs)
+    if debug is not None:
+        write_debug(result, debug, outputs)
+    if recipe.task == "fill" and not job.hole.any():
+        return f"the mask covers nothing; {args.output} is the photo unchanged"
+    return report(args, result, _done(job, result), bar.took - start, plan.told)
 
 
 def _done(job: OpenedRecipe, result: Synthesis) -> str:

@@ -162,7 +162,7 @@ class Outputs:
 
     def sweep(self) -> None:
         """Remove the folders that were made."""
-        for folder in self._made:
+        for folder in reversed(self._made):
             with suppress(OSError):
                 os.rmdir(folder)
 

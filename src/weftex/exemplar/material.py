@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from weftex.errors import InvalidInputError, shown
+from weftex.errors import FileError, InvalidInputError, shown
 from weftex.exemplar.exemplar import Exemplar
 from weftex.raster.arrays import as_array, is_masked
 from weftex.roles import COLOR, Role, is_name_of, is_preview, role_of
@@ -168,6 +168,28 @@ def read_material(path: StrPath, files: Mapping[str, str] | None = None, **limit
         picture.pixels.setflags(write=False)
     name = os.path.basename(os.path.abspath(place))
     return Material(name, pictures, roles, tuple(notes), folder=True)
+
+
+def has_several(path: StrPath) -> bool:
+    """Return whether a path is a folder of separate pictures or sets, not the maps of one material.
+
+    A folder with the name of a map in it is a set, so that maps never become separate by mistake.
+    """
+    from weftex.io.map_files import map_files
+    from weftex.io.pictures import is_folder, locate
+
+    place, given = locate(path)
+    if not is_folder(path):
+        return False
+    try:
+        paths, _ = map_files(path)
+    except FileError:
+        return any(os.path.isdir(os.path.join(place, name)) for name in os.listdir(place))
+    try:
+        _by_role(paths, given, [])
+    except InvalidInputError:
+        return all(role_of(stem) in (None, COLOR) for stem in paths)
+    return False
 
 
 def role_of_picture(path: str) -> Role:

@@ -64,13 +64,17 @@ class StepModel:
         over = np.maximum(self._surprise(result, axis) - self._usual[axis], 0)
         return over, float(over.mean(dtype=np.float64)) / self._own[axis]
 
-    def border(self, result: View, axis: int) -> float:
-        """Return the share of the border at which the surprise is beyond 99 % of that inside."""
+    def border_places(self, result: View, axis: int) -> NDArray[np.bool_]:
+        """Return where along the border the surprise is beyond 99 % of that inside.
+
+        The outermost places are left out, so the array is shorter than the border.
+        """
         usual = np.quantile(self._surprise(result.center(_LONGEST_BORDER), axis), _USUAL)
         across = np.take(result.values, np.arange(-_BORDER, _BORDER), axis)
         around = View(across, np.ones(across.shape[:2], bool), result.axis, result.sample)
         found = self._surprise(around, axis)
-        return float((np.take(found, found.shape[axis] // 2, axis) > usual).mean())
+        places: NDArray[np.bool_] = np.take(found, found.shape[axis] // 2, axis) > usual
+        return places
 
     def _surprise(self, view: View, axis: int) -> Floats:
         model = self._models[axis]
@@ -110,7 +114,7 @@ def wrap_seam(model: StepModel, result: View, wrap: tuple[bool, bool]) -> float 
     """
     if not any(wrap) or not model.fits(result):
         return None
-    return max(model.border(result, axis) for axis in (0, 1) if wrap[axis])
+    return max(float(model.border_places(result, axis).mean()) for axis in (0, 1) if wrap[axis])
 
 
 def _steps(gray: Floats) -> Floats:
