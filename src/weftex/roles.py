@@ -87,6 +87,7 @@ ROLES = {role.name: role for role in (
     Role("opacity", "data", ("opacity", "alpha", "transparency")),
     Role("transmission", "data", ("transmission",)),
     Role("mask", "data", ("mask",)),
+    Role("detail", "data", ("detail", "detail mask")),
     Role("emission", "color", ("emission", "emissive", "emit")),
     Role("cavity", "data", ("cavity",)),
     Role("curvature", "data", ("curvature",)),

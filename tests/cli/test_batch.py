@@ -131,7 +131,7 @@ def test_threads_change_no_byte(here, samples):
 
 
 def test_names_of_a_scheme_and_of_a_template(here, samples):
-    words = ["--template", "{seed}-{name}", "--names", "ambientcg"]
+    words = ["--template", "{seed}-{name}", "--preset", "ambientcg"]
     (samples / "grass.png").unlink()
     (samples / "sand.jpg").unlink()
     assert weft_run("batch", "samples", "out", *WORDS, *words) == 0

@@ -8,8 +8,8 @@ import pytest
 import weftex
 from commands import fails, read_maps, weft_run
 from families import noise
-from weftex.io.map_files import SCHEMES, file_stem
 from weftex.io.pictures import read_image, write_image
+from weftex.io.presets import read_preset
 from weftex.roles import ROLES, role_of
 
 ROCK = {
@@ -62,18 +62,18 @@ def test_synth_keeps_names_sizes_and_depths(sets, capsys):
     assert "map 'roughness' has a pixel for 2x2" in message and "61x52 must be multiples" in message
 
 
-@pytest.mark.parametrize("scheme", SCHEMES)
+@pytest.mark.parametrize("scheme", ["ambientcg", "polyhaven", "substance"])
 def test_names_of_a_scheme_are_read_again(sets, capsys, scheme):
-    words = ["synth", "rock", "-o", "wall", "--size", 40, "--method", "quilting", "--names", scheme]
+    words = ["synth", "rock", "-o", "wall", "--size", 40, "--method", "quilting"]
+    words += ["--preset", scheme]
     assert weft_run(*words) == 0
     if scheme == "polyhaven":
-        assert "map: normal_gl (y up) goes to wall_nor_gl.png\n" in capsys.readouterr().err
+        assert "map: wall_nor_gl.png holds normal_gl\n" in capsys.readouterr().err
     assert {role_of(stem).name for stem in read_maps("wall")} == {
-        "color", "height", "roughness", "normal" if scheme == "gltf" else "normal_gl"
+        "color", "height", "roughness", "normal_gl"
     }  # fmt: skip
     for role in ROLES.values():
-        again = role_of(file_stem(scheme, "wall", role))
-        assert again is not None and again.name.removesuffix("_gl") == role.name.removesuffix("_gl")
+        assert role_of(read_preset(scheme).stem("wall", role)) == role
 
 
 def test_several_sets_of_one_material(sets):
@@ -149,8 +149,10 @@ def test_best_of_and_prepare_take_sets(sets):
     words = ["synth", "rock", "-o", "best", "--size", 48, "--best-of", 2, "--seed", 5]
     assert weft_run(*words, "--method", "quilting") == 0
     assert sorted(read_maps("best")) == sorted(name.removesuffix(".png") for name in ROCK)
-    assert weft_run("prepare", "rock", "-o", "even", "--even-light", "--names", "gltf") == 0
-    assert np.array_equal(read_image("even/even_normal.png").pixels, ROCK["Rock01_1K_NormalGL.png"])
+    assert weft_run("prepare", "rock", "-o", "even", "--even-light", "--preset", "ambientcg") == 0
+    assert np.array_equal(
+        read_image("even/even_NormalGL.png").pixels, ROCK["Rock01_1K_NormalGL.png"]
+    )
     assert weft_run("prepare", "rock", "-o", "flat", "--straighten", "30,1,-1,20") == 0
     shapes = {k: v.pixels.shape[:2] for k, v in read_maps("flat").items()}
     height, width = shapes["Rock01_1K_Color"]
@@ -178,46 +180,6 @@ def test_half_stays_half_and_alpha_straight(sets):
     assert seen.any() and (out.pixels[seen][:, 0] <= 64).all()  # no red bled into it
 
 
-def test_materialx(sets, capsys):
-    mx = pytest.importorskip("MaterialX")
-    write_set(sets / "metal", {
-        "metal_diff.png": noise((40, 40, 3)), "metal_arm.png": noise((40, 40, 3)),
-        "metal_nor_dx.png": noise((40, 40, 3)), "metal_disp.exr": noise((40, 40), np.float32),
-        "metal_gloss.png": noise((40, 40)), "metal_opacity.png": noise((40, 40)),
-        "metal_emission.exr": noise((40, 40, 3), np.float32), "metal_cavity.png": noise((40, 40)),
-        "metal_nor_gl.png": noise((40, 40, 3)),
-    })  # fmt: skip
-    for folder, names in (("rock", ["--names", "ambientcg"]), ("moss", []), ("metal", [])):
-        words = ["--size", 40, "--seed", 1, "--mtlx", "--method", "quilting", *names]
-        assert weft_run("synth", folder, "-o", f"new {folder}", *words) == 0
-        document = mx.createDocument()
-        mx.readFromXmlFile(document, f"new {folder}/new {folder}.mtlx")
-        library = mx.createDocument()
-        mx.loadLibraries(mx.getDefaultDataLibraryFolders(), mx.getDefaultDataSearchPath(), library)
-        nodes = document.getNodes()
-        document.setDataLibrary(library)
-        assert document.validate() == (True, "")
-        assert all(node.getNodeDef() is not None for node in nodes)
-        files = [node.getInputValue("file") for node in document.getNodes("image")]
-        assert files and all((sets / f"new {folder}" / file).is_file() for file in files)
-        assert len(document.getMaterialNodes()) == 1
-    assert "metal_nor_gl.png" in files and "metal_nor_dx.png" not in files
-    spaces = {
-        node.getInputValue("file"): node.getInput("file").getColorSpace()
-        for node in document.getNodes("image")
-    }
-    assert spaces["metal_diff.png"] == "srgb_texture"
-    assert spaces["metal_emission.exr"] == "lin_rec709"
-    assert spaces["metal_arm.png"] == spaces["metal_opacity.png"] == ""
-    assert "map: cavity has no place in new metal.mtlx\n" in capsys.readouterr().err
-
-
-def test_materialx_that_is_not_installed(sets, capsys, monkeypatch):
-    monkeypatch.setitem(__import__("sys").modules, "MaterialX", None)
-    message = fails(capsys, sets, "synth", "rock", "-o", "new", "--mtlx")
-    assert "pip install 'MaterialX>=" in message
-
-
 def test_what_has_no_effect_or_cannot_be(sets, capsys):
     write_image("one.png", noise((40, 40, 3)))
     write_set(sets / "dark", {"a_color.png": noise((40, 40, 3))})
@@ -228,9 +190,8 @@ def test_what_has_no_effect_or_cannot_be(sets, capsys):
     write_set(sets / "lods", {f"a_normal_LOD{k}.png": noise((40, 40, 3)) for k in range(3)})
     gradient = ["--map", "gradient", "--size", 40]
     for words, says in (
-        (["synth", "one.png", "-o", "x.png", "--names", "gltf"], "--names has no effect"),
-        (["synth", "one.png", "-o", "x.png", "--mtlx"], "--mtlx has no effect"),
-        (["synth", "rock", "-o", "x", "--names", "unity"], "invalid choice: 'unity'"),
+        (["synth", "one.png", "-o", "x.png", "--preset", "gltf"], "--preset has no effect"),
+        (["synth", "rock", "-o", "x", "--preset", "unity"], "did you mean 'unity-urp'?"),
         (["synth", "one.png", "-o", "x.png", "--maps", "color=one.png"], "is no folder"),
         (["synth", "rock", "-o", "x", "--maps", "color=Rock01.png,albedo=Rock01.png"], "two"),
         (["synth", "dark", "-o", "x"], "height contains NaN"),
@@ -253,7 +214,7 @@ def test_pictures_of_one_name_are_not_written_over_each_other(sets, capsys):
 
 
 def test_tile_of_a_set(sets):
-    words = ["--seed", 1, "--border", 8, "--names", "polyhaven", "--quiet"]
+    words = ["--seed", 1, "--border", 8, "--preset", "polyhaven", "--quiet"]
     assert weft_run("tile", "rock", "-o", "tile", *words) == 0
     made = read_maps("tile")
     assert {stem: one.pixels.shape[:2] for stem, one in made.items()} == {
@@ -272,9 +233,10 @@ def test_report_of_a_set(sets, capsys):
         "a_ao.png": noise((32, 32)),
     }
     write_set(sets / "large", large)
-    words = ["--size", 80, "--seed", 1, "--method", "quilting", "--names", "gltf", "--quiet"]
+    words = ["--size", 80, "--seed", 1, "--method", "quilting"]
+    words += ["--preset", "ambientcg", "--quiet"]
     assert weft_run("synth", "large", "-o", "made", *words) == 0
-    (sets / "made" / "made_occlusion.png").unlink()
+    (sets / "made" / "made_AmbientOcclusion.png").unlink()
     assert weft_run("report", "large", "made", "-o", "page.html") == 0
     told = capsys.readouterr().out.splitlines()
     assert [line.split(":")[0] for line in told[1:]] == ["height", "normal_gl"]

@@ -100,7 +100,7 @@ def test_every_node_is_there(server):
 def test_a_set_has_the_bytes_of_the_command_line(server, tmp_path):
     assert server.wait(server.start(workflow("tileable_material")))["status_str"] == "success"
     words = ["synth", "sample:stone_wall", "-o", str(tmp_path / "wall"), "--size", "512x384"]
-    words += ["--tileable", "--seed", "7", "--names", "ambientcg", "--quiet"]
+    words += ["--tileable", "--seed", "7", "--preset", "ambientcg", "--quiet"]
     assert cli.main(words) == 0
     made = {p.name: p.read_bytes() for p in (server.folder / "output/weftex/wall_00001_").iterdir()}
     assert made == {p.name: p.read_bytes() for p in (tmp_path / "wall").iterdir()}

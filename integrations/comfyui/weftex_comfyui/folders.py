@@ -12,8 +12,8 @@ import folder_paths
 from weftex.errors import FileError, InvalidInputError
 from weftex.exemplar.material import Material
 from weftex.io.formats import READABLE, suffix_of
-from weftex.io.map_files import file_stem
-from weftex.io.pictures import sample_names, write_image
+from weftex.io.packing import write_preset
+from weftex.io.pictures import sample_names
 
 _SAMPLE = "sample:"
 
@@ -48,7 +48,7 @@ def state_of(name: str) -> str:
     return hashlib.sha256(repr(about).encode()).hexdigest()
 
 
-def save(material: Material, prefix: str, names: str) -> list[dict[str, str]]:
+def save(material: Material, prefix: str, preset: str) -> list[dict[str, str]]:
     """Write a set to a new folder below ComfyUI's output folder; return its files for the page.
 
     The folder appears when all files are written.
@@ -60,11 +60,9 @@ def save(material: Material, prefix: str, names: str) -> list[dict[str, str]]:
     unfinished = os.path.join(folder, f".{name}")
     os.mkdir(unfinished)
     try:
-        files = _files(material, stem, names)
-        for key, picture in material.pictures.items():
-            path = os.path.join(unfinished, files[key])
-            how = {"alpha": picture.alpha, "icc": picture.icc, "half": picture.half}
-            write_image(path, picture.pixels, **how)
+        files, _ = write_preset(
+            material.pictures, unfinished, preset, roles=material.roles, name=stem
+        )
         target = os.path.join(folder, name)
         if os.path.lexists(target):
             raise FileError(f"{target} exists already; try again")
@@ -72,14 +70,4 @@ def save(material: Material, prefix: str, names: str) -> list[dict[str, str]]:
     finally:
         shutil.rmtree(unfinished, ignore_errors=True)
     subfolder = os.path.join(below, name)
-    return [{"filename": file, "subfolder": subfolder, "type": "output"} for file in files.values()]
-
-
-def _files(material: Material, stem: str, names: str) -> dict[str, str]:
-    """Return the names of files by maps."""
-    found = {}
-    for key, picture in material.pictures.items():
-        role = material.roles[key]
-        own = f"{stem}_{role.name}" if names == "weftex" else file_stem(names, stem, role)
-        found[key] = own + (".exr" if picture.pixels.dtype.kind == "f" else ".png")
-    return found
+    return [{"filename": file, "subfolder": subfolder, "type": "output"} for file in files]

@@ -10,7 +10,7 @@ import torch
 
 from weftex.errors import InvalidInputError, did_you_mean
 from weftex.exemplar.material import Material, read_material
-from weftex.io.map_files import SCHEMES
+from weftex.io.presets import presets
 from weftex.recipe import GRADIENT, LANDMARKS, MATERIAL, PREPARATION, TASKS, Recipe
 from weftex.recipe.opening import open_recipe, pictures_like, prepare_material, prepared
 from weftex.roles import ROLES
@@ -272,20 +272,20 @@ class SaveSet(_Node):
     @classmethod
     def INPUT_TYPES(cls) -> dict[str, Any]:
         """Return the inputs in ComfyUI's form."""
-        names = "How to name the files; weftex: by their roles, such as wall_normal_gl.png"
+        preset = "Engine or program to write the files for; weftex: a file for each map"
         return {
             "required": {
                 "set": (_ANY, {"tooltip": "A set, or images, of which each gets a folder"}),
                 "filename_prefix": ("STRING", {"default": "weftex/material"}),
-                "names": (["weftex", *SCHEMES], {"tooltip": names}),
+                "preset": (["weftex", *sorted(presets().keys() - {"weftex"})], {"tooltip": preset}),
             }
         }
 
-    def run(self, set: Any, filename_prefix: str, names: str) -> dict[str, Any]:
+    def run(self, set: Any, filename_prefix: str, preset: str) -> dict[str, Any]:
         """Write the files, and show those that a browser can show."""
         every = _read({"set": set}, {"set": _ANY})["set"]
         every = every if isinstance(set, Material) else [lit(one) for one in every]
-        files = [file for one in every for file in folders.save(one, filename_prefix, names)]
+        files = [file for one in every for file in folders.save(one, filename_prefix, preset)]
         return {"ui": {"images": [one for one in files if one["filename"].endswith(".png")]}}
 
 

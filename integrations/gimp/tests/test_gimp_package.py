@@ -61,7 +61,7 @@ def accepted(task, words):
     parser = Parser(task, "", "")
     count = "+" if task in ("synth", "fuse") else None
     parser.add_argument("materials", nargs=count)
-    parser.share("--output", "--names", "--mtlx", "--verbose", "--save-source")
+    parser.share("--output", "--preset", "--verbose", "--save-source")
     given = ["a.tif", "b.tif", "--map", "map.tif"] if task == "fuse" else ["a.tif"]
     return parse_task(task, parser, [*given, "-o", "out.tif", *words], options_of(task))[1]
 

@@ -31,6 +31,8 @@ _COMMANDS = {
     "analyze": "measure a sample: its scale, its lattice, whether it is tileable",
     "prepare": "straighten a photo and even its lighting, to use it as a sample",
     "estimate": "estimate height and normals from a photo",
+    "pack": "write a map set for an engine: names, packed channels, formats",
+    "unpack": "separate the packed maps of an engine",
     "explain": "show step by step how a method chooses one pixel",
     "compare": "run every method on one sample: images, scores, times",
     "studio": "open the studio in the browser, to view, edit and export materials",

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
@@ -26,6 +26,7 @@ if TYPE_CHECKING:
 
     from weftex.cli.terminal import Outputs
     from weftex.exemplar import Exemplar
+    from weftex.io.packing import PackedSet
     from weftex.io.pictures import Picture
     from weftex.recipe import Recipe
     from weftex.results.synthesis import Synthesis
@@ -111,8 +112,8 @@ class Plan:
     """What will be written."""
 
     pictures: dict[str, Picture]  # by maps, what files are like; the main one first
-    targets: dict[str, str]  # paths by maps
-    documents: dict[str, str]  # texts by paths
+    files: PackedSet
+    folder: str  # of the files
     told: str  # what was taken for what, a line each
 
     @property
@@ -123,23 +124,10 @@ class Plan:
     def write(
         self, pixels: Callable[[str], NDArray[Any]], outputs: Outputs, threads: int | None = None
     ) -> None:
-        """Write pixels, asked for by the names of maps, as these were stored."""
-        from weftex.io.pictures import write_image, write_text
-        from weftex.threads import in_turn, thread_count
+        """Write pixels, asked for by the names of maps."""
+        from weftex.io.packing import write_set
 
-        pictures, at_once = self.pictures, thread_count(threads)
-        temporary = {name: outputs.add(self.targets[name]) for name in pictures}
-
-        def write_one(number: int) -> None:
-            name, like = [*pictures.items()][number]
-            how: dict[str, Any] = {"alpha": like.alpha, "icc": like.icc, "half": like.half}
-            how["threads"] = max(1, at_once // len(pictures))
-            write_image(temporary[name], pixels(name), **how)
-
-        for _ in in_turn(write_one, range(len(pictures)), min(at_once, len(pictures))):
-            pass  # the first that fails ends it
-        for path, text in self.documents.items():
-            write_text(outputs.add(path), text)
+        write_set(self.files, self.folder, pixels, outputs.add, threads)
 
 
 def plan(
@@ -150,80 +138,36 @@ def plan(
 ) -> Plan:
     """Return where everything goes, checked before any work; `notes` are further lines to print.
 
-    `made` is a sample with the maps to write; each is stored as the first material that has it.
+    `made` is a sample with the maps to write; each is stored as the first material that has it, or
+    as a preset wants it.
     """
-    from weftex.io.pictures import check_output
+    from weftex.io.packing import PackedSet, check_set, kept_file, pack_set
+    from weftex.io.presets import read_preset
 
-    first, documents = materials[0], {}
+    first = materials[0]
     pictures = pictures_like(materials, made)
-    roles = {first.main: first.roles[first.main], **made.roles}
-    folder = any(one.folder for one in materials)
-    material = Material(first.name, pictures, roles, folder=folder)
     lines = [
         line.replace("map: ", f"map of {one.name}: ") if len(materials) > 1 else line
         for one in materials
         for line in one.told()
     ]
-    if not folder:
-        for option, value in (("--names", args.names), ("--mtlx", args.mtlx)):
-            if value:
-                raise InvalidInputError(f"{option} has no effect: {first.name} is no folder")
-        targets = {first.main: args.output}
+    folder = args.output
+    if not any(one.folder for one in materials):
+        if args.preset is not None:
+            raise InvalidInputError(f"--preset has no effect: {first.name} is no folder")
+        folder, name = os.path.split(args.output)
+        files = PackedSet((replace(kept_file("", first.main, pictures[first.main]), name=name),))
+    elif args.preset is None:
+        stems = {k: os.path.splitext(os.path.basename(p.path))[0] for k, p in pictures.items()}
+        files = PackedSet(tuple(kept_file(stems[k], k, p) for k, p in pictures.items()))
     else:
-        files = _files(material, args)
-        targets = {name: os.path.join(args.output, file) for name, file in files.items()}
-        if args.names is not None:
-            lines += [f"map: {material.roles[name]} goes to {files[name]}" for name in files]
-        if args.mtlx:
-            path, text, left = _document(material, files, args)
-            documents[path] = text
-            lines += [f"map: {name} has no place in {os.path.basename(path)}" for name in left]
-    for name, picture in pictures.items():
-        check_output(targets[name], picture.pixels, alpha=picture.alpha)
+        own = os.path.basename(os.path.abspath(str(args.output)))
+        roles = {first.main: first.roles[first.main], **made.roles}
+        files = pack_set(read_preset(args.preset), own, pictures, roles)
+        lines += [f"map: {line}" for line in files.told()]
+    check_set(files, folder, lambda key: pictures[key].pixels)
     told = "".join(f"{line}\n" for line in (*lines, *notes))
-    return Plan(pictures, targets, documents, told)
-
-
-def _files(material: Material, args: argparse.Namespace) -> dict[str, str]:
-    """The names of the files, each of them once."""
-    from weftex.io.formats import written_as
-
-    files = {}
-    for name, one in material.pictures.items():
-        stem = os.path.splitext(os.path.basename(one.path))[0]
-        files[name] = stem + written_as(one.path, one.pixels.dtype.kind == "f")
-    if args.names is not None:
-        from weftex.io.map_files import file_stem
-
-        own = _own_name(args)
-        files = {
-            name: file_stem(args.names, own, material.roles[name]) + os.path.splitext(file)[1]
-            for name, file in files.items()
-        }
-    for file in files.values():
-        twins = [other for other in files if files[other] == file]
-        if len(twins) > 1:
-            raise InvalidInputError(
-                f"{' and '.join(twins)} would both be written to {file}; rename one of them"
-            )
-    return files
-
-
-def _document(
-    material: Material, files: dict[str, str], args: argparse.Namespace
-) -> tuple[str, str, list[str]]:
-    from weftex.io.materialx import materialx_document
-    from weftex.io.pictures import check_output
-
-    path = os.path.join(args.output, f"{_own_name(args)}.mtlx")
-    check_output(path, suffixes=(".mtlx",))
-    linear = [k for k, one in material.pictures.items() if one.pixels.dtype.kind == "f"]
-    return path, *materialx_document(_own_name(args), files, material.roles, linear)
-
-
-def _own_name(args: argparse.Namespace) -> str:
-    """What the set that is written is called: as its folder."""
-    return os.path.basename(os.path.abspath(str(args.output)))
+    return Plan(pictures, files, folder, told)
 
 
 def write(result: Synthesis, planned: Plan, args: argparse.Namespace, outputs: Outputs) -> None:

@@ -16,7 +16,6 @@ if TYPE_CHECKING:
 HUGE = 2**28  # pixels
 
 _OUTPUT, _SETS, _LARGE = "output", "map sets", "large outputs"
-_NAMES = ("ambientcg", "polyhaven", "substance", "gltf")
 #: Headings in the help, and arguments of `argparse.ArgumentParser.add_argument`.
 SHARED: dict[str, tuple[str, dict[str, Any]]] = {
     "--output": ("", {"metavar": "OUT", "required": True,
@@ -30,10 +29,9 @@ SHARED: dict[str, tuple[str, dict[str, Any]]] = {
                                f"{HUGE // 10**6} megapixels"}),
     "--save-source": (_OUTPUT, {"metavar": "F.npz", "help": "save the source of every pixel, for "
                                 "'weftex replay' and 'weftex report'"}),
-    "--names": (_SETS, {"choices": _NAMES, "metavar": "STYLE", "help": "how to name the written "
-                        f"maps: {', '.join(_NAMES)}; default: as in the sample"}),
-    "--mtlx": (_SETS, {"action": "store_true", "help": "also write a MaterialX file (.mtlx), "
-                       "which renderers can open"}),
+    "--preset": (_SETS, {"metavar": "NAME", "help": "write the maps for an engine or a program, "
+                         "such as godot, unity-urp, unreal, gltf or ambientcg: files named, "
+                         "channels packed; all: weftex pack --help; or a .toml of your own"}),
     "--block": (_LARGE, {"type": int, "metavar": "PX", "help": "side of the blocks, a power of "
                          "two; the image does not depend on it; default: 2048"}),
     "--restart": (_LARGE, {"action": "store_true",

@@ -27,7 +27,6 @@ _WHOLE = {
     "--guide": "a guide is a picture of the whole size",
     "--sample-guide": "a guide is a picture of the whole size",
     "debug": "its pictures are of the whole size",
-    "mtlx": "MaterialX names pictures that are loaded whole",
     "save_source": "its sources are made again with each block",
 }
 
@@ -89,17 +88,23 @@ def parse_part(text: str) -> tuple[int, int]:
 
 
 def stems_of(args: argparse.Namespace, material: Material) -> dict[str, str]:
-    """What the files of a set's maps are called, where --names says so."""
-    if args.names is None:
+    """What the files of a set's maps are called, where --preset says so."""
+    if args.preset is None:
         return {}
     if not material.folder:
-        raise InvalidInputError(f"--names has no effect: {material.name} is no folder")
+        raise InvalidInputError(f"--preset has no effect: {material.name} is no folder")
     if suffix_of(args.output) == ".zarr":
-        raise InvalidInputError("--names has no effect: maps of a .zarr are groups of it")
-    from weftex.io.map_files import file_stem
+        raise InvalidInputError("--preset has no effect: maps of a .zarr are groups of it")
+    from weftex.io.presets import read_preset
 
+    preset = read_preset(args.preset)
+    if not preset.others:
+        raise InvalidInputError(
+            f"preset {preset.name} packs whole images, and {args.output} is written block by "
+            "block; only presets that rename work there, such as ambientcg"
+        )
     own = os.path.splitext(os.path.basename(args.output))[0]
-    return {name: file_stem(args.names, own, role) for name, role in material.roles.items()}
+    return {name: preset.stem(own, role) for name, role in material.roles.items()}
 
 
 def synthesize(recipe: Recipe, args: argparse.Namespace) -> None:

@@ -128,7 +128,7 @@ def run_task(task: str, argv: list[str]) -> None:
         text = "folder for pictures of how the result was composed: sources, patches, seams"
         parser.under["output"].add_argument("--debug", metavar="DIR", help=text)
         parser.share(*BLOCKS)
-    parser.share("--output", "--names", "--mtlx", "--verbose", "--save-source")
+    parser.share("--output", "--preset", "--verbose", "--save-source")
     args, recipe = parse_task(task, parser, argv, options_of(task), usual=said.usual)
     if task == "synth" and _is_plane(recipe, args):
         from weftex.cli.planes import synthesize

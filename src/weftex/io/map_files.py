@@ -1,46 +1,21 @@
-"""The files of a set of maps: which of a folder's they are, and how libraries name them."""
+"""The files of a set of maps in a folder."""
 
 from __future__ import annotations
 
 import os
 from typing import TYPE_CHECKING
 
-from weftex.errors import InvalidInputError, did_you_mean
 from weftex.io.formats import READABLE, bits_of, file_error, show, suffix_of
 from weftex.io.pictures import locate
 
 if TYPE_CHECKING:
     from weftex.io.formats import StrPath
-    from weftex.roles import Role
-
-__all__ = ["SCHEMES", "file_stem"]
 
 #: Where libraries keep the maps beside a scene file.
 _INNER = "textures"
 #: Pictures that weftex does not read, so that nobody misses one without a word.
 _UNREAD = (".tga", ".psd", ".dds", ".gif", ".jp2", ".ktx", ".ktx2", ".sgi", ".pic", ".tx")
 _LOSSY = (".jpg", ".jpeg")
-#: By scheme what stands after the material's name, by role, where it is not the role's own name.
-SCHEMES: dict[str, dict[str, str]] = {
-    "ambientcg": {
-        "normal_gl": "NormalGL", "normal_dx": "NormalDX", "height": "Displacement",
-        "metallic": "Metalness", "ao": "AmbientOcclusion", "orm": "ORM",
-    },
-    "polyhaven": {
-        "color": "diff", "normal_gl": "nor_gl", "normal_dx": "nor_dx", "height": "disp",
-        "roughness": "rough", "metallic": "metal", "orm": "arm", "translucency": "translucent",
-        "specular": "spec",
-    },
-    "substance": {
-        "color": "BaseColor", "normal_gl": "Normal_OpenGL", "normal_dx": "Normal_DirectX",
-        "ao": "AmbientOcclusion", "emission": "Emissive", "gloss": "Glossiness",
-        "orm": "OcclusionRoughnessMetallic",
-    },
-    "gltf": {
-        "color": "baseColor", "normal_gl": "normal", "normal": "normal", "ao": "occlusion",
-        "emission": "emissive", "orm": "occlusionRoughnessMetallic",
-    },
-}  # fmt: skip
 
 
 def map_files(folder: StrPath) -> tuple[dict[str, str], list[str]]:
@@ -89,15 +64,3 @@ def _listed(name: str, given: str) -> tuple[dict[str, str], list[str]]:
 
 def _depth(path: str) -> tuple[int, bool]:
     return bits_of(path), suffix_of(path) not in _LOSSY
-
-
-def file_stem(scheme: str, material: str, role: Role) -> str:
-    """The file name without suffix that a naming scheme gives to a map of a material."""
-    if scheme not in SCHEMES:
-        raise InvalidInputError(f"names is '{scheme}'{did_you_mean(scheme, SCHEMES)}")
-    words = role.name.split("_")
-    if scheme in ("ambientcg", "substance"):
-        own = "".join(word.capitalize() for word in words)
-    else:
-        own = role.name if scheme == "polyhaven" else words[0] + "".join(map(str.title, words[1:]))
-    return f"{material}_{SCHEMES[scheme].get(role.name, own)}"

@@ -2,123 +2,109 @@
 
 from __future__ import annotations
 
-import re
 from typing import TYPE_CHECKING, Any
 
-from weftex.errors import missing_packages
+from weftex.errors import UnsupportedError, missing_packages
+from weftex.io.materials import RELIEF, identifier
+from weftex.roles import ROLES
 
 if TYPE_CHECKING:
-    from collections.abc import Collection, Mapping
+    from collections.abc import Mapping
 
-    from weftex.roles import Role
+    from weftex.io.materials import Place
 
 __all__ = ["materialx_document"]
 
 #: Inputs of the Standard Surface 1.0.1 by the roles that they take: numbers and colors.
 _NUMBERS = {
-    "roughness": "specular_roughness", "gloss": "specular_roughness", "metallic": "metalness",
-    "specular": "specular", "transmission": "transmission", "clearcoat": "coat", "sheen": "sheen",
+    "roughness": "specular_roughness", "metallic": "metalness", "specular": "specular",
+    "transmission": "transmission", "clearcoat": "coat", "sheen": "sheen",
     "anisotropy": "specular_anisotropy", "anisotropy_rotation": "specular_rotation",
 }  # fmt: skip
 _COLORS = {"color": "base_color", "specular_color": "specular_color", "emission": "emission_color"}
-#: How far white lies above black, in units of the scene, which files do not say.
-_RELIEF = 0.05
 
 
-def materialx_document(
-    name: str, files: Mapping[str, str], roles: Mapping[str, Role], linear: Collection[str]
-) -> tuple[str, list[str]]:
-    """A MaterialX document of a Standard Surface with these maps, and the maps it cannot use.
+def materialx_document(name: str, where: Mapping[str, Place], *, hextiled: bool = False) -> str:
+    """Return a MaterialX document of a Standard Surface with these maps.
 
-    `files` and `roles` are by map name; `linear` names maps with linear colors. Normals are turned
-    to OpenGL, gloss becomes roughness, packed channels are separated unless a map shows the same.
+    `where` says by role where its channels are. `hextiled` repeats the maps by random hexagons.
     """
     try:
         import MaterialX as mx
     except ImportError:
-        raise missing_packages("--mtlx needs MaterialX", "materialx") from None
-    surface = _Surface(mx, name)
-    left = []
-    # Of two that show the same the first is taken.
-    order = {key: (len(roles[key].channels), roles[key].name == "normal_dx") for key in files}
-    for key in sorted(files, key=order.__getitem__):
-        space = "" if not roles[key].srgb else "lin_rec709" if key in linear else "srgb_texture"
-        if not surface.take(roles[key], files[key], space):
-            left.append(key)
-    return mx.writeToXmlString(surface.document), left
+        raise missing_packages("preset materialx needs MaterialX", "materialx") from None
+    if hextiled and mx.getVersionIntegers() < (1, 39, 3):
+        raise UnsupportedError(
+            f"hextiledimage needs MaterialX 1.39.3, not {mx.getVersionString()}; pip install -U "
+            "MaterialX"
+        )
+    surface = _Surface(mx, identifier(name), hextiled)
+    for role, place in where.items():
+        surface.take(role, place)
+    return str(mx.writeToXmlString(surface.document))
 
 
 class _Surface:
     """A material of one Standard Surface."""
 
-    def __init__(self, mx: Any, name: str) -> None:
-        self._mx, self.document = mx, mx.createDocument()
+    def __init__(self, mx: Any, name: str, hextiled: bool) -> None:
+        self._mx, self._hextiled, self.document = mx, hextiled, mx.createDocument()
         self.document.setColorSpace("lin_rec709")
-        valid = mx.createValidName(re.sub(r"^(?=\d)", "_", name))
-        self._shader = self._node("standard_surface", f"{valid}_surface", "surfaceshader")
-        self._material = self.document.addMaterialNode(valid, self._shader)
+        self._shader = self._node("standard_surface", f"{name}_surface", "surfaceshader")
+        self._material = self.document.addMaterialNode(name, self._shader)
 
-    def take(self, role: Role, file: str, space: str) -> bool:
-        """Connect a map, or as many channels of it as are wanted; whether there are any."""
-        if role.channels:
-            wanted = [part for part in role.channels if self._free(part)]
-            if wanted:
-                kind = f"vector{max(3, len(role.channels))}"
-                image = self._image(role.name, file, kind)
-                for part in wanted:
-                    index = role.channels.index(part)
-                    node = self._node("extract", f"{role.name}_{part}", "float", index=index)
-                    node.setConnectedNode("in", image)
-                    self._number(part, node)
-            return bool(wanted)
-        if not self._free(role.name):
-            return False
-        if role.name in _COLORS:
-            self._connect(_COLORS[role.name], self._image(role.name, file, "color3", space))
-            if role.name == "emission":
+    def take(self, role: str, place: Place) -> None:
+        """Connect a map."""
+        if role in _COLORS:
+            space = "lin_rec709" if place.file.endswith(".exr") else "srgb_texture"
+            self._connect(_COLORS[role], self._image(role, place, "color3", space))
+            if role == "emission":
                 self._shader.setInputValue("emission", 1.0)
-        elif role.kind == "normal":
-            self._normal(role, self._image(role.name, file, "vector3"))
-        else:
-            self._number(role.name, self._image(role.name, file, "float"))
-        return True
+        elif ROLES[role].kind == "normal":
+            self._normal(role, place)
+        elif role in _NUMBERS or role in ("opacity", "height"):
+            self._number(role, self._value(role, place))
 
-    def _free(self, name: str) -> bool:
-        """Whether a role has an input that nothing is connected to."""
-        if name.startswith("normal"):
-            return self._shader.getInput("normal") is None
-        if name == "height":
-            return self._material.getInput("displacementshader") is None
-        to = _COLORS.get(name) or _NUMBERS.get(name) or {"opacity": "opacity"}.get(name)
-        return to is not None and self._shader.getInput(to) is None
-
-    def _number(self, name: str, node: Any) -> None:
-        if name == "gloss":
-            node = self._then("invert", "roughness_of_gloss", node)
-        if name == "opacity":
+    def _number(self, role: str, node: Any) -> None:
+        if role == "opacity":
             node = self._then("convert", "opacity_color", node, "color3")
-        if name == "height":
+        if role == "height":
             middle = self._then("subtract", "height_from_middle", node, in2=0.5)
-            shader = self._node("displacement", "relief", "displacementshader", scale=_RELIEF)
+            shader = self._node("displacement", "relief", "displacementshader", scale=RELIEF)
             shader.setConnectedNode("displacement", middle)
             self._material.setConnectedNode("displacementshader", shader)
         else:
-            self._connect(_NUMBERS.get(name, name), node)
+            self._connect(_NUMBERS.get(role, role), node)
 
-    def _normal(self, role: Role, node: Any) -> None:
-        if role.name == "normal_dx":
-            vector = self._mx.Vector3
-            node = self._then("multiply", "normal_y", node, "vector3", in2=vector(1, -1, 1))
-            node = self._then("add", "normal_y_up", node, "vector3", in2=vector(0, 1, 0))
-        self._connect("normal", self._then("normalmap", "normal_map", node, "vector3"))
+    def _normal(self, role: str, place: Place) -> None:
+        if self._hextiled:
+            node = self._node("hextilednormalmap", "normal_map", "vector3")
+            self._file(node, place.file)
+        else:
+            image = self._image(role, place, "vector3")
+            node = self._then("normalmap", "normal_map", image, "vector3")
+        self._connect("normal", node)
 
-    def _image(self, name: str, file: str, kind: str, space: str = "") -> Any:
-        node = self._node("image", f"{name}_image", kind)
+    def _value(self, role: str, place: Place) -> Any:
+        """A node with one channel."""
+        if not self._hextiled and not place.width:
+            return self._image(role, place, "float")
+        node = self._image(role, place, "color3" if self._hextiled else "vector4")
+        one = self._node("extract", f"{role}_channel", "float", index=place.first)
+        one.setConnectedNode("in", node)
+        return one
+
+    def _image(self, role: str, place: Place, kind: str, space: str = "") -> Any:
+        what = "hextiledimage" if self._hextiled else "image"
+        node = self._node(what, f"{role}_image", kind)
+        self._file(node, place.file, space)
+        return node
+
+    def _file(self, node: Any, file: str, space: str = "") -> None:
         source = node.addInput("file", "filename")
         source.setValueString(file)
         if space:
             source.setColorSpace(space)
-        return node
 
     def _then(self, what: str, name: str, node: Any, kind: str = "float", **values: Any) -> Any:
         after = self._node(what, name, kind, **values)

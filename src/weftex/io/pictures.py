@@ -67,6 +67,7 @@ __all__ = [
     "read_image",
     "read_mask",
     "sample_names",
+    "write_bytes",
     "write_image",
     "write_text",
 ]
@@ -362,5 +363,10 @@ def _target(given: str) -> str:
 
 def write_text(path: StrPath, text: str) -> None:
     """Write a text in UTF-8; the file appears whole or not at all."""
-    with atomic(path) as temporary, open(temporary, "w", encoding="utf-8", newline="\n") as file:
-        file.write(text)
+    write_bytes(path, text.encode())
+
+
+def write_bytes(path: StrPath, content: bytes) -> None:
+    """Write a file; it appears whole or not at all."""
+    with atomic(path) as temporary, open(temporary, "wb") as file:
+        file.write(content)

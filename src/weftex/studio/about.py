@@ -7,12 +7,12 @@ from functools import cache
 from typing import TYPE_CHECKING, Any
 
 import weftex
-from weftex.io.map_files import SCHEMES
 from weftex.io.pictures import sample_names
 from weftex.naming import kind_of
 from weftex.quality import FIGURES
 from weftex.recipe import TASKS
 from weftex.results.drawing import DRAWINGS
+from weftex.studio.exports import SCHEMES
 
 if TYPE_CHECKING:
     from weftex import Method

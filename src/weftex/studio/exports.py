@@ -12,9 +12,10 @@ from typing import TYPE_CHECKING, Any
 import weftex
 from weftex.errors import InvalidInputError, did_you_mean, shown
 from weftex.io.formats import written_as
-from weftex.io.map_files import SCHEMES, file_stem
+from weftex.io.materials import Place
 from weftex.io.materialx import materialx_document
 from weftex.io.pictures import write_text
+from weftex.io.presets import read_preset
 from weftex.studio.results import formats_of
 from weftex.studio.uploads import label_of
 
@@ -26,6 +27,8 @@ if TYPE_CHECKING:
 
 #: What may stand beside the pictures.
 BESIDE = ("mtlx", "source", "report", "recipe")
+#: Presets that only rename.
+SCHEMES = ("ambientcg", "polyhaven", "substance")
 FIELDS = ("maps", "format", "names", "name", *BESIDE)
 _NAME = 60  # characters
 #: Of all files in a zip, as they have none of their own.
@@ -38,7 +41,7 @@ class ExportOptions:
 
     maps: tuple[str, ...]  # all of them if empty
     format: str | None  # a suffix; as the files of each map have it if None
-    names: str | None  # a scheme of `weftex.io.map_files`
+    names: str | None  # one of `SCHEMES`
     name: str  # what files are called after
     beside: frozenset[str]  # of `BESIDE`
 
@@ -107,7 +110,7 @@ def _files(made: Result, wanted: ExportOptions) -> dict[str, str]:
             raise InvalidInputError(f"maps has {shown(name)}{did_you_mean(name, made.pictures)}")
         suffix = _suffix(made, wanted, name)
         if wanted.names is not None:
-            stem = file_stem(wanted.names, wanted.name, made.map(name).role)
+            stem = read_preset(wanted.names).stem(wanted.name, made.map(name).role)
         else:
             stem = wanted.name if len(made.pictures) == 1 else f"{wanted.name}_{name}"
         files[name] = label_of(stem) + suffix
@@ -136,10 +139,8 @@ def _suffix(made: Result, wanted: ExportOptions, name: str) -> str:
 def _material_file(
     made: Result, wanted: ExportOptions, files: dict[str, str], folder: Path
 ) -> Path:
-    roles = {name: made.map(name).role for name in files}
-    linear = [name for name in files if made.pictures[name].pixels.dtype.kind == "f"]
-    text, _ = materialx_document(wanted.name, files, roles, linear)
-    write_text(folder / f"{wanted.name}.mtlx", text)
+    where = {made.map(name).role.name: Place(file) for name, file in files.items()}
+    write_text(folder / f"{wanted.name}.mtlx", materialx_document(wanted.name, where))
     return folder / f"{wanted.name}.mtlx"
 
 

@@ -60,7 +60,7 @@ def run(argv: list[str]) -> None:
     add("--score", action="store_true", help="write the score of each output to the manifest")
     add("--skip-existing", action="store_true", help="make only the outputs that are missing")
     add("--force", action="store_true", help="overwrite existing outputs")
-    parser.share("--names", "--mtlx")
+    parser.share("--preset")
     args, recipe = parse_task(
         "synth", parser, argv, [OUTPUT_SIZE, TILEABLE, SEED, MATERIAL["turn"]]
     )

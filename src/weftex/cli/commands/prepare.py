@@ -33,7 +33,7 @@ def run(argv: list[str]) -> None:
     """Run the command; `argv` is what follows its name."""
     parser = Parser("prepare", _ABOUT, _EXAMPLES)
     parser.add_argument("sample", metavar="PHOTO", help="image, folder of maps, or sample:NAME")
-    parser.share("--output", "--names", "--mtlx", "--quiet", "--allow-huge")
+    parser.share("--output", "--preset", "--quiet", "--allow-huge")
     names = ("maps", *PREPARATION)
     parser.take(*(MATERIAL[name] for name in names))
     parser.take(_LANDMARKS)

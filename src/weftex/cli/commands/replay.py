@@ -33,7 +33,7 @@ def run(argv: list[str]) -> None:
     add("maps", metavar="MAP", nargs="+", help=text)
     text = "same map, or folder of maps, of the photo, if it was filled from another sample"
     add("--background", metavar="PHOTO", help=text)
-    parser.share("--output", "--names", "--mtlx", "--quiet", "--allow-huge")
+    parser.share("--output", "--preset", "--quiet", "--allow-huge")
     args = parser.parse(argv)
     from weftex.cli.files import make_room, plan, read_input
 

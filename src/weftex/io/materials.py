@@ -1,0 +1,203 @@
+"""A map set as one material on a plane: glTF and USD."""
+
+from __future__ import annotations
+
+import json
+import struct
+from collections.abc import Callable, Collection, Mapping
+from typing import Any, NamedTuple
+
+__all__ = ["Place", "glb", "identifier", "usda"]
+
+
+class Place(NamedTuple):
+    """Where a role is: a file, its first channel, and its number of channels, or 0 for all."""
+
+    file: str
+    first: int = 0
+    width: int = 0
+
+
+#: How far white lies above black, in units of the scene, which files do not say.
+RELIEF = 0.05
+#: A plane of one unit that faces +z: corners, with texture coordinates from the top left.
+_CORNERS = ((-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5))
+_FLOAT, _SHORT = 5126, 5123  # types of glTF
+_REPEAT, _LINEAR, _MIPMAPS = 10497, 9729, 9987
+
+
+def glb(
+    name: str, where: Mapping[str, Place], alphas: Collection[str], read: Callable[[str], bytes]
+) -> bytes:
+    """Return a binary glTF of a plane with the material, which contains the pictures.
+
+    `alphas` are the files whose alpha is opacity, and `read` returns the bytes of a file.
+    """
+    files = sorted({place.file for place in where.values()})
+    texture = {file: {"index": number} for number, file in enumerate(files)}
+    surface: dict[str, Any] = {"metallicFactor": 0}
+    material: dict[str, Any] = {"name": name, "pbrMetallicRoughness": surface}
+    if "color" in where:
+        surface["baseColorTexture"] = texture[where["color"].file]
+        if where["color"].file in alphas:
+            material["alphaMode"] = "BLEND"
+    if "roughness" in where:
+        surface |= {"metallicRoughnessTexture": texture[where["roughness"].file]}
+        surface["metallicFactor"] = 1
+    for key, role in (("normal", "normal_gl"), ("occlusion", "ao"), ("emissive", "emission")):
+        if role in where:
+            material[f"{key}Texture"] = texture[where[role].file]
+    if "emission" in where:
+        material["emissiveFactor"] = [1, 1, 1]
+    parts = [
+        b"".join(struct.pack("<3f", x, y, 0) for x, y in _CORNERS),
+        struct.pack("<3f", 0, 0, 1) * 4,
+        struct.pack("<4f", 1, 0, 0, 1) * 4,
+        b"".join(struct.pack("<2f", x + 0.5, 0.5 - y) for x, y in _CORNERS),
+        struct.pack("<6H", 0, 1, 2, 0, 2, 3),
+        *map(read, files),
+    ]
+    views, body = [], b""
+    for part in parts:
+        views.append({"buffer": 0, "byteOffset": len(body), "byteLength": len(part)})
+        body += part + bytes(-len(part) % 4)
+    for number, target in enumerate((34962,) * 4 + (34963,)):  # vertices; indices
+        views[number]["target"] = target
+    kinds = [(kind, 4, _FLOAT) for kind in ("VEC3", "VEC3", "VEC4", "VEC2")]
+    kinds.append(("SCALAR", 6, _SHORT))
+    accessors: list[dict[str, Any]] = [
+        {"bufferView": number, "type": kind, "count": count, "componentType": component}
+        for number, (kind, count, component) in enumerate(kinds)
+    ]
+    accessors[0] |= {"min": [-0.5, -0.5, 0], "max": [0.5, 0.5, 0]}
+    attributes = {"POSITION": 0, "NORMAL": 1, "TANGENT": 2, "TEXCOORD_0": 3}
+    document = {
+        "asset": {"version": "2.0", "generator": "weftex"},
+        "scene": 0,
+        "scenes": [{"nodes": [0]}],
+        "nodes": [{"mesh": 0, "name": name}],
+        "meshes": [{"primitives": [{"attributes": attributes, "indices": 4, "material": 0}]}],
+        "materials": [material],
+        "textures": [{"source": number, "sampler": 0} for number in range(len(files))],
+        "samplers": [{"magFilter": _LINEAR, "minFilter": _MIPMAPS, "wrapS": _REPEAT,
+                      "wrapT": _REPEAT}],
+        "images": [{"bufferView": number, "mimeType": "image/png", "name": file}
+                   for number, file in enumerate(files, 5)],
+        "accessors": accessors,
+        "bufferViews": views,
+        "buffers": [{"byteLength": len(body)}],
+    }  # fmt: skip
+    text = json.dumps(document, separators=(",", ":")).encode()
+    text += b" " * (-len(text) % 4)
+    chunks = struct.pack("<I4s", len(text), b"JSON") + text
+    chunks += struct.pack("<I4s", len(body), b"BIN\0") + body
+    return struct.pack("<4sII", b"glTF", 2, 12 + len(chunks)) + chunks
+
+
+#: Inputs of a UsdPreviewSurface by role, and their types.
+_USD = {
+    "color": ("diffuseColor", "color3f"), "normal_gl": ("normal", "normal3f"),
+    "roughness": ("roughness", "float"), "metallic": ("metallic", "float"),
+    "ao": ("occlusion", "float"), "height": ("displacement", "float"),
+    "emission": ("emissiveColor", "color3f"), "opacity": ("opacity", "float"),
+}  # fmt: skip
+#: What becomes of the stored values of a map.
+_USD_SCALES = {
+    "normal_gl": ((2, 2, 2, 1), (-1, -1, -1, 0)),
+    "height": ((RELIEF,) * 4, (-RELIEF / 2,) * 4),
+}
+_USD_HEAD = """\
+#usda 1.0
+(
+    defaultPrim = "Root"
+    metersPerUnit = 1
+    upAxis = "Y"
+)
+
+def Xform "Root"
+{{
+    def Mesh "Plane" (
+        prepend apiSchemas = ["MaterialBindingAPI"]
+    )
+    {{
+        float3[] extent = [(-0.5, -0.5, 0), (0.5, 0.5, 0)]
+        int[] faceVertexCounts = [4]
+        int[] faceVertexIndices = [0, 1, 2, 3]
+        normal3f[] normals = [(0, 0, 1), (0, 0, 1), (0, 0, 1), (0, 0, 1)] (
+            interpolation = "vertex"
+        )
+        point3f[] points = [{points}]
+        texCoord2f[] primvars:st = [(0, 0), (1, 0), (1, 1), (0, 1)] (
+            interpolation = "vertex"
+        )
+        uniform token subdivisionScheme = "none"
+        rel material:binding = </Root/{material}>
+    }}
+
+    def Material "{material}"
+    {{
+        token outputs:surface.connect = </Root/{material}/Surface.outputs:surface>
+        token outputs:displacement.connect = </Root/{material}/Surface.outputs:displacement>
+
+        def Shader "St"
+        {{
+            uniform token info:id = "UsdPrimvarReader_float2"
+            string inputs:varname = "st"
+            float2 outputs:result
+        }}
+"""
+
+
+def usda(name: str, where: Mapping[str, Place], alphas: Collection[str]) -> str:
+    """Return a USD stage of a plane with a UsdPreviewSurface, whose pictures lie beside it."""
+    material = identifier(name)
+    places = dict(where)
+    if "color" in where and where["color"].file in alphas:
+        places.setdefault("opacity", Place(where["color"].file, 3, 1))
+    text = _USD_HEAD.format(
+        material=material, points=", ".join(f"({x}, {y}, 0)" for x, y in _CORNERS)
+    )
+    lines = []
+    for role, place in places.items():
+        if role not in _USD:
+            continue
+        to, kind = _USD[role]
+        if kind != "float":
+            output, stored = "rgb", "float3 outputs:rgb"
+        else:
+            output = "rgba"[place.first]
+            stored = f"float outputs:{output}"
+        path = f"/Root/{material}/{role}.outputs:{output}"
+        lines.append(f"            {kind} inputs:{to}.connect = <{path}>\n")
+        space = "sRGB" if role in ("color", "emission") else "raw"
+        scale, bias = _USD_SCALES.get(role, ((1, 1, 1, 1), (0, 0, 0, 0)))
+        text += f"""
+        def Shader "{role}"
+        {{
+            uniform token info:id = "UsdUVTexture"
+            asset inputs:file = @@@./{place.file}@@@
+            float2 inputs:st.connect = </Root/{material}/St.outputs:result>
+            token inputs:sourceColorSpace = "{space}"
+            token inputs:wrapS = "repeat"
+            token inputs:wrapT = "repeat"
+            float4 inputs:scale = {tuple(scale)}
+            float4 inputs:bias = {tuple(bias)}
+            {stored}
+        }}
+"""
+    return f"""{text}
+        def Shader "Surface"
+        {{
+            uniform token info:id = "UsdPreviewSurface"
+{"".join(lines)}            token outputs:surface
+            token outputs:displacement
+        }}
+    }}
+}}
+"""
+
+
+def identifier(name: str) -> str:
+    """Return a name of letters, digits and underlines that does not begin with a digit."""
+    plain = "".join(one if one.isascii() and one.isalnum() else "_" for one in name)
+    return f"_{plain}" if not plain or plain[0].isdigit() else plain

@@ -1,0 +1,237 @@
+"""Presets: which files a program wants of a map set, and which roles their channels hold.
+
+Each is a TOML file, in the package or of a user; `docs/how-to/engines.md` has a table of the keys.
+"""
+
+from __future__ import annotations
+
+import os
+import re
+import tomllib
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from weftex.errors import FileError, InvalidInputError, did_you_mean, shown
+from weftex.io.formats import FORMATS, file_error, path_text
+from weftex.roles import ROLES, Role
+
+__all__ = ["Preset", "PresetFile", "presets", "read_preset"]
+
+_FOLDER = Path(__file__).parent.parent / "presets"
+_SUFFIX = ".toml"
+#: Files of a whole material that a preset may ask for.
+MATERIALS = ("gltf", "materialx", "materialx-hextiled", "usd")
+#: A channel that nothing is stored in.
+UNUSED = "unused"
+_KEYS: dict[str, type] = {
+    "about": str, "url": str, "format": str, "bits": int, "material": str, "others": str,
+    "missing": dict, "file": list,
+}  # fmt: skip
+_FILE_KEYS: dict[str, type] = {"name": str, "channels": list, "format": str, "bits": int}
+_MOST_CHANNELS = 4
+#: Where glTF reads what it needs.
+_GLTF = {"ao": 0, "roughness": 1, "metallic": 2}
+
+
+@dataclass(frozen=True)
+class PresetFile:
+    """A file of a preset: its name with ``{name}``, and the roles of its channels in order."""
+
+    name: str
+    roles: tuple[str, ...]
+    optional: bool = False  # whether the last role may be missing
+    format: str = ""  # a suffix; as the map has it if empty
+    bits: int = 16  # at most, for each channel
+
+    def widths(self) -> dict[str, int]:
+        """Return the number of channels of each role; a file of one role has any number."""
+        return {role: width_of(role) for role in self.roles}
+
+    def places(self) -> dict[str, int]:
+        """Return the first channel of each role."""
+        places, start = {}, 0
+        for role in self.roles:
+            places[role] = start
+            start += width_of(role)
+        return places
+
+
+@dataclass(frozen=True)
+class Preset:
+    """What a program wants of a map set."""
+
+    name: str
+    files: tuple[PresetFile, ...] = ()
+    about: str = ""
+    url: str = ""
+    material: str = ""  # one of `MATERIALS`
+    others: str = ""  # the name of each map that no file lists; such a preset only renames
+    missing: Mapping[str, float] = field(default_factory=dict)  # neutral values by role
+
+    def stem(self, material: str, role: Role) -> str:
+        """Return the file name without suffix of a map, for a preset that only renames."""
+        for one in self.files:
+            if one.roles == (role.name,):
+                return one.name.replace("{name}", material)
+        words = role.name.split("_")
+        ways = {
+            "role": role.name,
+            "Role": "".join(map(str.capitalize, words)),
+            "name": material,
+        }
+        return re.sub(r"\{(\w+)\}", lambda found: ways[found[1]], self.others)
+
+
+def width_of(role: str) -> int:
+    """Return the number of channels of a role in a packed file."""
+    return 3 if role != UNUSED and ROLES[role].kind in ("color", "normal") else 1
+
+
+def presets() -> dict[str, str]:
+    """Return what each preset that ships with weftex is for, by name.
+
+    Examples
+    --------
+    >>> presets()["terrain3d"]
+    'Terrain3D for Godot: albedo with height, normals with roughness'
+    """
+    names = sorted(file.stem for file in _FOLDER.glob(f"*{_SUFFIX}"))
+    return {name: read_preset(name).about for name in names}
+
+
+def read_preset(preset: str | os.PathLike[str] | Preset) -> Preset:
+    """Read a preset by its name, or from a TOML file.
+
+    Raises
+    ------
+    InvalidInputError
+        If no preset has this name, or a key or value of the file is wrong.
+    FileError
+        If the file cannot be read.
+    """
+    if isinstance(preset, Preset):
+        return preset
+    given = path_text(preset)
+    path = Path(given)
+    if path.suffix != _SUFFIX:
+        known = [file.stem for file in _FOLDER.glob(f"*{_SUFFIX}")]
+        if given not in known:
+            own = "" if not path.suffix else f"; a preset of your own is a {_SUFFIX} file"
+            raise InvalidInputError(f"preset is {shown(given)}{did_you_mean(given, known)}{own}")
+        path = _FOLDER / f"{given}{_SUFFIX}"
+    try:
+        text = path.read_text("utf-8")
+    except OSError as error:
+        raise file_error(given, "cannot read the preset", error) from None
+    except UnicodeDecodeError:
+        raise file_error(given, "is no text in UTF-8") from None
+    try:
+        return _preset(path.stem, tomllib.loads(text))
+    except tomllib.TOMLDecodeError as error:
+        raise file_error(given, f"is not TOML: {error}") from None
+    except InvalidInputError as error:
+        raise FileError(f"{given}: {error}") from None
+
+
+def _preset(name: str, found: dict[str, Any]) -> Preset:
+    _check(found, _KEYS, "the preset")
+    if not found.get("file") and not found.get("others"):
+        raise InvalidInputError("has no [[file]]")
+    files = [_file(one, found) for one in found.get("file", ())]
+    material, others = found.get("material", ""), found.get("others", "")
+    if material and material not in MATERIALS:
+        raise InvalidInputError(f"material is {shown(material)}{did_you_mean(material, MATERIALS)}")
+    missing = {}
+    for role, value in found.get("missing", {}).items():
+        _check_role(role)
+        if type(value) not in (int, float) or not 0 <= value <= 1 or width_of(role) != 1:
+            raise InvalidInputError(
+                f"missing.{role} is {shown(value)}; it must be a number from 0 to 1, for a role of "
+                "one channel"
+            )
+        missing[role] = float(value)
+    if others:
+        _check_name(others, ("name", "role", "Role"), "others")
+        packed = [one.name for one in files if len(one.roles) > 1]
+        if packed or material:
+            raise InvalidInputError(
+                "others is for presets that only rename maps: without material, and with files of "
+                "one role"
+            )
+    preset = Preset(name, tuple(files), found.get("about", ""), found.get("url", ""), material,
+                    others, missing)  # fmt: skip
+    _check_whole(preset)
+    return preset
+
+
+def _check_whole(preset: Preset) -> None:
+    """Refuse files of one name, roles in two files, and what glTF has elsewhere."""
+    names = [one.name for one in preset.files]
+    roles = [role for one in preset.files for role in one.roles if role != UNUSED]
+    for what, all_of in (("files are named", names), ("channels hold", roles)):
+        twice = [one for one in all_of if all_of.count(one) > 1]
+        if twice:
+            raise InvalidInputError(f"two {what} {shown(twice[0])}")
+    if preset.material == "gltf":
+        for one in preset.files:
+            for role, place in one.places().items():
+                if _GLTF.get(role, place) != place:
+                    raise InvalidInputError(
+                        f"{one.name} has {role} in channel {place + 1}; glTF reads ao, roughness "
+                        "and metallic in channels 1, 2 and 3"
+                    )
+
+
+def _file(found: Any, above: dict[str, Any]) -> PresetFile:
+    if not isinstance(found, dict):
+        raise InvalidInputError("file must be tables: [[file]]")
+    _check(found, _FILE_KEYS, "[[file]]")
+    for key in ("name", "channels"):
+        if not found.get(key):
+            raise InvalidInputError(f"a [[file]] has no {key}")
+    name, roles = found["name"], [str(one) for one in found["channels"]]
+    _check_name(name, ("name",), "name")
+    optional = roles[-1].endswith("?")
+    roles[-1] = roles[-1].removesuffix("?")
+    for role in roles:
+        if role != UNUSED:
+            _check_role(role, alone=len(roles) == 1)
+    if len(roles) > 1 and sum(map(width_of, roles)) > _MOST_CHANNELS:
+        raise InvalidInputError(
+            f"channels of {name} are {', '.join(roles)}: a file has {_MOST_CHANNELS} at most, and "
+            "colors and normals take three"
+        )
+    suffix = found.get("format", above.get("format", ""))
+    if suffix and f".{suffix}" not in FORMATS:
+        known = [one.removeprefix(".") for one in FORMATS]
+        raise InvalidInputError(f"format is {shown(suffix)}{did_you_mean(suffix, known)}")
+    bits = found.get("bits", above.get("bits", 16))
+    if bits not in (8, 16):
+        raise InvalidInputError(f"bits is {shown(bits)}; it must be 8 or 16")
+    return PresetFile(name, tuple(roles), optional, f".{suffix}" if suffix else "", bits)
+
+
+def _check(found: dict[str, Any], keys: dict[str, type], where: str) -> None:
+    for key, value in found.items():
+        if key not in keys:
+            raise InvalidInputError(f"{where} has the key {shown(key)}{did_you_mean(key, keys)}")
+        if not isinstance(value, keys[key]):
+            kind = {str: "a text", int: "a number", list: "a list", dict: "a table"}[keys[key]]
+            raise InvalidInputError(f"{key} is {shown(value)}; it must be {kind}")
+
+
+def _check_role(role: str, *, alone: bool = False) -> None:
+    known = [name for name, one in ROLES.items() if alone or not one.channels]
+    if role not in known:
+        raise InvalidInputError(f"no map has the role {shown(role)}{did_you_mean(role, known)}")
+
+
+def _check_name(name: str, fields: tuple[str, ...], key: str) -> None:
+    used = re.findall(r"\{(.*?)\}", name)
+    plain = os.path.basename(name) == name and name.isprintable() and not name.startswith(".")
+    if not plain or used.count("name") != 1 or not set(used) <= set(fields):
+        raise InvalidInputError(
+            f"{key} is {shown(name)}; it must be a file name without suffix that has {{name}} once"
+        )
