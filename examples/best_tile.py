@@ -17,4 +17,4 @@ model = weftex.BestTile().fit(weftex.load_exemplar("sample:tiles"))
 result = model.sample((384, 512))
 
 weftex.write_image(folder / "best_tile.png", result.image)
-print(f"{folder / 'best_tile.png'}: the tile at row, column {model.anchors[0].tolist()}")
+print(f"{folder / 'best_tile.png'}: the tile at row, column {list(model.anchor)}")

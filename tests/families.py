@@ -53,8 +53,6 @@ class Trial:
         Parameters for materials of 200 pixels, where seams are looked for.
     unguided : tuple of str
         Ways that follow no guide, although the method does.
-    torus : bool
-        A canvas that does not wrap is also made on a torus, so its border shows little.
     plain : dict
         Over all that: what is made is copied, pixel by pixel, where no hole is filled.
     """
@@ -68,7 +66,6 @@ class Trial:
     largest: int = 60
     real: tuple[dict[str, Any], ...] = ({},)
     unguided: tuple[str, ...] = ()
-    torus: bool = False
     plain: dict[str, Any] = field(default_factory=dict)
 
     def copies(self, way: str) -> bool:
@@ -113,7 +110,6 @@ TRIALS = {
             "tsvq": {"search": "tsvq"},
             "pyramid": {"search": "tsvq", "levels": 2, "window_width": 3},
         },
-        torus=True,
     ),
     "ashikhmin": Trial(
         "pixel",
@@ -142,11 +138,11 @@ TRIALS = {
     ),
     "best-tile": Trial(
         "pixel",
-        {"border_width": 2},
-        wide={"lattice": (6, 0, 0, 5), "tiles": 9},
+        {"border_width": 2, "lattice": (6, 0, 0, 5)},
         window="border_width",
+        least=100,  # noise has no lattice
         largest=90,
-        torus=True,
+        real=(),  # tests/methods/test_best_tile.py looks at its borders
     ),
     "near-regular": Trial(
         "pixel",

@@ -170,8 +170,9 @@ def test_tiny_canvases_in_every_way(method, way):
     exemplar = weftex.Exemplar(noise((20, 22, 3)))
     model = method_of(method, way).fit(exemplar)
     sizes = ((1, 1), (1, 2), (2, 1), (2, 2), (1, 40), (40, 1), (3, 3), (6, 6), (7, 5))
+    wraps = [] if method == "best-tile" else wraps_of(method)  # tiles stay whole
     for number, size in enumerate(sizes):
-        for wrap in wraps_of(method)[number % 2 :: 2] or [(False, False)]:
+        for wrap in wraps[number % 2 :: 2] or [(False, False)]:
             check(model.sample(weftex.Canvas(*size, wrap), seed=1), exemplar, size)
 
 
@@ -228,7 +229,7 @@ def test_masks_that_leave_few_windows(method, way, tileable):
     exemplar = weftex.Exemplar(noise((30, 30)), mask=mask, tileable=tileable)
     model = method_of(method, way).fit(exemplar)
     for wrap in wraps_of(method)[tileable::2] or [(False, False)]:
-        check(model.sample(weftex.Canvas(20, 20, wrap), seed=1), exemplar, (20, 20))
+        check(model.sample(weftex.Canvas(20, 18, wrap), seed=1), exemplar, (20, 18))
     stripes = weftex.Exemplar(noise((30, 30)), mask=np.indices((30, 30))[1] % 4 == 0)
     trial = TRIALS[method]
     if "single" not in way and trial.window in trial.small | trial.ways[way]:

@@ -166,7 +166,7 @@ def test_lattices_are_stretched_to_come_back(slug):
 
 
 def test_a_best_tile_with_a_period_is_the_tileable_picture():
-    model = weftex.BestTile(lattice=(20, 3, -4, 24), tiles=3).fit("sample:tiles")
+    model = weftex.BestTile(lattice=(20, 3, -4, 24)).fit("sample:tiles")
     whole = model.sample((170, 146), seed=1, tileable=True).image
     made = model.window(-170, 292, 200, 190, seed=1, period=(170, 146)).image
     assert np.array_equal(made, np.tile(whole, (2, 2, 1))[:200, :190])

@@ -66,7 +66,7 @@ MORE: dict[str, dict[str, tuple[str, dict[str, Any]]]] = {
         "gncc": ("bricks", {"match": "gncc"}),
         "feathered": ("tiles", {"blend": "feather", "blend_width": 8}),
     },
-    "best-tile": {"many": ("tiles", {"tiles": 4}), "bricks": ("bricks", {})},
+    "best-tile": {"bricks": ("bricks", {})},
 }
 
 

@@ -25,26 +25,16 @@ def test_fractions_do_not_add_up():
 
 
 def test_windows_agree():
-    model = model_of(wall(60, 64), lattice=(16, 0, 8, 12), tiles=3)
+    model = model_of(wall(60, 64), lattice=(16, 0, 8, 12))
     whole = model.sample((90, 95), seed=4).image
     assert np.array_equal(model.window(30, 41, 50, 30, seed=4).image, whole[30:80, 41:71])
     far = model.window(2**39, -(2**39), 60, 60, seed=4).image
     assert np.array_equal(model.window(2**39 + 9, 5 - 2**39, 40, 40, seed=4).image, far[9:49, 5:45])
 
 
-def test_many_tiles_show_the_same_part_of_the_lattice():
-    model = model_of(wall(96, 96, spread=1), lattice=(16, 0, 8, 12), tiles=6)
-    assert len(model.anchors) == 6
-    y, x = np.indices((120, 130))
-    row = y // 12
-    mortar = (y % 12 < 2) | ((x + 8 * (row % 2)) % 16 < 2)
-    image = model.sample((120, 130), seed=1).image
-    assert ((image[..., 0] > 180) == mortar).mean() > 0.85  # 0.6 if they were anywhere
-
-
 @pytest.mark.parametrize("tileable", [True, "x", "y"])
 def test_it_wraps(tileable):
-    model = model_of(noise((60, 64, 3)), lattice=(16, 0, 8, 12), tiles=4)
+    model = model_of(noise((60, 64, 3)), lattice=(16, 0, 8, 12))
     result = model.sample((49, 62), seed=1, tileable=tileable)
     assert 0 < result.provenance["strain"] < 0.05
     index, steps = result.index, []
@@ -66,12 +56,11 @@ def test_mean_tile():
     assert np.array_equal(plane.at(y, x), tile[y % 9, x % 13])
 
 
-def test_nothing_repeats():
-    """Without a lattice an upright tile that fits itself is chosen."""
-    model = model_of(noise((40, 50)))
-    x1, y1, x2, y2 = model.method.lattice
-    assert y1 == x2 == 0 and 0 < x1 < 50 and 0 < y2 < 40
-    model.sample((33, 47), tileable=True)
+def test_without_a_lattice_it_is_refused():
+    stripes = np.repeat(np.uint8([40, 200]), 4)[:, None] * np.ones((1, 60), np.uint8)
+    for pixels in (noise((40, 50)), np.tile(stripes, (8, 1))):
+        with pytest.raises(weftex.InvalidInputError, match="has no lattice"):
+            model_of(pixels)
 
 
 def test_borders_are_as_wide_as_there_is_room_for():
@@ -81,18 +70,10 @@ def test_borders_are_as_wide_as_there_is_room_for():
     assert 0 < model.method.border_width < 10
     assert model.sample(20).provenance["border_width"] == model.method.border_width
     narrow = model_of(pixels, lattice=(20, 0, 0, 35), border_width=model.method.border_width)
-    assert np.array_equal(narrow.anchors, model.anchors) and narrow.method == model.method
+    assert narrow.anchor == model.anchor and narrow.method == model.method
     bare = model_of(pixels, lattice=(49, 0, 0, 20))
     assert bare.sample(20).provenance["border_width"] == bare.method.border_width == 1
     assert bare.method.fit(weftex.Exemplar(pixels)).method == bare.method
     with pytest.raises(weftex.InvalidInputError, match="border_width is 100; .* of 11 at most"):
         model_of(pixels, lattice=(20, 0, 0, 30), border_width=100)
     assert model_of(pixels, lattice=(20, 0, 0, 30), border_width=11).method.border_width == 11
-
-
-def test_the_number_of_tiles_is_what_is_repeated():
-    """The resolved method has their number, at most the one asked for."""
-    model = model_of(wall(96, 96, spread=1), lattice=(16, 0, 8, 12), tiles=1000)
-    assert 1 < model.method.tiles == len(model.anchors) < 1000
-    again = model.method.fit(model.exemplar)
-    assert again.method == model.method and np.array_equal(again.anchors, model.anchors)

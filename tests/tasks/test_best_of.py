@@ -71,15 +71,15 @@ def test_the_best_set_is_good_in_all_maps():
 def test_the_best_of_several_methods():
     exemplar = weftex.Exemplar(SAMPLE)
     small = weftex.Quilting(patch_size=8)
-    best = weftex.synthesize(exemplar, 90, seed=3, best_of=["quilting", "best-tile", small])
-    each = {"quilting": weftex.Quilting(), "best-tile": weftex.BestTile(), "quilting 2": small}
+    best = weftex.synthesize(exemplar, 90, seed=3, best_of=["quilting", "ashikhmin", small])
+    each = {"quilting": weftex.Quilting(), "ashikhmin": weftex.Ashikhmin(), "quilting 2": small}
     made = {name: weftex.synthesize(exemplar, 90, seed=3, method=m) for name, m in each.items()}
     scores = {name: weftex.assess(exemplar, result).score for name, result in made.items()}
     about = best.provenance["best_of"]
     assert about["scores"] == scores
     kept = min(scores, key=scores.get)
     assert np.array_equal(best.image, made[kept].image) and best.provenance["seed"] == 3
-    assert about["told"].startswith(f"{kept} of quilting, best-tile, quilting 2: score ")
+    assert about["told"].startswith(f"{kept} of quilting, ashikhmin, quilting 2: score ")
 
 
 @pytest.mark.parametrize("count", [0, -1, 1001, 2.0, "3", [], None])

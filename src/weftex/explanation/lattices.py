@@ -76,7 +76,7 @@ class BestTileRecorder(Recorder):
 
     def record(self, step: str, facts: dict[str, Any]) -> None:
         """See `Recorder`."""
-        errors, (y, x) = facts["errors"], facts["anchors"][0].tolist()
+        errors, (y, x) = facts["errors"], facts["anchor"]
         tile: NDArray[np.bool_] = np.zeros(self.exemplar.shape, bool)
         for v, u, last in facts["rows"].tolist():
             tile[y + v, max(x + u, 0) : x + last + 1] = True

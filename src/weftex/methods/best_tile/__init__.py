@@ -9,8 +9,7 @@ from weftex.analysis.canvas_lattice import Around, CanvasLattice, check_lattice,
 from weftex.errors import InvalidInputError
 from weftex.method import Method
 from weftex.methods.best_tile.repetition import repeated
-from weftex.methods.best_tile.tiles import best_tiles, tile_errors, tile_rows
-from weftex.methods.best_tile.vectors import border_for, complete_vectors
+from weftex.methods.best_tile.tiles import border_for, least_corner, tile_errors, tile_rows
 from weftex.methods.lattices.model import LatticeModel
 from weftex.notes import note
 from weftex.parameters import parameter
@@ -53,7 +52,7 @@ class BestTile(Method):
         "vectors x1,y1,x2,y2 from one tile to the next",
         count=4,
         unit="px",
-        default_text="found in the sample; upright where there are none",
+        default_text="found in the sample",
     )
     border_width: int | None = parameter(
         None,
@@ -63,12 +62,6 @@ class BestTile(Method):
         unit="px",
         default_text="10, less where the sample has no room for it",
     )
-    tiles: int = parameter(
-        1,
-        "maximum number of tiles, the best ones, to repeat in random order; 1 is the paper's",
-        low=1,
-        high=1000,
-    )
 
     def fit_exemplar(self, exemplar: Exemplar) -> BestTileModel:
         """Find the lattice, if none is given, and the best tile."""
@@ -76,7 +69,7 @@ class BestTile(Method):
 
 
 class BestTileModel(LatticeModel):
-    """A sample and its best tiles; `sample` and `window` repeat them.
+    """A sample and its best tile; `sample` and `window` repeat it.
 
     Parameters
     ----------
@@ -87,18 +80,15 @@ class BestTileModel(LatticeModel):
 
     Attributes
     ----------
-    limit : float
-        Strain that the lattice takes to wrap; tiles of a sample without a lattice take any.
-    anchors : int array (n, 2)
-        Row and column of the best tile's corner in the sample, and of the next best tiles that
-        contain the same part of the lattice.
+    anchor : (int, int)
+        Row and column of the best tile's corner in the sample.
     rows : int array (m, 3)
         The rows of a tile with half its borders, see `parallelogram.runs_of`.
 
     Raises
     ------
     InvalidInputError
-        If the vectors do not fit the sample, or no tile lies on usable pixels.
+        If the sample has no lattice, the vectors do not fit it, or no tile lies on usable pixels.
     """
 
     def __init__(self, method: BestTile, exemplar: Exemplar) -> None:
@@ -106,9 +96,12 @@ class BestTileModel(LatticeModel):
         if method.lattice is not None:
             check_lattice(method.lattice, exemplar)
         vectors = method.lattice or found_vectors(exemplar)
-        self.limit = _LIMIT if vectors else float("inf")
+        if len(vectors) != 4:
+            raise InvalidInputError(
+                f"{exemplar.name} has no lattice; give its translation vectors (lattice), or make "
+                "it repeat by weftex tile"
+            )
         # 4.1: any parallelogram with the shortest translation vectors v1, v2 as sides is a tile.
-        vectors = complete_vectors(vectors, method.border_width, exemplar)
         border = border_for(method.border_width, vectors, exemplar)
         self.rows = tile_rows(vectors, border)
         # Squared differences of all pixels v1 or v2 apart, summed over a border (eq. 4.2).
@@ -120,13 +113,9 @@ class BestTileModel(LatticeModel):
                 f"{exemplar.name}"
             )
         # The tile with the lowest total is the best self-similar one (Fig. 4.6).
-        self.anchors = best_tiles(errors, vectors, method.tiles)
-        note("tiles", errors=errors, anchors=self.anchors, rows=self.rows, vectors=vectors)
-        super().__init__(
-            replace(method, lattice=vectors, border_width=border, tiles=len(self.anchors)),
-            exemplar,
-            vectors,
-        )
+        self.anchor = least_corner(errors)
+        note("tiles", errors=errors, anchor=self.anchor, rows=self.rows, vectors=vectors)
+        super().__init__(replace(method, lattice=vectors, border_width=border), exemplar, vectors)
 
     def make(
         self,
@@ -139,10 +128,10 @@ class BestTileModel(LatticeModel):
     ) -> PixelSynthesis:
         """Repeat the best tile: f(x) = f(x + a v1 + b v2) (eq. 4.1)."""
         around = canvas if period is None else Around(*period)
-        lattice = CanvasLattice(self.vectors, around, self.limit)
-        tile = self.anchors, self.rows
-        index = repeated(self.exemplar, *tile, lattice, canvas, origin, seed, progress, period)
-        about: dict[str, object] = {"seed": seed, "anchor": self.anchors[0].tolist()}
+        lattice = CanvasLattice(self.vectors, around, _LIMIT)
+        tile = self.anchor, self.rows
+        index = repeated(self.exemplar, *tile, lattice, canvas, origin, progress, period)
+        about: dict[str, object] = {"seed": seed, "anchor": list(self.anchor)}
         if any(around.wrap):
             about["strain"] = round(lattice.strain, 6)
         return PixelSynthesis(

@@ -1,4 +1,4 @@
-"""The best self-similar tiles of a sample (section 4.1.1)."""
+"""The best self-similar tile of a sample (section 4.1.1)."""
 
 from __future__ import annotations
 
@@ -6,13 +6,15 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from weftex.analysis.canvas_lattice import CanvasLattice
+from weftex.errors import InvalidInputError
 from weftex.methods.best_tile.parallelogram import integrated, runs_of
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from weftex.exemplar import Exemplar
+
+_BORDER = 10  # px (section 4.1.1)
 
 
 def tile_rows(vectors: tuple[float, ...], border: int) -> NDArray[np.int64]:
@@ -65,28 +67,31 @@ def tile_errors(exemplar: Exemplar, vectors: tuple[float, ...], border: int) -> 
     return np.where(fits, total, -1)
 
 
-def best_tiles(
-    errors: NDArray[np.int64], vectors: tuple[float, ...], wanted: int
-) -> NDArray[np.int64]:
-    """First corners (n, 2) of the tile of least error and of up to `wanted` - 1 of the next best.
+def least_corner(errors: NDArray[np.int64]) -> tuple[int, int]:
+    """First corner of the tile of least error, the first of several."""
+    usable = np.where(errors < 0, np.iinfo(np.int64).max, errors)
+    y, x = divmod(int(usable.argmin()), errors.shape[1])
+    return y, x
 
-    Those contain the same part of the lattice.
+
+def border_for(given: int | None, vectors: tuple[float, ...], exemplar: Exemplar) -> int:
+    """The width of borders: the given one, or at most 10 if the sample is large enough.
+
+    Raises `InvalidInputError` if the sample has no room for the given one.
     """
-    order = np.argsort(
-        np.where(errors < 0, np.iinfo(np.int64).max, errors), axis=None, kind="stable"
-    )
-    order = order[: int((errors >= 0).sum())]
-    y, x = np.divmod(order, errors.shape[1])
-    first = y[0], x[0]
-    if wanted == 1:
-        return np.array([first], np.int64)
-    # The others are a sum of multiples away from it, to a pixel, and do not overlap.
-    lattice = CanvasLattice(vectors)
-    near = np.rint(np.stack(lattice.multiples(y - first[0], x - first[1]), axis=1))
-    away = np.stack([y - first[0], x - first[1]], axis=1) - near @ lattice.sample
-    found: dict[tuple[float, ...], tuple[int, int]] = {}
-    for k in np.flatnonzero((np.abs(away) <= 1).all(axis=1)):
-        found.setdefault(tuple(near[k]), (int(y[k]), int(x[k])))
-        if len(found) == wanted:
-            break
-    return np.array(list(found.values()), np.int64)
+
+    def fits(width: int) -> bool:
+        return width == 0 or tile_fits(exemplar.shape, tile_rows(vectors, width))
+
+    border = _BORDER if given is None else given
+    if exemplar.mask is not None or fits(border):
+        return border
+    if given is not None:
+        better = next(width for width in range(min(given, *exemplar.shape), -1, -1) if fits(width))
+        raise InvalidInputError(
+            f"border_width is {given}; {exemplar.name} has room for a tile with borders of "
+            f"{better} at most"
+        )
+    while not fits(border):
+        border //= 2
+    return border
