@@ -168,7 +168,7 @@ def test_tabs_do_not_see_each_other(page, other, tmp_path, rng):
     recipe = {"materials": [spec], "size": [48, 48], "seed": 1, "method": "quilting"}
     job = page.job(recipe)
     result = job["results"][0]["id"]
-    page.post(f"results/{result}/keep", {"title": "mine"})
+    page.post("steps", {"id": "a" * 12, "recipe": recipe, "result": result})
     material = page.post("materials", spec)["id"]
     plane = page.post("planes", {"materials": [{"sample": "weave"}], "method": "best-tile"})["id"]
     for path in (
@@ -179,7 +179,7 @@ def test_tabs_do_not_see_each_other(page, other, tmp_path, rng):
         assert other.ask("GET", path).status_code in (404, 410), path
     assert other.ask("DELETE", f"jobs/{job['id']}").status_code == 404
     assert other.refused("jobs", {"recipe": recipe}, 404)
-    assert other.get("jobs") == other.session.kept == []
+    assert other.get("jobs") == other.session.steps == []
     assert [one["id"] for one in page.get("jobs")] == [job["id"]]
     answer = page.ask("GET", "about", headers={"x-weftex-session": None})
     assert answer.status_code == 200  # nobody's own

@@ -126,13 +126,55 @@ def export(client, page):
     assert (len(tickets), folders(client) - before) == (TIMES, TIMES)
 
 
-def keep(client, page):
+def steps(client, page):
     results = made(page, 16)
-    answers = at_once(page, [("POST", f"results/{one}/keep", {"title": one}) for one in results])
+    answers = at_once(page, [("POST", "steps", step(one)) for one in results])
     assert codes(answers) == [200] * 16
     again = Session(client.studio.store, client.studio.memory, page.start["session"])
-    for kept in (page.session.kept, again.kept):  # also for a server that starts again
-        assert {one["result"] for one in kept} == set(results) and len(kept) == 16
+    for found in (page.session.steps, again.steps):  # also for a server that starts again
+        assert {one["result"]["id"] for one in found} == set(results) and len(found) == 16
+
+
+def step(result, **more):
+    return {"id": result[:12], "label": "Made", "recipe": QUICK, "result": result, **more}
+
+
+def use_as_sample(client, page):
+    (result,) = made(page)
+    answers = at_once(page, [("POST", f"results/{result}/sample", b"")] * TIMES)
+    assert codes(answers) == [200] * TIMES
+    (spec,) = {json.dumps(answer.json()) for answer in answers}
+    assert page.made({**QUICK, "materials": [json.loads(spec)]})["id"] != result
+    assert client.studio.store.bytes == stored(client)
+
+
+def left_work(client):
+    """The key of a tab that uploaded, made a step and went."""
+    left = client.page()
+    key = left.session.key
+    left.post("steps", step(made(left)[0]))
+    left.upload(png(5))
+    left.post("leave")
+    return key
+
+
+def continue_work(client, page):
+    key = left_work(client)
+    answers = at_once(page, [("POST", f"works/{key}/open", b"")] * TIMES)
+    assert set(codes(answers)) <= {200, 404} and 200 in codes(answers)
+    assert (len(page.session.steps), len(page.session.uploads)) == (1, 1)
+    assert client.studio.store.bytes == stored(client)
+    assert page.get("works")["works"] == []
+
+
+def remove_work(client, page):
+    key, own = left_work(client), page.session.key
+    page.upload(png(6))
+    assert page.ask("DELETE", f"works/{own}").status_code == 409
+    answers = at_once(page, [("DELETE", f"works/{key}", b"")] * TIMES)
+    assert set(codes(answers)) <= {200, 404}
+    assert not (client.studio.store.folder / key).exists()
+    assert client.studio.store.bytes == stored(client)
 
 
 def folders(client):
@@ -146,7 +188,9 @@ CASES = {
     "POST /sets": same("sets", lambda page: {"uploads": [page.upload(png(0))["id"]]}),
     "POST /materials": same("materials", lambda page: color(page.upload(png(0)))),
     "POST /jobs": jobs, "POST /batches": batches, "POST /planes": same("planes", WEAVE),
-    "POST /results/{id}/exports": export, "POST /results/{id}/keep": keep,
+    "POST /results/{id}/exports": export, "POST /results/{id}/sample": use_as_sample,
+    "POST /steps": steps, "POST /works/{id}/open": continue_work,
+    "DELETE /works/{id}": remove_work,
     "DELETE /jobs/{id}": end_job,
 }  # fmt: skip
 
@@ -189,7 +233,7 @@ def test_on_a_full_disk_requests_say_so(client, page, full_disk):
     """Nothing that failed is left, and what was there before is there still."""
     page.upload(png(0))
     (result,) = made(page)
-    kept = page.post(f"results/{result}/keep", {"title": "before"})
+    kept = page.post("steps", step(result, label="before"))
     before = {one: one.stat().st_size for one in client.studio.store.folder.rglob("*")}
     count = client.studio.store.bytes
     full_disk(client.studio.store.folder.resolve())
@@ -197,14 +241,15 @@ def test_on_a_full_disk_requests_say_so(client, page, full_disk):
         ("POST", "uploads", png(1)),
         ("POST", f"results/{result}/exports", {"format": ".png"}),
         ("POST", f"results/{result}/exports", {"recipe": True, "mtlx": True}),
-        ("POST", f"results/{result}/keep", {"title": "after"}),
+        ("POST", "steps", step(result, label="after")),
+        ("POST", f"results/{result}/sample", b""),
     ]
     for answer in at_once(page, wanted):
         assert (answer.status_code, answer.json()["error"][:16]) == (507, "the disk is full")
         assert str(client.studio.store.folder) not in answer.text
     job = page.wait(page.post("batches", {"recipe": QUICK, "seeds": [1]}))
     assert (job["state"], job["error"][:16]) == ("failed", "the disk is full")
-    assert page.session.kept == [kept]
+    assert page.session.steps == [kept]
     after = {one: one.stat().st_size for one in client.studio.store.folder.rglob("*")}
     assert after == before
     assert client.studio.store.bytes == count

@@ -167,7 +167,7 @@ def test_any_format_that_holds_it(wall, tmp_path):
     for map_, suffixes in result["formats"].items():
         for suffix in suffixes:
             _, name = page.taken(result, maps=[map_], format=suffix)
-            assert name == f"stone_{map_}{suffix}"
+            assert name == f"stone_64x72_{map_}{suffix}"
     path = f"results/{result['id']}/exports"
     assert page.refused(path, {"maps": ["height"], "format": ".jpg"})["parameter"] == "format"
     assert page.refused(path, {"maps": ["../x"]})["parameter"] == "maps"

@@ -26,7 +26,7 @@ from weftex.studio.studio import Studio
 
 @pytest.mark.skipif(sys.platform == "win32", reason="signals are other there")
 def test_killed_and_started_again(tmp_path, rng):
-    """With a page open: what was kept is there, what ran is gone, the old token is worthless."""
+    """With a page open: steps are there, what ran is gone, the old token is worthless."""
     data, photo = tmp_path / "data", tmp_path / "photo.png"
     write_image(photo, rng.integers(0, 255, (60, 70, 3)).astype(np.uint8))
     first = Process(data, str(photo), "--port", "0")
@@ -39,7 +39,8 @@ def test_killed_and_started_again(tmp_path, rng):
         "method": "quilting",
     }
     result = page.made(recipe)
-    kept = page.post(f"results/{result['id']}/keep", {"title": "wall"})
+    step = {"id": "0" * 12, "title": "wall", "recipe": result["recipe"], "result": result["id"]}
+    kept = page.post("steps", step)
     picture = page.get(f"results/{result['id']}/picture")
     page.post("jobs", {"recipe": {**recipe, "method": "efros-leung", "size": [900, 900]}})
     assert stat.S_IMODE(data.stat().st_mode) == 0o700
@@ -50,18 +51,25 @@ def test_killed_and_started_again(tmp_path, rng):
     assert page.ask("GET", "jobs").status_code == 401
     again = Page(second.client, second.token, session=page.start["session"])
     assert again.start["resumed"] is True
-    assert again.start["kept"] == [kept]
+    assert again.start["steps"] == [kept]
     assert again.get("jobs") == []
     assert again.ask("GET", f"results/{result['id']}/picture").status_code == 410
     assert again.made(kept["recipe"])["id"] == result["id"]
     assert again.get(f"results/{result['id']}/picture") == picture
     stranger = Page(second.client, second.token, session="x" * 43)
-    assert stranger.start["kept"] == []
+    assert stranger.start["steps"] == []
+    (work,) = stranger.get("works")["works"]
+    assert (work["title"], work["steps"]) == ("wall", 1)
+    assert stranger.post(f"works/{work['id']}/open")["steps"] == [kept]
+    assert stranger.made(kept["recipe"])["id"] == result["id"]  # by its own copy of the photo
+    assert stranger.ask("DELETE", f"works/{work['id']}").status_code == 409  # open in a tab
     again.post("jobs", {"recipe": {**recipe, "method": "efros-leung", "size": [900, 900]}})
     assert second.end(signal.SIGTERM) in (0, -signal.SIGTERM, 143)
     left = [one.name for one in data.iterdir() if one.name.startswith("out-")]
     assert len(left) <= 1  # that of the killed one
-    assert {one.name for one in data.iterdir()} - set(left) == {key_of(page.start["session"])}
+    assert {one.name for one in data.iterdir()} - set(left) == {
+        key_of(one.start["session"]) for one in (page, stranger)
+    }
 
 
 def test_its_socket_is_of_this_machine_alone():
@@ -108,7 +116,7 @@ def test_permissions_of_a_data_folder(tmp_path, capsys):
     for folder, mode in ((new, 0o700), (old, 0o755)):
         opened = Studio(folder, Limits())
         session, _ = opened.sessions.open(None)
-        session.keep({"result": "a", "recipe": {}})
+        session.add_steps([{"id": "a"}])
         assert stat.S_IMODE(folder.stat().st_mode) == mode
         for inner in folder.iterdir():
             assert stat.S_IMODE(inner.stat().st_mode) == 0o700
@@ -169,7 +177,7 @@ def test_what_is_left_over_is_swept(tmp_path):
     for k, name in enumerate(names):
         (tmp_path / name).mkdir()
         (tmp_path / name / ".new-1").write_bytes(b"x" * 100)
-        (tmp_path / name / ("kept.json" if k % 2 else "a.json")).write_text("[]")
+        (tmp_path / name / ("steps.json" if k % 2 else "a.json")).write_text("[]")
         for path in (tmp_path / name / ".new-1", tmp_path / name):
             old = time.time() - (DAY * 3 if k < 2 else 0)
             os.utime(path, (old, old))

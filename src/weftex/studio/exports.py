@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import tempfile
 import zipfile
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -17,12 +18,13 @@ from weftex.io.materialx import materialx_document
 from weftex.io.pictures import write_text
 from weftex.io.presets import read_preset
 from weftex.studio.results import formats_of
-from weftex.studio.uploads import label_of
+from weftex.studio.uploads import file_in, label_of
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from weftex.studio.downloads import Downloads
+    from weftex.studio.sessions import Session
     from weftex.studio.synthesis import Result
 
 #: What may stand beside the pictures.
@@ -99,6 +101,24 @@ def write(made: Result, wanted: ExportOptions, folder: Path) -> list[Path]:
         files.append(folder / f"{wanted.name}.weftex.json")
         write_text(files[-1], json.dumps(made.recipe.as_json(), indent=1) + "\n")
     return files
+
+
+def as_sample(made: Result, downloads: Downloads, session: Session) -> dict[str, Any]:
+    """Store the maps of a result as uploads, without loss; return the material that they make."""
+    stem, options = made.stem, made.recipe.options
+    maps: dict[str, str] = {}
+    with tempfile.TemporaryDirectory(dir=downloads.folder) as folder:
+        for name, like in made.pictures.items():
+            able = formats_of(like)
+            suffix = next(one for one in (".png", ".exr", ".tif") if one in able)
+            file = Path(folder) / f"{stem if len(made.pictures) == 1 else name}{suffix}"
+            how: dict[str, Any] = {"alpha": like.alpha, "icc": like.icc, "half": like.half}
+            weftex.write_image(file, made.pixels(name), **how)
+            maps[name] = file_in(file, session)["id"]
+    spec: dict[str, Any] = {"maps": maps} if len(maps) == 1 else {"name": stem, "maps": maps}
+    if options.get("tileable") is True or options.get("axes") is True:
+        spec["repeats"] = True
+    return spec
 
 
 def _files(made: Result, wanted: ExportOptions) -> dict[str, str]:

@@ -47,6 +47,7 @@ def described(made: Result, session: Session) -> dict[str, Any]:
         "reason": used.get("reason"),
         "warnings": list(used.get("warnings", ())),
         "formats": {name: formats_of(picture) for name, picture in made.pictures.items()},
+        "file": made.stem,
         "command": made.recipe.command(made.output, names),
         "python": made.recipe.python(made.output, names),
     }

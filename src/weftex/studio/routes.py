@@ -12,7 +12,7 @@ import weftex
 from weftex.errors import InvalidInputError, shown
 from weftex.io.pictures import sample_names
 from weftex.recipe import Recipe
-from weftex.studio import exports, materials, results
+from weftex.studio import exports, materials, results, works
 from weftex.studio.about import about
 from weftex.studio.jobs import ENDED, Job
 from weftex.studio.materials import id_of, map_of
@@ -46,7 +46,7 @@ async def session(call: Call) -> Any:
         "session": found.id,
         "resumed": resumed,
         "opened": opened,
-        "kept": found.kept,
+        "steps": found.steps,
         "limits": {"upload_bytes": limits.upload_bytes},
     }
 
@@ -54,7 +54,9 @@ async def session(call: Call) -> Any:
 @route("POST", "/leave")
 async def leave(call: Call) -> Any:
     """End the jobs that end with their page."""
-    call.studio.jobs.end(call.session, kept=False)
+    session = call.session
+    call.studio.jobs.end(session, kept=False)
+    session.left = not any(job.state not in ENDED for job in call.studio.jobs.of(session))
     return {}
 
 
@@ -311,8 +313,14 @@ async def export(call: Call) -> Any:
     """Write files of a result, ready to be downloaded."""
     given = await call.object(*exports.FIELDS)
     made = _made(call)
-    wanted = exports.ExportOptions.of(given, made.name)
+    wanted = exports.ExportOptions.of(given, made.stem)
     return await call.work(exports.export, made, wanted, call.studio.downloads, call.session.key)
+
+
+@route("POST", "/results/{id}/sample")
+async def use_as_sample(call: Call) -> Any:
+    """Make a result a material."""
+    return await call.work(exports.as_sample, _made(call), call.studio.downloads, call.session)
 
 
 @route("GET", "/downloads/{id}")
@@ -322,17 +330,38 @@ async def download(call: Call) -> Any:
     return FileResponse(found.path, media_type="application/octet-stream", filename=found.name)
 
 
-@route("POST", "/results/{id}/keep")
-async def keep(call: Call) -> Any:
-    """Write the recipe of a result to the disk."""
-    given = await call.object("title")
-    made = _made(call)
-    title = str(given.get("title") or made.name)[:_LONGEST_TEXT]
-    entry = {
-        "result": made.id,
-        "title": title,
-        "recipe": made.recipe.as_json(),
-        "time": round(time.time()),
-    }
-    await call.work(call.session.keep, entry)
-    return entry
+@route("POST", "/steps")
+async def add_step(call: Call) -> Any:
+    """Write a step of the page's history to the disk."""
+    given = await call.object("id", "parent", "label", "title", "recipe", "result", "thumb")
+    made = call.session.recall("result", given.get("result"))
+    result = None if made is None else results.described(made, call.session)
+    step = works.step_of(given, result)
+    await call.work(call.session.add_steps, [step])
+    return step
+
+
+@route("GET", "/works")
+async def all_works(call: Call) -> Any:
+    """List the work of other tabs, of earlier days too."""
+    return await call.work(works.works_of, call.studio.store, call.session)
+
+
+@route("POST", "/works/{id}/open")
+async def continue_work(call: Call) -> Any:
+    """Continue the work of another tab in this one."""
+    session, sessions = call.session, call.studio.sessions
+    in_use = sessions.in_use(call.id) or call.id == session.key
+    steps = await call.work(works.continue_work, call.id, call.studio.store, session, in_use)
+    if not in_use:
+        sessions.forget(call.id)
+    return {"steps": steps}
+
+
+@route("DELETE", "/works/{id}")
+async def remove_work(call: Call) -> Any:
+    """Remove the work of another tab."""
+    in_use = call.studio.sessions.in_use(call.id)
+    await call.work(works.remove_work, call.id, call.studio.store, in_use)
+    call.studio.sessions.forget(call.id)
+    return {}

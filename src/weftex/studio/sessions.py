@@ -28,8 +28,9 @@ if TYPE_CHECKING:
 Value = TypeVar("Value")
 
 DAY = 86400.0
-_DAYS, _DAYS_KEPT = 2, 60  # that a session outlives its last use, without and with kept recipes
-KEPT = "kept.json"
+_DAYS, _DAYS_KEPT = 2, 365  # that a session outlives its last use, without and with steps
+IN_USE = 180.0  # seconds since a folder was marked in which a server may be using it
+STEPS = "steps.json"
 KEY = re.compile(r"[0-9a-f]{64}")  # the name of a session's folder, and of an upload
 
 
@@ -67,12 +68,13 @@ class Store:
             raise FileError(f"{folder}: cannot use this folder: {error.strerror}") from None
         self.bytes = sum(
             one.stat().st_size
-            for session in self._sessions()
+            for session in self.sessions()
             for one in session.iterdir()
             if one.suffix != ".json"
         )
 
-    def _sessions(self) -> list[Path]:
+    def sessions(self) -> list[Path]:
+        """Return the folders of all sessions."""
         return [one for one in self.folder.iterdir() if KEY.fullmatch(one.name) and one.is_dir()]
 
     def _sweep(self) -> None:
@@ -81,9 +83,9 @@ class Store:
         A server marks the folders of its open sessions as used, see `Studio.mark_used`.
         """
         now = time.time()
-        for session in self._sessions():
+        for session in self.sessions():
             with suppress(OSError):
-                days = _DAYS_KEPT if (session / KEPT).exists() else _DAYS
+                days = _DAYS_KEPT if (session / STEPS).exists() else _DAYS
                 if now - session.stat().st_mtime > days * DAY:
                     shutil.rmtree(session)
                     continue
@@ -92,13 +94,40 @@ class Store:
                         left.unlink()
 
     def reserve(self, count: int) -> None:
-        """Count the bytes of an upload, or raise `Refusal` if all uploads become too large."""
+        """Count the bytes of an upload; the oldest sessions that nobody uses give way.
+
+        Raises `Refusal` if all uploads become too large.
+        """
         most = self.limits.stored_bytes
+        while self.bytes + count > most and (oldest := self._oldest_unused()) is not None:
+            self.remove(oldest)
         with self.lock:
             if self.bytes + count > most:
                 line = f"the studio stores {self.bytes >> 20} MiB of uploads, at most {most >> 20}"
-                raise Refusal(413, f"{line}; start it with another folder: --data")
+                raise Refusal(413, f"{line}; remove earlier work on the start page")
             self.bytes += count
+
+    def release(self, count: int) -> None:
+        """Count bytes as no longer there."""
+        with self.lock:
+            self.bytes -= count
+
+    def _oldest_unused(self) -> Path | None:
+        """Return the session folder that was marked as used longest ago, if it is not in use."""
+        ages = {one: one.stat().st_mtime for one in self.sessions()}
+        oldest = min(ages, key=lambda one: ages[one], default=None)
+        return None if oldest is None or ages[oldest] > time.time() - IN_USE else oldest
+
+    def remove(self, folder: Path) -> None:
+        """Remove the folder of a session, and count its uploads as no longer there."""
+        with self.lock:
+            try:
+                files = [one for one in folder.iterdir() if one.suffix != ".json"]
+                size = sum(one.stat().st_size for one in files)
+                shutil.rmtree(folder)
+            except FileNotFoundError:
+                return
+            self.bytes -= size
 
 
 def _check_private(folder: Path) -> None:
@@ -122,14 +151,41 @@ def _check_private(folder: Path) -> None:
 
 
 _SECRET = re.compile(r"[A-Za-z0-9_-]{43}")
-_MOST_KEPT = 200
+_MOST_STEPS = 300
 # Fields that files on disk must have; another version may have written them.
 _OF_UPLOAD = {"id": str, "suffix": str, "name": str, "bytes": int}
-_OF_KEPT = {"recipe": dict, "result": str}
+_OF_STEP = {"id": str, "recipe": dict, "label": str}
+
+
+def read_steps(folder: Path) -> list[dict[str, Any]]:
+    """Return the steps in the folder of a session."""
+    with suppress(OSError, ValueError, RecursionError):
+        found = json.loads((folder / STEPS).read_text("utf-8"))
+        return [one for one in found if _has(one, _OF_STEP)] if isinstance(found, list) else []
+    return []
+
+
+def read_uploads(folder: Path) -> dict[str, dict[str, Any]]:
+    """Return the descriptions of the uploads in the folder of a session, by their ids."""
+    found = {}
+    for one in sorted(folder.glob("*.json")):
+        with suppress(OSError, ValueError, RecursionError):
+            about = json.loads(one.read_text("utf-8"))
+            if _has(about, _OF_UPLOAD) and about["id"] == one.stem:
+                if path_of(folder, about).is_file():
+                    found[one.stem] = about
+    return found
+
+
+def path_of(folder: Path, about: Mapping[str, Any]) -> Path:
+    """Return where the bytes of an upload are."""
+    if not (KEY.fullmatch(about["id"]) and re.fullmatch(r"\.[a-z]{3,4}", about["suffix"])):
+        raise ValueError
+    return folder / f"{about['id']}{about['suffix']}"
 
 
 class Session:
-    """One tab: its uploads and kept recipes, which are on disk, and what it has in memory.
+    """One tab: its uploads and steps, which are on disk, and what it has in memory.
 
     `id` is its secret and `key` names its folder. Uploads are named after their content, and
     nothing that a client says becomes a part of a path. A lock makes each change on disk whole.
@@ -140,19 +196,11 @@ class Session:
         self.id, self.key = secret, key_of(secret)
         self.folder = store.folder / self.key
         self.seen = time.monotonic()
-        self.uploads: dict[str, dict[str, Any]] = {}
-        self.kept: list[dict[str, Any]] = []
+        self.left = False  # whether its page has been left
         self._lock = threading.Lock()
         self.existed = self.folder.is_dir()
-        for one in sorted(self.folder.glob("*.json")) if self.existed else ():
-            with suppress(OSError, ValueError, RecursionError):
-                about = json.loads(one.read_text("utf-8"))
-                if one.name == KEPT:
-                    entries = about if isinstance(about, list) else []
-                    self.kept = [entry for entry in entries if _has(entry, _OF_KEPT)]
-                elif _has(about, _OF_UPLOAD) and about["id"] == one.stem:
-                    if self.path(about).is_file():
-                        self.uploads[one.stem] = about
+        self.uploads = read_uploads(self.folder)
+        self.steps = read_steps(self.folder)
         self.mark_used()
 
     def mark_used(self) -> None:
@@ -178,9 +226,7 @@ class Session:
 
     def path(self, about: Mapping[str, Any]) -> Path:
         """Return where the bytes of an upload are."""
-        if not (KEY.fullmatch(about["id"]) and re.fullmatch(r"\.[a-z]{3,4}", about["suffix"])):
-            raise ValueError
-        return self.folder / f"{about['id']}{about['suffix']}"
+        return path_of(self.folder, about)
 
     def new_file(self) -> Path:
         """Return a path to which an upload is written while it comes in."""
@@ -219,16 +265,17 @@ class Session:
             self.uploads[about["id"]] = about
             return True
 
-    def keep(self, entry: dict[str, Any]) -> None:
-        """Keep a recipe, in place of an older entry of the same result; it is on disk then."""
+    def add_steps(self, steps: list[dict[str, Any]]) -> None:
+        """Add steps, in place of those with the same id; they are on disk then.
+
+        Of more than the limit the oldest are dropped.
+        """
+        new = {one["id"] for one in steps}
         with self._lock:
-            kept = [*(one for one in self.kept if one["result"] != entry["result"]), entry]
-            if len(kept) > _MOST_KEPT:
-                line = f"this tab keeps {_MOST_KEPT} results, the most; continue in a new tab"
-                raise Refusal(413, line)
+            kept = [*(one for one in self.steps if one["id"] not in new), *steps][-_MOST_STEPS:]
             self.folder.mkdir(mode=0o700, exist_ok=True)
-            write_text(self.folder / KEPT, json.dumps(kept))
-            self.kept = kept
+            write_text(self.folder / STEPS, json.dumps(kept))
+            self.steps = kept
 
 
 class Sessions:
@@ -248,6 +295,7 @@ class Sessions:
         known = isinstance(old, str) and _SECRET.fullmatch(old) is not None
         with self._lock:
             if known and old in self._known:
+                self._known[old].left = False
                 return self._known[old], True
             session = self._session(old) if known else None
             if session is None or not session.existed:  # nothing of it is left
@@ -265,13 +313,37 @@ class Sessions:
         session = self._known.get(name or "")
         if session is None:
             raise Refusal(401, "this session is not known; load the page again", "session")
-        session.seen = time.monotonic()
+        session.seen, session.left = time.monotonic(), False
         return session
+
+    def in_use(self, key: str) -> bool:
+        """Return whether a tab of this server, or of another one, may use a session's folder."""
+        with self._lock:
+            for session in self._known.values():
+                if session.key == key:
+                    return not session.left
+        with suppress(OSError):
+            return time.time() - (self._store.folder / key).stat().st_mtime < IN_USE
+        return False
+
+    def forget(self, key: str) -> None:
+        """Forget a session whose page has been left; its folder went to another one."""
+        with self._lock:
+            for session in [one for one in self._known.values() if one.key == key]:
+                del self._known[session.id]
+                self._ended(session)
 
     def mark_used(self) -> None:
         """Mark the folders of all open sessions as used, for servers that share the folder."""
         for session in list(self._known.values()):
-            session.mark_used()
+            if not session.left:
+                session.mark_used()
+
+    def close(self) -> None:
+        """Mark all folders as no longer in use, so that the next server may move them."""
+        for session in self._known.values():
+            with suppress(OSError):
+                os.utime(session.folder, (time.time() - IN_USE,) * 2)
 
     def _make_room(self) -> None:
         most = self._store.limits.sessions

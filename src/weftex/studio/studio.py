@@ -48,4 +48,5 @@ class Studio:
     def close(self) -> None:
         """Stop all work."""
         self.jobs.close()
+        self.sessions.close()
         self.downloads.close()

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+import os
+import re
 from dataclasses import dataclass, replace
 from functools import partial
 from time import perf_counter
@@ -13,7 +15,7 @@ from weftex.recipe.opening import OpenedRecipe, open_recipe
 from weftex.studio.materials import id_of, load_material, map_of, maps_of, size_of
 from weftex.studio.pictures import shown, whole_number
 from weftex.studio.refusals import Refusal
-from weftex.studio.uploads import picture_of
+from weftex.studio.uploads import label_of, picture_of
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -26,6 +28,10 @@ if TYPE_CHECKING:
     from weftex.method import Model
     from weftex.progress import ProgressCallback
     from weftex.studio.sessions import Session
+
+
+#: What `Result.stem` adds; a result of a result has it once.
+_ENDS = re.compile(r"(_(filled|fused|tileable|\d+x\d+))+$")
 
 
 @dataclass(frozen=True)
@@ -64,6 +70,15 @@ class Result:
         """What commands write: a folder for a set."""
         floats = self.pictures[self.main].pixels.dtype.kind == "f"
         return "out/" if self.folder else "out.exr" if floats else "out.png"
+
+    @property
+    def stem(self) -> str:
+        """The name of exported files without their suffix; never that of the sample itself."""
+        recipe, (height, width) = self.recipe, self.result.shape
+        tileable = recipe.options.get("tileable") or recipe.task == "tile"
+        what = {"fill": "filled", "fuse": "fused"}.get(recipe.task, f"{width}x{height}")
+        stem = _ENDS.sub("", os.path.splitext(label_of(self.name))[0])
+        return f"{stem}_{'tileable' if tileable and recipe.task != 'fill' else what}"
 
     @property
     def bytes(self) -> int:

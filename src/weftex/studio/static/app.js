@@ -1,41 +1,40 @@
 import { Api, StudioError } from "./api.js";
+import { drawSquare, h } from "./dom.js";
 import { fromAddress, History, toAddress } from "./history.js";
+import { sameJson, Shelf } from "./shelf.js";
 import { t } from "./strings.js";
 
 const PICTURES_KEPT = 12; // steps whose pictures stay at hand
+const PASSING = 1500; // milliseconds after which a preview that was not followed by another is stored
+const THUMB = 96; // pixels
 
 /**
  * What the person has: materials on the shelf, the recipe as it stands, the result that is seen, the steps
  * so far. Screens read it and call it; it tells them by events: "material", "recipe", "result", "job".
  */
-export class App extends EventTarget {
+export class App extends Shelf {
   constructor() {
     super();
     this.api = new Api();
     this.history = new History();
     this.about = null;
-    this.shelf = []; // specs of materials that were opened
-    this.material = null;
-    this.look = null;
     this.recipe = null;
     this.result = null;
     this.preview = null; // {bitmap, size, recipe} of something smaller or unfinished
     this.job = null;
     this.stop = null;
-    this.kept = [];
     this.goOn = false; // work goes on when the page is left
-  }
-
-  tell(type, detail = null) {
-    this.dispatchEvent(new CustomEvent(type, { detail }));
   }
 
   /** Begin with what the server answered already, if it did; a picture comes first. */
   async begin(begun) {
     const found = await begun.catch(() => this.api.begin());
     this.limits = found.limits;
-    this.kept = found.kept;
-    window.addEventListener("pagehide", () => this.api.post("leave", {}, { keepalive: true }).catch(() => {}));
+    this.history.load(found.steps);
+    window.addEventListener("pagehide", () => {
+      if (this.history.present?.passing) this.save(this.history.present, { keepalive: true });
+      this.api.post("leave", {}, { keepalive: true }).catch(() => {});
+    });
     window.addEventListener("hashchange", () => this.openAddress(location.hash));
     await this.first(found);
     await this.know();
@@ -49,6 +48,9 @@ export class App extends EventTarget {
   /** What the page begins with: work that went on, a shared state, or what the command was given. */
   async first(found) {
     if (found.resumed && (await this.resume())) return;
+    const shared = fromAddress(location.hash);
+    const step = shared ? this.history.entries.findLast((one) => sameJson(one.state, shared)) : found.opened ? null : this.history.entries.at(-1);
+    if (step && (await this.guard(() => this.returnTo(step)))) return;
     if (await this.openAddress(location.hash)) return;
     if (found.opened) await this.open([found.opened]);
   }
@@ -67,6 +69,24 @@ export class App extends EventTarget {
     return true;
   }
 
+  /** Show a step that the server stored, with the materials of all steps on the shelf. */
+  async returnTo(step) {
+    for (const { state } of this.history.entries) this.shelve(state.materials);
+    this.history.go(step);
+    await this.useMaterial(step.state.materials[0]);
+    this.recipe = structuredClone(step.state);
+    this.tell("go", { screen: step.result ? "make" : "sample" });
+    await this.travel(step);
+    return true;
+  }
+
+  /** Continue the work of another tab, or of another day. */
+  async openWork(id) {
+    const { steps } = await this.api.post(`works/${id}/open`);
+    this.history.load(steps);
+    await this.returnTo(this.history.get(steps.at(-1).id));
+  }
+
   /** Follow a state in an address; false where there is none. */
   async openAddress(hash) {
     const recipe = fromAddress(hash);
@@ -77,16 +97,6 @@ export class App extends EventTarget {
 
   method(slug) {
     return this.about.methods.find((one) => one.slug === slug);
-  }
-
-  /** Do something that may fail; its one line is then shown. */
-  async guard(action) {
-    try {
-      return await action();
-    } catch (error) {
-      if (error.message && error.name !== "AbortError") this.tell("fault", error);
-      return null;
-    }
   }
 
   // -- materials
@@ -106,7 +116,7 @@ export class App extends EventTarget {
   }
 
   async open(specs, notes = []) {
-    for (const spec of specs) if (!this.shelf.some((one) => sameJson(one, spec))) this.shelf.push(spec);
+    this.shelve(specs);
     this.notes = notes;
     await this.choose(specs[0]);
     this.tell("go", { screen: "sample" });
@@ -122,41 +132,27 @@ export class App extends EventTarget {
   async take(recipe, label, result = null) {
     await this.useMaterial(recipe.materials[0]);
     recipe = { ...recipe, size: recipe.size ?? (recipe.task === "synth" ? this.usualSize() : undefined) };
-    this.history.push(recipe, label, result);
+    this.history.push(recipe, label, this.material.name, result);
+    this.save(this.history.present);
     this.see(this.history.present);
   }
 
   /** A recipe from elsewhere: its picture is made again. */
   async openRecipe(recipe, label, make = true) {
-    for (const spec of recipe.materials) if (!this.shelf.some((one) => sameJson(one, spec))) this.shelf.push(spec);
+    this.shelve(recipe.materials);
     await this.take(recipe, make ? label : t("history.sample"));
     this.tell("go", { screen: make ? "see" : "sample" });
     if (make) await this.make(recipe, label);
   }
 
-  usualSize() {
-    const twice = [this.material.height, this.material.width].map((side) => Math.min(1024, 2 * side));
-    return twice.some((side) => side < 512) ? twice.map((side) => Math.max(512, side)) : twice;
+  /** The material that a result is; the server stores it as a sample when it is first asked for. */
+  async asSample(result) {
+    result.sample ??= await this.ask(result, (id) => this.api.post(`results/${id}/sample`));
+    return result.sample;
   }
 
-  async useMaterial(spec) {
-    if (this.material && sameJson(this.material.asked, spec)) return;
-    const material = await this.api.post("materials", spec);
-    const picture = await this.api.picture(`materials/${material.id}/picture`, { map: material.main, most: 2048 });
-    this.material = { ...material, ...picture, asked: spec };
-    this.look = null;
-    this.preview = null;
-    this.tell("material");
-    const asked = this.material;
-    this.looking = this.api
-      .get(`materials/${material.id}/look`)
-      .then((look) => {
-        if (this.material === asked) this.look = look;
-      })
-      .catch((error) => {
-        if (this.material === asked) this.lookError = error;
-      })
-      .finally(() => this.tell("look"));
+  async useAsSample(result) {
+    await this.open([await this.asSample(result)]);
   }
 
   /** Change the sample itself: straighten it, even its light, mask it. */
@@ -183,15 +179,23 @@ export class App extends EventTarget {
     this.cancel();
     await this.useMaterial(entry.state.materials[0]);
     if (entry.result && !entry.result.bitmap) Object.assign(entry.result, await this.pictureOf(entry.result));
-    this.see(entry);
+    if (this.history.present === entry) this.see(entry);
   }
 
   undo() {
-    return this.travel(this.history.undo());
+    return this.travel(this.history.go(this.history.before));
   }
 
   redo() {
-    return this.travel(this.history.redo());
+    return this.travel(this.history.go(this.history.after));
+  }
+
+  /** Have the server store a step, with a thumbnail. */
+  save(entry, options = {}) {
+    entry.saved = true;
+    entry.thumb ??= thumbOf(entry.result?.bitmap ?? this.material.bitmap);
+    const { id, parent, label, title, state, thumb, result } = entry;
+    return this.api.post("steps", { id, parent, label, title, recipe: state, thumb, result: result?.id }, options).catch((error) => error.message && this.tell("fault", error));
   }
 
   /** Change the recipe without a step; `make` or a preview comes after. */
@@ -305,14 +309,24 @@ export class App extends EventTarget {
   async step(result, label, passing = false) {
     const whole = { ...result, ...(await this.pictureOf(result)) };
     if (passing && !sameJson(result.recipe, this.recipe)) return null; // something was changed meanwhile
-    const present = this.history.present;
-    if (present && present.label !== t("history.sample") && sameJson(present.state, result.recipe)) this.history.complete(label, whole);
-    else if (passing && present?.passing) this.history.replace(result.recipe, label, whole);
-    else this.history.push(result.recipe, label, whole);
-    this.history.present.passing = passing;
-    for (const { result: old } of this.history.entries.slice(0, -PICTURES_KEPT)) {
-      old?.bitmap?.close();
-      for (const key of ["bitmap", "pictures", "overlays"]) if (old) delete old[key];
+    await this.useMaterial(result.recipe.materials[0]);
+    const { history } = this;
+    const present = history.present;
+    const title = this.material.name;
+    if (present && present.label !== t("history.sample") && sameJson(present.state, result.recipe)) history.complete({ label, result: whole, thumb: null });
+    else if (passing && present?.passing && !history.children(present).length) history.complete({ state: structuredClone(result.recipe), label, title, result: whole, thumb: null, saved: false });
+    else {
+      if (present?.passing && !present.saved) this.save(present);
+      history.push(result.recipe, label, title, whole);
+    }
+    const step = history.present;
+    step.passing = passing;
+    if (!passing) this.save(step);
+    else setTimeout(() => step.result === whole && step.passing && this.save(step), PASSING);
+    for (const one of history.entries.slice(0, -PICTURES_KEPT)) {
+      if (one === step || !one.result) continue;
+      one.result.bitmap?.close();
+      for (const key of ["bitmap", "pictures", "overlays"]) delete one.result[key];
     }
     this.see(this.history.present, passing);
     return whole;
@@ -335,7 +349,7 @@ export class App extends EventTarget {
 
   /** The recipe at a size that takes a blink. */
   smaller(recipe) {
-    if (recipe.task !== "synth" || recipe.guide) return recipe;
+    if (recipe.task !== "synth" || recipe.guide || Math.min(...recipe.size) < 1) return recipe;
     const most = this.method(recipe.method).fast ? 512 : 192; // the others go pixel by pixel
     const shrink = Math.min(1, most / Math.max(...recipe.size));
     const parameters = recipe.method === "auto" ? { effort: "quick" } : recipe.parameters;
@@ -343,17 +357,9 @@ export class App extends EventTarget {
   }
 }
 
-/** Whether two recipes, or materials, say the same: in any order, and with or without defaults. */
-export function sameJson(one, other) {
-  return plain(one) === plain(other);
+/** A small square of a picture, as the server stores it. */
+function thumbOf(picture) {
+  const canvas = h("canvas", { width: THUMB, height: THUMB });
+  drawSquare(canvas, picture);
+  return canvas.toDataURL("image/webp", 0.8);
 }
-
-function plain(value) {
-  return JSON.stringify(value, (_, part) => {
-    if (part === null || typeof part !== "object" || Array.isArray(part)) return part;
-    const told = Object.entries(part).filter(([, one]) => !DEFAULTS.has(one) && !(typeof one === "object" && Object.keys(one).length === 0));
-    return Object.fromEntries(told.sort(([first], [second]) => (first < second ? -1 : 1)));
-  });
-}
-
-const DEFAULTS = new Set([null, undefined, false, "auto"]);

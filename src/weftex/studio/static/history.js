@@ -1,16 +1,13 @@
 /**
- * Steps of a session. A state is plain JSON that says how a picture is made; it is never changed, only
- * followed by another. The address holds the present one, so that it can be shared and made again.
+ * Steps of a session: a tree, in which work that continues from an earlier step begins a branch. A state is plain
+ * JSON that says how a picture is made; it is never changed, only followed by another. The address holds the
+ * present one, so that it can be shared and made again.
  */
 export class History {
   constructor() {
-    this.entries = []; // {state, label, result}
-    this.index = -1;
+    this.entries = []; // {id, parent, state, label, title, result, thumb}, the oldest first
+    this.present = null;
     this.listeners = new Set();
-  }
-
-  get present() {
-    return this.entries[this.index] ?? null;
   }
 
   listen(listener) {
@@ -21,39 +18,58 @@ export class History {
     for (const listener of this.listeners) listener(this.present);
   }
 
-  push(state, label, result = null) {
-    this.entries = this.entries.slice(0, this.index + 1);
-    this.entries.push({ state: structuredClone(state), label, result });
-    this.index = this.entries.length - 1;
+  push(state, label, title, result = null) {
+    const id = Array.from(crypto.getRandomValues(new Uint8Array(6)), (one) => one.toString(16).padStart(2, "0")).join("");
+    this.present = { id, parent: this.present?.id ?? null, state: structuredClone(state), label, title, result };
+    this.entries.push(this.present);
     this.tell();
     return this.present;
   }
 
-  /** The present step's picture has come. */
-  complete(label, result) {
-    Object.assign(this.present, { label, result });
+  /** Change the present step, such as when its picture has come. */
+  complete(changes) {
+    Object.assign(this.present, changes);
     this.tell();
   }
 
-  /** Put another state in the place of the present one. */
-  replace(state, label, result) {
-    this.entries = this.entries.slice(0, this.index);
-    return this.push(state, label, result);
-  }
-
-  go(index) {
-    if (index < 0 || index >= this.entries.length || index === this.index) return null;
-    this.index = index;
+  /** Add steps that the server stored. */
+  load(steps) {
+    const known = new Set(this.entries.map((one) => one.id));
+    const added = steps.filter((one) => !known.has(one.id)).map(({ recipe, ...one }) => ({ ...one, state: recipe, saved: true }));
+    this.entries.push(...added);
     this.tell();
-    return this.present;
+    return added;
   }
 
-  undo() {
-    return this.go(this.index - 1);
+  get(id) {
+    return this.entries.find((one) => one.id === id) ?? null;
   }
 
-  redo() {
-    return this.go(this.index + 1);
+  children(entry) {
+    return this.entries.filter((one) => one.parent === entry?.id);
+  }
+
+  go(entry) {
+    if (!entry || entry === this.present) return null;
+    this.present = entry;
+    this.tell();
+    return entry;
+  }
+
+  get before() {
+    return this.present && this.get(this.present.parent);
+  }
+
+  get after() {
+    return this.present && (this.children(this.present).at(-1) ?? null);
+  }
+
+  /** The steps that lead to the present one, and those that redo would go through. */
+  path() {
+    const found = new Set();
+    for (let one = this.present; one && !found.has(one); one = this.get(one.parent)) found.add(one);
+    for (let one = this.after; one && !found.has(one); one = this.children(one).at(-1)) found.add(one);
+    return found;
   }
 }
 

@@ -1,7 +1,7 @@
 import { App } from "./app.js";
-import { fill, h, icon, iconButton } from "./dom.js";
+import { drawSquare, drawText, fill, h, icon, iconButton } from "./dom.js";
 import { CompareScreen } from "./screens/compare.js";
-import { drawSquare, front } from "./screens/front.js";
+import { front } from "./screens/front.js";
 import { MakeScreen } from "./screens/make.js";
 import { PaintScreen } from "./screens/paint.js";
 import { SampleScreen } from "./screens/sample.js";
@@ -40,6 +40,7 @@ function go(name, options = {}) {
     } else button.removeAttribute("aria-current");
   }
   screens[name].enter(body, options);
+  if (document.activeElement === document.body) byId("panel").focus({ preventScroll: true });
 }
 
 function buildBar() {
@@ -47,8 +48,8 @@ function buildBar() {
   const undo = iconButton("undo", t("history.undo"), () => undoStep(), { disabled: true });
   const redo = iconButton("redo", t("history.redo"), () => redoStep(), { disabled: true });
   app.history.listen(() => {
-    undo.disabled = app.history.index <= 0;
-    redo.disabled = app.history.index >= app.history.entries.length - 1;
+    undo.disabled = !app.history.before;
+    redo.disabled = !app.history.after;
     buildStrip();
   });
   fill(
@@ -81,24 +82,25 @@ function mark() {
   return svg;
 }
 
+/** All steps; those that are on another branch than the present one are paler. */
 function buildStrip() {
-  const { entries, index } = app.history;
+  const { entries, present: now } = app.history;
   const strip = byId("strip");
+  const path = app.history.path();
   strip.hidden = entries.length === 0;
   fill(
     strip,
     entries.map((entry, k) => {
-      const canvas = h("canvas", { width: 68, height: 68 });
-      const picture = entry.result?.bitmap ?? (k === index ? app.material?.bitmap : entry.thumb);
-      if (picture) {
-        drawSquare(canvas, picture);
-        entry.thumb = canvas;
-      }
-      const { seed } = entry.state;
-      const about = entry.result ? `${entry.result.method} · ${seed}` : entry.state.materials[0].sample ?? entry.state.materials[0].name;
+      const canvas = (entry.canvas ??= h("canvas", { width: 68, height: 68 }));
+      const picture = entry.result?.bitmap ?? (entry === now && !entry.result ? app.material?.bitmap : null);
+      if (picture && canvas.shows !== picture) drawSquare(canvas, (canvas.shows = picture));
+      else if (!canvas.shows && entry.thumb) drawText(canvas, (canvas.shows = entry.thumb));
+      const about = entry.result ? `${entry.result.method} · ${entry.state.seed}` : entry.title;
+      const branch = entry.parent !== (entries[k - 1]?.id ?? null);
       return h(
         "button",
-        { type: "button", class: k > index ? "later" : "", "aria-current": k === index ? "true" : null, onclick: () => app.guard(() => app.travel(app.history.go(k))) },
+        { type: "button", class: path.has(entry) ? "" : "aside", title: branch ? t("history.branch", { name: app.history.get(entry.parent)?.label ?? "" }) : null, "aria-current": entry === now ? "true" : null, onclick: () => app.guard(() => app.travel(app.history.go(entry))) },
+        branch ? icon("branch") : null,
         canvas,
         h("span", { class: "what" }, h("span", {}, entry.label), h("span", {}, about)),
       );
@@ -200,10 +202,13 @@ function addKeys() {
     const key = event.key.toLowerCase();
     if (command && key === "z" && !typing) run(event, event.shiftKey ? redoStep : undoStep);
     else if (command && key === "y" && !typing) run(event, redoStep);
+    else if (command && key === "enter" && present === "paint") run(event, () => screens.paint.go());
     else if (command && key === "enter") run(event, () => (present === "make" ? screens.make.make() : go("make", { now: true })));
     else if (event.altKey && /^[1-6]$/.test(key)) run(event, () => go(names[key - 1]));
     else if (key === "escape" && app.job) run(event, () => app.cancel());
-    else if (!typing && !command && !event.altKey && stage.mainKeys(key)) event.preventDefault();
+    else if (typing || command || event.altKey || event.defaultPrevented) return;
+    else if (present === "paint" && "[]".includes(key)) run(event, () => screens.paint.painter?.keys(event));
+    else if (stage.mainKeys(key)) event.preventDefault();
   });
 }
 

@@ -28,6 +28,7 @@ export class Painter {
     view.tools.push(this);
     view.keys = (event) => this.keys(event);
     view.onhover = (place, event) => {
+      if (!place && this.byKeys) return;
       this.ring = place && event.pointerType !== "touch" ? place : null;
       view.draw();
     };
@@ -102,11 +103,19 @@ export class Painter {
     this.mask.cancel();
   }
 
-  /** Paint by keys: Enter takes hold of the brush, sets it down and lifts it; Escape gives the keys back. */
+  /** The keys take the brush, in the middle of the view if no pointer has it. */
+  hold() {
+    this.byKeys = true;
+    this.freed = false;
+    this.ring ??= [this.view.camera.x, this.view.camera.y];
+  }
+
+  /** Paint by keys: arrows move the brush, Enter sets it down and lifts it; Escape gives the keys back. */
   keys(event) {
     const step = event.shiftKey ? 16 : 4;
     const ways = { ArrowLeft: [-step, 0], ArrowRight: [step, 0], ArrowUp: [0, -step], ArrowDown: [0, step] };
-    if (event.key in ways && this.ring && this.byKeys) {
+    if (event.key in ways && !this.freed) {
+      this.hold();
       const next = this.ring.map((one, k) => one + ways[event.key][k]);
       if (this.pressed) this.mask.line(this.ring, next, this.radius, this.tool === "erase" ? 0 : this.label);
       this.ring = next;
@@ -120,11 +129,8 @@ export class Painter {
       return true;
     }
     if (event.key === "Enter") {
-      if (!this.byKeys) {
-        this.byKeys = true;
-        this.ring ??= [this.view.camera.x, this.view.camera.y];
-        this.view.draw();
-      } else if (this.tool === "wand") {
+      this.hold();
+      if (this.tool === "wand") {
         this.takeSimilar(this.ring);
       } else if (this.pressed) {
         this.pressed = false;
@@ -139,6 +145,8 @@ export class Painter {
     if (event.key === "Escape" && this.byKeys) {
       if (this.pressed) this.mask.end();
       this.byKeys = this.pressed = false;
+      this.freed = true; // arrows pan the view
+      this.view.draw();
       return true;
     }
     return false;

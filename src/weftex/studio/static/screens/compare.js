@@ -1,5 +1,5 @@
-import { sameJson } from "../app.js";
 import { fill, h, icon, tick } from "../dom.js";
+import { sameJson } from "../shelf.js";
 import { duration, number, t } from "../strings.js";
 
 const USUAL = ["patch-sampling", "quilting", "graphcut", "near-regular", "best-tile"];

@@ -1,5 +1,5 @@
-import { fill, h, icon } from "../dom.js";
-import { t } from "../strings.js";
+import { drawSquare, drawText, fill, h, icon, iconButton } from "../dom.js";
+import { number, t } from "../strings.js";
 
 /** The first page: drop a picture, choose files, or take one of the samples. */
 export function front(app, openState) {
@@ -18,6 +18,8 @@ export function front(app, openState) {
     );
     drawThumb(app, canvas, `samples/${sample.name}/picture`);
   }
+  const works = h("div", { class: "recent" });
+  recent(app, works);
   const element = h(
     "div",
     { class: "front" },
@@ -35,7 +37,8 @@ export function front(app, openState) {
       error,
       h("h3", {}, t("front.samples")),
       tiles,
-      h("div", { class: "row" }, h("button", { type: "button", onclick: openState }, t("state.open")), keptButtons(app)),
+      works,
+      h("div", { class: "row" }, h("button", { type: "button", onclick: openState }, t("state.open"))),
     ),
   );
   app.addEventListener("fault", ({ detail }) => {
@@ -45,8 +48,32 @@ export function front(app, openState) {
   return element;
 }
 
-function keptButtons(app) {
-  return app.kept.map((one) => h("button", { type: "button", onclick: () => app.guard(() => app.openRecipe(one.recipe, one.title)) }, icon("picture"), one.title));
+/** Work of other tabs and days: continue it, or remove it from the disk. */
+async function recent(app, box) {
+  const found = await app.guard(() => app.api.get("works"));
+  if (!found?.works.length) return fill(box);
+  const megabytes = (bytes) => number(bytes / 1e6, bytes < 1e7 ? 1 : 0);
+  const remove = async (id) => {
+    await app.guard(() => app.api.remove(`works/${id}`));
+    await recent(app, box);
+  };
+  const cards = found.works.map((work) => {
+    const canvas = h("canvas", { width: 96, height: 96 });
+    if (work.thumb) drawText(canvas, work.thumb);
+    const day = work.time ? new Date(1000 * work.time).toLocaleString(document.documentElement.lang, { dateStyle: "medium", timeStyle: "short" }) : "";
+    return h(
+      "div",
+      { class: "work" },
+      h("button", { type: "button", onclick: () => app.guard(() => app.openWork(work.id)) }, canvas, h("span", {}, work.title, h("span", { class: "hint" }, t("works.steps", { n: work.steps })), h("span", { class: "hint" }, day))),
+      iconButton("trash", t("works.remove", { name: work.title }), () => remove(work.id)),
+    );
+  });
+  fill(
+    box,
+    h("h3", {}, t("works.title")),
+    h("div", { class: "works" }, cards),
+    h("p", { class: "hint" }, t("works.room", { used: megabytes(found.bytes), most: megabytes(found.most) })),
+  );
 }
 
 /** A square part of a picture, once it is there. */
@@ -57,13 +84,4 @@ export async function drawThumb(app, canvas, path, options = {}) {
   } catch {
     // a thumbnail that cannot be had leaves its button, which says why when pressed
   }
-}
-
-/** Draw the middle of a picture into a square canvas. */
-export function drawSquare(canvas, picture) {
-  const side = Math.min(picture.width, picture.height);
-  const context = canvas.getContext("2d");
-  context.imageSmoothingQuality = "high";
-  context.clearRect(0, 0, canvas.width, canvas.height);
-  context.drawImage(picture, (picture.width - side) / 2, (picture.height - side) / 2, side, side, 0, 0, canvas.width, canvas.height);
 }

@@ -1,5 +1,6 @@
 import { field, fill, h, icon, iconButton, segments, tick } from "../dom.js";
 import { parameterForm } from "../form.js";
+import { sameJson } from "../shelf.js";
 import { duration, number, t } from "../strings.js";
 
 const CHANGED = 80; // milliseconds after the last change before a slow preview is asked for again
@@ -13,6 +14,7 @@ export class MakeScreen {
     this.live = true;
     this.took = 0; // milliseconds of the last preview
     this.update = (event) => this.panel && this.refresh(event.detail?.passing);
+    this.tell = () => this.panel && fill(this.toldBox, this.told() ?? []);
   }
 
   enter(panel, { now = false } = {}) {
@@ -20,6 +22,8 @@ export class MakeScreen {
     this.stage.setSubject("result");
     this.app.addEventListener("result", this.update);
     this.app.addEventListener("look", this.update);
+    for (const type of ["preview", "recipe", "job"]) this.app.addEventListener(type, this.tell);
+    this.app.analyze();
     this.draw();
     if (now) this.make();
   }
@@ -27,6 +31,7 @@ export class MakeScreen {
   leave() {
     this.app.removeEventListener("result", this.update);
     this.app.removeEventListener("look", this.update);
+    for (const type of ["preview", "recipe", "job"]) this.app.removeEventListener(type, this.tell);
     this.stopTrying();
     if (this.stage.custom === "sheet") this.closeSheet();
     this.panel = null;
@@ -124,11 +129,16 @@ export class MakeScreen {
 
   /** What the picture that is there cost, and what the library has to say about it. */
   told() {
-    const { result } = this.app;
+    const { app } = this;
+    const { result, preview, job } = app;
+    if (job && !job.quiet) return null;
+    if (preview) return h("p", { class: "hint" }, t("make.preview", { method: preview.result?.method ?? "" }));
     if (!result) return null;
+    if (!sameJson(result.recipe, app.recipe)) return h("p", { class: "hint" }, t("make.stale"));
     return [
       result.warnings.map((line) => h("p", { class: "note" }, line)),
       h("p", { class: "hint" }, t("make.made", { method: result.method, time: duration(result.seconds) })),
+      resultButtons(app),
     ];
   }
 
@@ -224,4 +234,17 @@ export class MakeScreen {
     this.stage.custom = null;
     this.stage.refresh();
   }
+}
+
+/** What can be done with a result: go on with it, retouch it, take it. */
+export function resultButtons(app) {
+  const { result } = app;
+  const button = (name, text, onclick) => h("button", { type: "button", onclick }, icon(name), text);
+  return h(
+    "div",
+    { class: "row" },
+    button("open", t("result.sample"), () => app.guard(() => app.useAsSample(result))),
+    button("brush", t("result.paint"), () => app.tell("go", { screen: "paint", onResult: true })),
+    button("take", t("result.export"), () => app.tell("go", { screen: "take" })),
+  );
 }

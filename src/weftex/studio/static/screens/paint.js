@@ -1,7 +1,8 @@
-import { field, fill, h, icon, iconButton, segments, tick } from "../dom.js";
+import { drawSquare, field, fill, h, icon, segments, tick } from "../dom.js";
 import { parameterForm } from "../form.js";
 import { Mask } from "../paint/mask.js";
 import { Painter } from "../paint/tools.js";
+import { sameJson } from "../shelf.js";
 import { number, t } from "../strings.js";
 
 /** Colors of labels in the files that go to the server: the first is what is not painted. */
@@ -15,6 +16,7 @@ export class PaintScreen {
     this.app = app;
     this.stage = stage;
     this.purpose = "hole";
+    this.onResult = true; // whether the result that is there is painted on, or the sample
     this.tool = "brush";
     this.radius = 14;
     this.tolerance = 24;
@@ -22,13 +24,14 @@ export class PaintScreen {
     this.label = 1;
     this.masks = new Map();
     this.told = {}; // what was chosen for each task
-    this.pictures = new Map(); // of materials, by their spec
     this.onSample = true; // of a guide: what is what in the sample, or where it is to be
     this.update = () => this.begin();
   }
 
-  enter(panel) {
+  enter(panel, { purpose = null, onResult = null } = {}) {
     this.panel = panel;
+    if (purpose) this.purpose = purpose;
+    if (onResult !== null) this.onResult = onResult;
     this.stage.custom = "paint";
     this.stage.single();
     this.stage.closeExtras(null);
@@ -51,11 +54,14 @@ export class PaintScreen {
   /** Lay out the canvas of the purpose, with what was painted on it before; the panel is drawn `anew`. */
   async begin(anew = true) {
     const { app, stage } = this;
-    const { material } = app;
-    if (!material || !this.panel) return;
+    if (!app.material || !this.panel) return;
+    const material = (this.target = this.whatIsPainted());
     this.painter?.close();
     const canvas = this.purpose === "fuse" || (this.purpose === "guide" && !this.onSample);
-    if (canvas) this.size ??= [...(app.recipe.size ?? app.usualSize())].reverse();
+    if (this.sizeOf !== material.id) {
+      this.sizeOf = material.id;
+      this.size = material.result ? [...material.size] : [...(app.recipe.size ?? app.usualSize())].reverse();
+    }
     const size = canvas ? this.size : material.size;
     const key = [this.purpose, this.onSample, material.id, size].join();
     if (!this.masks.has(key)) this.masks.set(key, new Mask(...size));
@@ -79,8 +85,26 @@ export class PaintScreen {
     else this.tellCount();
   }
 
+  /** The result that is there, or the sample: {id, bitmap, size, alpha, result}. */
+  whatIsPainted() {
+    const { material, result } = this.app;
+    if (result?.bitmap && this.onResult) return { id: result.id, bitmap: result.bitmap, size: result.size, alpha: result.maps[0]?.alpha, name: t("paint.on.result"), result };
+    return { id: material.id, bitmap: material.bitmap, size: material.size, alpha: material.maps[0]?.alpha, name: material.name };
+  }
+
+  /** The material that is painted on, as recipes describe it. */
+  async spec() {
+    return this.target.result ? this.app.asSample(this.target.result) : this.app.recipe.materials[0];
+  }
+
+  /** What fusion paints with besides what is painted on: all other materials that are open. */
+  get others() {
+    const own = this.target.result ? null : this.app.recipe.materials[0];
+    return this.app.shelf.filter((spec) => !own || !sameJson(spec, own));
+  }
+
   labels() {
-    if (this.purpose === "fuse") return Math.max(2, this.app.shelf.length);
+    if (this.purpose === "fuse") return Math.max(2, 1 + this.others.length);
     return this.purpose === "guide" ? LABELS.length : 2;
   }
 
@@ -91,13 +115,8 @@ export class PaintScreen {
   }
 
   async textures() {
-    for (const spec of this.app.shelf) {
-      const key = JSON.stringify(spec);
-      if (this.pictures.has(key)) continue;
-      const material = await this.app.api.post("materials", spec);
-      this.pictures.set(key, (await this.app.api.picture(`materials/${material.id}/picture`, { map: material.main, most: 1024 })).bitmap);
-    }
-    return this.app.shelf.map((spec) => this.pictures.get(JSON.stringify(spec)));
+    this.cards = [{ name: this.target.name, bitmap: this.target.bitmap }, ...(await Promise.all(this.others.map((spec) => this.app.card(spec))))];
+    return this.cards.map((card) => card.bitmap);
   }
 
   set(changes) {
@@ -116,6 +135,7 @@ export class PaintScreen {
       segments(t("paint.purpose"), PURPOSES.map((one) => [one, t(`paint.${one}`)]), this.purpose, (purpose) => { this.purpose = purpose; this.error = null; this.begin(); }),
       h("p", { class: "hint" }, t(`paint.${this.purpose}.help`)),
       this.error,
+      this.app.result ? segments(t("paint.on"), [["result", t("paint.on.result")], ["sample", t("paint.on.sample")]], this.onResult ? "result" : "sample", (one) => { this.onResult = one === "result"; this.begin(); }) : null,
       this.purpose === "fuse" ? this.materials() : null,
       this.purpose === "guide" ? this.guideChoice() : null,
       h("div", { class: "tool-row", role: "group", "aria-label": t("paint.tools") }, tools),
@@ -180,7 +200,7 @@ export class PaintScreen {
             { class: "parameters" },
             range("threshold", 0, 255, (n) => number(n)),
             h("div", { class: "row" }, h("button", { type: "button", onclick: () => this.painter.takeBright(this.threshold) }, t("paint.brighter")), h("button", { type: "button", onclick: () => this.painter.takeBright(this.threshold, true) }, t("paint.darker"))),
-            this.app.material.maps[0]?.alpha ? h("button", { type: "button", onclick: () => this.painter.takeClear() }, icon("alpha"), t("paint.clearpart")) : null,
+            this.target.alpha ? h("button", { type: "button", onclick: () => this.painter.takeClear() }, icon("alpha"), t("paint.clearpart")) : null,
           ),
         ),
       );
@@ -197,11 +217,10 @@ export class PaintScreen {
   /** The materials to be painted with; more of them from the samples. */
   materials() {
     const { app } = this;
-    const chips = app.shelf.map((spec, k) => {
+    const chips = this.cards.map(({ name, bitmap }, k) => {
       const canvas = h("canvas", { width: 60, height: 60 });
-      const picture = this.pictures.get(JSON.stringify(spec));
-      if (picture) canvas.getContext("2d").drawImage(picture, 0, 0, Math.min(120, picture.width), Math.min(120, picture.height), 0, 0, 60, 60);
-      return h("button", { type: "button", "aria-pressed": String(k === this.label), title: k ? "" : t("paint.ground"), onclick: () => { this.set({ label: k }); this.draw(); } }, canvas, spec.sample ?? spec.name);
+      drawSquare(canvas, bitmap);
+      return h("button", { type: "button", "aria-pressed": String(k === this.label), title: k ? "" : t("paint.ground"), onclick: () => { this.set({ label: k }); this.draw(); } }, canvas, name);
     });
     const more = h("select", { "aria-label": t("paint.add"), onchange: () => more.value && this.add([{ sample: more.value }]) }, h("option", { value: "" }, t("paint.add")), app.about.samples.filter((one) => !app.shelf.some((spec) => spec.sample === one.name)).map((one) => h("option", { value: one.name }, one.name)));
     const file = h("input", { type: "file", accept: "image/*", multiple: true, hidden: true, onchange: () => app.guard(async () => {
@@ -210,7 +229,7 @@ export class PaintScreen {
       await this.add((await app.api.post("sets", { uploads })).materials);
     }) });
     const side = (k, name) => {
-      const box = h("input", { type: "number", min: 16, value: this.size[k], "aria-label": t(name), onchange: () => { this.size = this.size.with(k, Math.max(16, Math.trunc(Number(box.value)))); this.begin(false); } });
+      const box = h("input", { type: "number", min: 16, value: this.size[k], "aria-label": t(name), onchange: () => { this.size = this.size.with(k, (box.value = Math.max(16, Math.trunc(Number(box.value) || 0)))); this.begin(false); } });
       return box;
     };
     return [
@@ -222,8 +241,8 @@ export class PaintScreen {
   }
 
   async add(specs) {
-    for (const spec of specs) if (!this.app.shelf.some((one) => JSON.stringify(one) === JSON.stringify(spec))) this.app.shelf.push(spec);
-    this.label = this.app.shelf.length - 1;
+    this.app.shelve(specs);
+    this.label = this.others.length;
     await this.app.guard(() => this.begin());
   }
 
@@ -242,14 +261,16 @@ export class PaintScreen {
     ];
   }
 
+  /** Do what the painting is for. */
+  go() {
+    const actions = { hole: () => this.fillHole(), use: () => this.restrict(), fuse: () => this.fuse(), guide: () => this.follow() };
+    return this.attempt(actions[this.purpose]);
+  }
+
   action() {
     const { app } = this;
-    const go = (text, run) => h("button", { type: "button", class: "main large", onclick: () => this.attempt(run) }, text);
-    if (this.purpose === "hole") return go(t("paint.hole.go"), () => this.fillHole());
-    if (this.purpose === "fuse") return go(t("paint.fuse.go"), () => this.fuse());
-    if (this.purpose === "guide") return go(t("paint.guide.go"), () => this.follow());
-    const masked = "mask" in app.recipe.materials[0];
-    return [go(t("paint.use.go"), () => this.restrict()), masked ? h("button", { type: "button", onclick: () => app.guard(() => app.mend({ mask: null }, t("paint.use.all"))) }, t("paint.use.all")) : null];
+    const masked = this.purpose === "use" && "mask" in app.recipe.materials[0];
+    return [h("button", { type: "button", class: "main large", onclick: () => this.go() }, t(`paint.${this.purpose}.go`)), masked ? h("button", { type: "button", onclick: () => app.guard(() => app.mend({ mask: null }, t("paint.use.all"))) }, t("paint.use.all")) : null];
   }
 
   async attempt(run) {
@@ -270,43 +291,50 @@ export class PaintScreen {
     const { app } = this;
     if (!this.mask.count(1)) throw new Error(t("paint.hole.none"));
     const mask = await this.upload(this.mask, LABELS, "hole.png");
-    await this.done({ task: "fill", materials: [app.recipe.materials[0]], mask, ...this.told.fill, seed: app.recipe.seed }, t("history.filled"));
+    const spec = await this.spec();
+    const tileable = spec.repeats ? { tileable: true } : {};
+    await this.done({ task: "fill", materials: [spec], mask, ...tileable, ...this.told.fill, seed: app.recipe.seed }, t("history.filled"));
   }
 
   async restrict() {
     const mask = await this.upload(this.mask, [[255, 255, 255], [0, 0, 0]], "mask.png");
-    await this.app.mend({ mask }, t("history.masked"));
+    if (this.target.result) await this.app.open([{ ...(await this.spec()), mask }]);
+    else await this.app.mend({ mask }, t("history.masked"));
     this.app.tell("go", { screen: "sample" });
   }
 
   async fuse() {
     const { app, mask } = this;
-    const used = app.shelf.map((_, k) => k).filter((k) => mask.count(k));
+    const all = [null, ...this.others];
+    const used = all.map((_, k) => k).filter((k) => mask.count(k));
     if (used.length < 2) throw new Error(t("paint.fuse.none"));
-    const colors = app.shelf.map((_, k) => LABELS[k] ?? [k, 255 - k, 128]);
+    all[0] = await this.spec();
+    const colors = all.map((_, k) => LABELS[k] ?? [k, 255 - k, 128]);
     const map = await this.upload(mask, colors, "map.png");
-    await this.done({ task: "fuse", materials: used.map((k) => app.shelf[k]), map, colors: used.map((k) => colors[k]), ...this.told.fuse, seed: app.recipe.seed }, t("history.fused"));
+    await this.done({ task: "fuse", materials: used.map((k) => all[k]), map, colors: used.map((k) => colors[k]), ...this.told.fuse, seed: app.recipe.seed }, t("history.fused"));
   }
 
   async follow() {
-    const { app } = this;
-    const { material } = app;
+    const { app, target: material } = this;
     const ofSample = this.masks.get(["guide", true, material.id, material.size].join());
     const ofOutput = this.size && this.masks.get(["guide", false, material.id, this.size].join());
     if (!ofSample || !ofOutput || ofOutput.count(0) === ofOutput.labels.length) throw new Error(t("paint.guide.none"));
     const sample_guide = await this.upload(ofSample, LABELS, "sample_guide.png");
     const guide = await this.upload(ofOutput, LABELS, "guide.png");
-    const { seed, materials } = app.recipe;
-    await this.done({ task: "synth", materials, size: [...this.size].reverse(), seed, method: "refinement", parameters: {}, guide, sample_guide }, t("history.guided"));
+    const { seed } = app.recipe;
+    await this.done({ task: "synth", materials: [await this.spec()], size: [...this.size].reverse(), seed, method: "refinement", parameters: {}, guide, sample_guide }, t("history.guided"));
   }
 
   /** Leave the canvas for the picture that grows from it. */
   async done(recipe, label) {
     const { app } = this;
-    app.tell("go", { screen: "see", wait: true });
+    const before = app.recipe;
+    app.recipe = recipe;
+    app.tell("go", { screen: "make" });
     try {
-      await app.make(recipe, label);
+      if (!(await app.make(recipe, label))) app.edit(before); // it was cancelled
     } catch (error) {
+      app.edit(before);
       app.tell("go", { screen: "paint" });
       throw error;
     }

@@ -1,4 +1,5 @@
-import { field, fill, h, icon, segments, tick } from "../dom.js";
+import { drawSquare, field, fill, h, icon, segments, tick } from "../dom.js";
+import { sameJson } from "../shelf.js";
 import { number, t } from "../strings.js";
 import { LatticeLayer } from "../view/lattice.js";
 
@@ -42,6 +43,7 @@ export class SampleScreen {
     const { app } = this;
     const { material, look } = app;
     if (!material) return;
+    app.analyze();
     const about = [t("stage.size", { width: material.width, height: material.height })];
     if (material.maps.length > 1) about.push(t("sample.maps", { names: material.maps.map((one) => one.name).join(", ") }));
     fill(
@@ -63,9 +65,15 @@ export class SampleScreen {
       "div",
       { class: "shelf" },
       app.shelf.map((spec) => {
-        const name = spec.sample ?? spec.name;
-        const present = JSON.stringify(spec) === JSON.stringify(app.recipe?.materials[0]);
-        return h("button", { type: "button", "aria-pressed": String(present), onclick: () => app.guard(() => app.choose(spec)) }, name);
+        const present = sameJson(spec, app.recipe?.materials[0]);
+        const canvas = h("canvas", { width: 60, height: 60 });
+        const name = h("span", {}, spec.sample ?? spec.name ?? "…");
+        app.guard(async () => {
+          const card = await app.card(spec);
+          drawSquare(canvas, card.bitmap);
+          name.textContent = card.name;
+        });
+        return h("button", { type: "button", "aria-pressed": String(present), onclick: () => app.guard(() => app.choose(spec)) }, canvas, name);
       }),
     );
   }

@@ -1,5 +1,6 @@
 import { field, fill, h, icon } from "../dom.js";
 import { has, number, t } from "../strings.js";
+import { resultButtons } from "./make.js";
 
 /** Overlays, figures, what lies under the pointer and where it comes from; the light's own controls. */
 export class SeeScreen {
@@ -49,6 +50,7 @@ export class SeeScreen {
     fill(
       this.panel,
       h("h2", {}, t("see.title")),
+      resultButtons(app),
       this.lightBox,
       h(
         "section",

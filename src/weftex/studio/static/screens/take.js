@@ -29,13 +29,18 @@ export class TakeScreen {
       fill(this.panel, h("h2", {}, t("take.title")), h("p", {}, t(result ? "see.preview" : "see.nothing")), h("button", { type: "button", class: "main large", onclick: () => app.tell("go", { screen: "make", now: true }) }, t("make.go")));
       return;
     }
+    if (this.of !== result.id) {
+      this.of = result.id; // what was saved of another result is no concern of this one
+      this.saved = this.error = null;
+      wanted.name = "";
+    }
     const set = result.maps.length > 1;
     const formats = result.formats[result.main];
     const format = h("select", { onchange: () => (wanted.format = format.value) }, h("option", { value: "" }, t("take.same")), formats.map((one) => h("option", { value: one }, one.slice(1).toUpperCase())));
     format.value = wanted.format;
     const names = h("select", { onchange: () => (wanted.names = names.value) }, h("option", { value: "" }, t("take.names.same")), app.about.names.map((one) => h("option", { value: one }, one)));
     names.value = wanted.names;
-    const name = h("input", { type: "text", value: wanted.name || app.material.name, onchange: () => (wanted.name = name.value.trim()) });
+    const name = h("input", { type: "text", value: wanted.name || result.file, onchange: () => (wanted.name = name.value.trim()) });
     const box = (key, words) => tick(words, wanted[key], (on) => (wanted[key] = on));
     this.maps ??= null;
     fill(
@@ -64,7 +69,7 @@ export class TakeScreen {
     const { result } = app;
     const maps = this.left?.size ? result.maps.map((one) => one.name).filter((one) => !this.left.has(one)) : null;
     await this.attempt(async () => {
-      const made = await app.ask(result, (id) => app.api.post(`results/${id}/exports`, { ...wanted, maps, format: wanted.format || null, names: wanted.names || null, name: wanted.name || app.material.name }));
+      const made = await app.ask(result, (id) => app.api.post(`results/${id}/exports`, { ...wanted, maps, format: wanted.format || null, names: wanted.names || null, name: wanted.name || result.file }));
       this.saved = ticket(made);
       this.draw();
       this.panel.querySelector("[data-ticket]").click();
@@ -93,11 +98,6 @@ export class TakeScreen {
         { class: "row" },
         copyButton(location.href, t("share.link")),
         h("button", { type: "button", onclick: () => app.guard(() => saveState(app, result.recipe)) }, icon("take"), t("share.file")),
-        h("button", { type: "button", onclick: () => this.attempt(async () => {
-          const kept = await app.ask(result, (id) => app.api.post(`results/${id}/keep`, { title: `${app.material.name} · ${result.method} · ${result.recipe.seed}` }));
-          app.kept.push(kept);
-          app.tell("notice", { text: t("share.kept") });
-        }) }, icon("check"), t("share.keep")),
       ),
     );
   }

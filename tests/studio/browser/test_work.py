@@ -1,0 +1,68 @@
+"""Results that are painted on and used as samples, branches, and what is kept of them."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+from typing import Any
+
+
+def steps(page: Any) -> int:
+    return len(page.query_selector_all(".strip button"))
+
+
+def make(one: Any, words: str) -> None:
+    one.page.click("text=Make it")
+    one.page.wait_for_selector(f".strip [aria-current] >> text={words}")
+    one.settle()
+
+
+def test_results_are_retouched_and_nothing_is_lost(tab: Any, address: str, photo: Path) -> None:
+    """A result is healed and becomes a sample; a branch and F5 lose no step."""
+    one = tab()
+    page = one.open(address)
+    page.set_input_files("input[type=file]", photo)
+    page.wait_for_selector(".facts")
+    page.click("[data-screen=make]")
+    page.select_option("select", "quilting")
+    for side in ("Width", "Height"):
+        one.write(side, "200")
+    make(one, "quilting · 1")
+
+    page.click("text=Paint on it")
+    one.stroke((0.45, 0.5), (0.55, 0.5))
+    page.click("text=Fill the hole")
+    page.wait_for_selector(".strip [aria-current] >> text=Hole filled")
+    one.settle()
+    assert "200 × 200" in page.inner_text(".stage-bar")  # the result was filled, not the photo
+    page.click("text=Use as sample")
+    page.wait_for_selector(".panel h2 >> text=wall_filled")
+    before = steps(page)
+
+    page.click(".strip button:has-text('quilting · 1')")  # back, and on from there
+    page.click("[data-screen=make]")
+    page.fill("input[type=number][step='1'][min='0']", "7")
+    make(one, "quilting · 7")
+    assert steps(page) > before and page.query_selector_all(".strip .aside")
+    page.click("[aria-label^=Undo]")
+    page.wait_for_selector(".strip [aria-current] >> text=quilting · 1")
+    page.click("[aria-label^=Redo]")
+    page.wait_for_selector(".strip [aria-current] >> text=quilting · 7")
+
+    count = steps(page)
+    page.reload()
+    page.wait_for_selector("[data-ready]")
+    one.settle()
+    assert steps(page) == count
+    assert page.query_selector(".strip [aria-current] >> text=quilting · 7")
+
+    other = tab()  # another tab, another day
+    found = other.open(address)
+    found.click(".work button:has-text('wall')")
+    found.wait_for_selector(".strip [aria-current] >> text=quilting · 7")
+    other.settle()
+    assert steps(found) == count
+    found.click(".strip button:has-text('Hole filled')")
+    found.wait_for_selector(".panel >> text=Made by")
+    gone = re.compile("410")  # results that the server makes again
+    assert one.faults == [] and [line for line in other.faults if not gone.search(line)] == []
