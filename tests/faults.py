@@ -164,7 +164,7 @@ def writers(folder, long):
 
 
 def studio(folder, long):
-    """Results that are kept at the same moment are all there after the server is killed."""
+    """Steps that are stored at the same moment are all there after the server is killed."""
     if importlib.util.find_spec("uvicorn") is None:
         raise Skipped("the studio's extra is not installed")
     from pages import Page
@@ -181,7 +181,8 @@ def studio(folder, long):
 
             def keep(result, page=page, ready=ready):
                 ready.wait()
-                page.post(f"results/{result['id']}/keep", {"title": "wall"})
+                step = {"id": result["id"][:12], "recipe": result["recipe"]}
+                page.post("steps", {**step, "result": result["id"]})
 
             with ThreadPoolExecutor(len(results)) as pool:
                 list(pool.map(keep, results))
@@ -190,7 +191,7 @@ def studio(folder, long):
         second = Process(data)
         try:
             again = Page(second.client, second.token, session=page.start["session"])
-            assert len(again.start["kept"]) == len(results), again.start["kept"]
+            assert len(again.start["steps"]) == len(results), again.start["steps"]
         finally:
             second.end(signal.SIGTERM)
 

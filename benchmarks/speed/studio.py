@@ -200,9 +200,10 @@ def cut(folder: Path) -> Iterator[Row]:
         run = Process(data, "--port", "0")
         page = Page(run.client, run.token, session)
         session = page.start["session"]
-        assert len(page.start["kept"]) == kept
+        assert len(page.start["steps"]) == kept
         recipe = {"materials": [BRICKS], "size": [96, 96], "seed": k, "method": "quilting"}
-        page.post(f"results/{page.made(recipe)['id']}/keep", {"title": str(k)})
+        made = page.made(recipe)["id"]
+        page.post("steps", {"id": f"{k:012}", "recipe": recipe, "result": made})
         kept += 1
         page.post("jobs", {"recipe": LONG})
         run.end(signal.SIGKILL)
@@ -213,7 +214,7 @@ def cut(folder: Path) -> Iterator[Row]:
     page = Page(run.client, run.token, session)
     yield (
         "5 servers killed in the middle of a job and started again",
-        f"{len(page.start['kept'])} of {kept} kept results there, {len(page.get('jobs'))} jobs",
+        f"{len(page.start['steps'])} of {kept} steps there, {len(page.get('jobs'))} jobs",
     )
     run.end(signal.SIGTERM)
 
