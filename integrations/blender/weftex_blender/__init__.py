@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import bpy
 
-_NEEDS = "0.2.0"
+_NEEDS = (0, 2, 0)
 _problem = ""
 try:
     import weftex
 
-    if weftex.__version__.split(".") < _NEEDS.split("."):
-        _problem = f"weftex {weftex.__version__} is too old; this needs {_NEEDS} or later"
+    if tuple(map(int, weftex.__version__.split(".")[:3])) < _NEEDS:
+        _problem = f"weftex {weftex.__version__} is too old; install this extension again"
 except ImportError as error:
     _problem = f"weftex cannot be loaded ({error}); install the extension for your system again"
 

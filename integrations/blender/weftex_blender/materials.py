@@ -80,6 +80,7 @@ def new_material(name: str, images: dict[str, bpy.types.Image]) -> bpy.types.Mat
     tree = material.node_tree
     shader = next(node for node in tree.nodes if node.type == "BSDF_PRINCIPLED")
     output = next(node for node in tree.nodes if node.type == "OUTPUT_MATERIAL")
+    shader.location, output.location = (0, 300), (400, 300)
     builder = _Builder(tree, shader, output)
     for role_name, image in images.items():
         builder.add(ROLES[role_name], image)
@@ -96,7 +97,7 @@ class _Builder:
 
     def add(self, role: Role, image: bpy.types.Image) -> None:
         """Add the image of a role, and note which outputs give it or its channels."""
-        texture = self._node("ShaderNodeTexImage", -900, -300 * len(self.tree.nodes))
+        texture = self._node("ShaderNodeTexImage", -900, 900 - 300 * len(self.tree.nodes))
         texture.image, texture.label = image, role.name
         image.colorspace_settings.name = "sRGB" if role.srgb else "Non-Color"
         if image.is_float and role.srgb:
@@ -116,7 +117,7 @@ class _Builder:
         """Link what the maps give to the shader and to the output."""
         given, inputs = self.sockets, self.shader.inputs
         if "gloss" in given and "roughness" not in given:
-            invert = self._node("ShaderNodeInvert", -300, -300)
+            invert = self._node("ShaderNodeInvert", -300, 0)
             self._link(given["gloss"], invert.inputs["Color"])
             given["roughness"] = invert.outputs["Color"]
         if "color" in given:
@@ -145,18 +146,18 @@ class _Builder:
             return
         color = self.sockets[name]
         if name == "normal_dx":  # y points down there, and up in Blender
-            curves = self._node("ShaderNodeRGBCurve", -600, -900)
+            curves = self._node("ShaderNodeRGBCurve", -600, -300)
             green = curves.mapping.curves[1]
             green.points[0].location, green.points[1].location = (0, 1), (1, 0)
             curves.mapping.update()
             self._link(color, curves.inputs["Color"])
             color = curves.outputs["Color"]
-        bent = self._node("ShaderNodeNormalMap", -300, -600)
+        bent = self._node("ShaderNodeNormalMap", -300, -300)
         self._link(color, bent.inputs["Color"])
         self._link(bent.outputs["Normal"], self.shader.inputs["Normal"])
 
     def _multiplied(self, color: Any, factor: Any) -> Any:
-        mix = self._node("ShaderNodeMix", -300, 100)
+        mix = self._node("ShaderNodeMix", -300, 300)
         mix.data_type, mix.blend_type = "RGBA", "MULTIPLY"
         mix.inputs["Factor"].default_value = 1.0
         by_name = {(one.name, one.type): one for one in mix.inputs}

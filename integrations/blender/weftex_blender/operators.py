@@ -8,6 +8,7 @@ window, an operator waits for the result.
 from __future__ import annotations
 
 import os
+import re
 from typing import Any
 
 import bpy
@@ -62,10 +63,16 @@ class _Making:
 
     def invoke(self, context: bpy.types.Context, event: Any) -> set[str]:
         """Begin with what is set in the sidebar, and return to Blender at once."""
+        self._read_sidebar(context)
+        return self._run_modal(context)
+
+    def _read_sidebar(self, context: bpy.types.Context) -> None:
         settings = getattr(context.scene, f"weftex_{self.task}")
         for name in PROPERTIES[self.task]:
             if not self.properties.is_property_set(name):
                 setattr(self, name, getattr(settings, name))
+
+    def _run_modal(self, context: bpy.types.Context) -> set[str]:
         if not self._begin(context):
             return {"CANCELLED"}
         manager = context.window_manager
@@ -198,7 +205,7 @@ class WEFTEX_OT_new_material(_Making, bpy.types.Operator):
     """Make image files of one material tileable and build a material from them"""
 
     bl_idname, bl_label, suffix = "weftex.new_material", "New tileable material", "tileable"
-    task = "tile"
+    task, asked = "tile", False
     __annotations__ = {
         "directory": bpy.props.StringProperty(subtype="DIR_PATH"),
         "files": bpy.props.CollectionProperty(type=bpy.types.OperatorFileListElement),
@@ -208,9 +215,15 @@ class WEFTEX_OT_new_material(_Making, bpy.types.Operator):
     }
 
     def invoke(self, context: bpy.types.Context, event: Any) -> set[str]:
-        """Ask for the files first."""
+        """Ask for the files first; then Blender calls `execute`."""
+        self.asked = True
+        self._read_sidebar(context)
         context.window_manager.fileselect_add(self)
         return {"RUNNING_MODAL"}
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        """Begin and return at once if the files were asked for; wait in a script."""
+        return self._run_modal(context) if self.asked else super().execute(context)
 
     def prepare(self, context: bpy.types.Context) -> dict[str, Any]:
         """Load the files; a single one is the color."""
@@ -238,8 +251,11 @@ class WEFTEX_OT_new_material(_Making, bpy.types.Operator):
 
     def finish(self, context: bpy.types.Context, made: dict[str, Any]) -> None:
         """Give the active object the new material."""
-        stem = next(iter(self.originals.values())).name.rsplit(".", 1)[0]
-        _assign(context, None, materials.new_material(stem, made))
+        stems = [os.path.splitext(one.name)[0] for one in self.files if one.name]
+        common = re.match(r"(.+)[-_. ]", os.path.commonprefix(stems))  # noqa: RUF071
+        folder = os.path.basename(os.path.normpath(self.directory))
+        name = stems[0] if len(stems) == 1 else common[1] if common else folder
+        _assign(context, None, materials.new_material(name, made))
 
 
 def _assign(context: bpy.types.Context, old: Any, new: Any) -> None:
