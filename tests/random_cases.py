@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 import weftex
-from weftex.notes import Listener, listening
 
 SEED = int(os.environ.get("WEFTEX_RANDOM_SEED", "1"))
 
@@ -81,9 +80,3 @@ def distances(exemplar, places, picture, pixel, steps, weights=1):
     v, u = np.moveaxis((np.asarray(places)[:, None] + steps) % exemplar.shape, 2, 0)
     apart = exemplar.pixels[v, u].astype(int) - picture[y, x]
     return ((apart**2).sum(axis=2) * weights).sum(axis=1)
-
-
-def notes_of(method, exemplar, canvas, pixel, seed, record):
-    """Make a picture; `record` is called with each note on how one of its pixels is made."""
-    with listening(Listener(pixel, record)):
-        return method.fit(exemplar).sample(canvas, seed=seed)

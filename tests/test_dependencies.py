@@ -25,7 +25,6 @@ LEVELS = [
     ["planes", "pages"],
     ["recipe"],
     ["tasks"],
-    ["explanation"],
     ["methods"],
     ["naming"],
     ["method"],
@@ -39,7 +38,7 @@ LEVELS = [
     ["exemplar"],
     ["io"],
     ["raster", "reference"],
-    ["registry", "choice", "threads", "processes", "progress", "notes", "random", "roles"],
+    ["registry", "choice", "threads", "processes", "progress", "random", "roles"],
     ["parameters"],
     ["errors"],
     ["dispatch"],
@@ -350,7 +349,6 @@ Refinement WeiLevoy Method METHODS
 WeftexError CancelledError FileError InvalidInputError UnsupportedError
 """
 MODULES = {
-    "explanation": "explain Explanation Stage",
     "label_maps": "Gradient",
     "pages": "compare Comparison report Report",
     "planes": "check open_plane PlaneFile repair stream Written",

@@ -32,7 +32,7 @@ def test_notebooks_run(path, tmp_path, monkeypatch):
 
 
 def test_notebooks_are_there_and_stripped():
-    assert len(NOTEBOOKS) == 3
+    assert len(NOTEBOOKS) == 2
     for path in NOTEBOOKS:
         assert len(cells_of(path, "markdown")) > 3
         for cell in cells_of(path, "code"):

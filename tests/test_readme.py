@@ -169,7 +169,7 @@ def test_named_commands_are_there(page, capsys):
             assert weft_run(*words[:2]) == 0
         assert weft_run(words[0], "--help") == 0
         allowed = capsys.readouterr().out
-        if words[0] in ("synth", "fill", "fuse", "explain"):
+        if words[0] in ("synth", "fill", "fuse"):
             allowed += PARAMETERS
         options = [word for word in words if re.fullmatch("--[a-z-]+", word)]
         assert [option for option in options if option not in allowed] == []

@@ -2,8 +2,7 @@
 
 Further functions lie in modules: `prepare` straightens, lights, turns and joins samples;
 `label_maps` has gradients for `fuse`; `pages` makes HTML reports; `planes` writes images larger
-than memory; `explanation` shows a method at work; `reference` has the papers' algorithms as short
-NumPy functions.
+than memory; `reference` has the papers' algorithms as short NumPy functions.
 
 >>> import numpy as np, weftex
 >>> sample = np.random.default_rng(0).integers(0, 255, (64, 64, 3), np.uint8)
@@ -18,7 +17,6 @@ from typing import TYPE_CHECKING, Any
 from weftex.dispatch import prefer_fast_kernels
 
 if TYPE_CHECKING:
-    from weftex import explanation as explanation
     from weftex import label_maps as label_maps
     from weftex import pages as pages
     from weftex import planes as planes
@@ -95,7 +93,7 @@ _PUBLIC = {
 }
 _HOME = {name: module for module, names in _PUBLIC.items() for name in names}
 #: Public modules; the names of each are its `__all__`.
-_MODULES = ["explanation", "label_maps", "pages", "planes", "prepare", "reference"]
+_MODULES = ["label_maps", "pages", "planes", "prepare", "reference"]
 
 __all__ = sorted(_HOME)
 

@@ -7,12 +7,12 @@ from random_cases import (
     centers_of,
     distances,
     known_steps,
-    notes_of,
     random_canvas,
     random_cases,
     random_exemplar,
 )  # fmt: skip
 from weftex import reference
+from weftex.methods.ashikhmin.choice import Choice
 
 
 @random_cases(40)
@@ -26,7 +26,7 @@ def test_plain_canvases_are_the_reference(rng):
 
 
 @random_cases(60)
-def test_a_pixel_is_the_best_of_its_candidates(rng):
+def test_a_pixel_is_the_best_of_its_candidates(rng, monkeypatch):
     """On wrapped canvases, in holes, in later passes, of samples that tile or are masked."""
     exemplar = random_exemplar(rng, *rng.integers(14, 20, 2))
     canvas = random_canvas(rng, *rng.integers(2, 24, 2))
@@ -36,20 +36,23 @@ def test_a_pixel_is_the_best_of_its_candidates(rng):
     )
     holes = np.ones(canvas.shape, bool) if canvas.hole is None else canvas.hole
     pixel = tuple(rng.choice(np.argwhere(holes)).tolist())
-    allowed, before, compared = {tuple(c) for c in centers_of(exemplar, half)}, [], []
+    allowed, compared = {tuple(c) for c in centers_of(exemplar, half)}, []
 
-    def record(step, facts):
-        growth = facts["growth"]
+    def choose(self, line, number, **how):
+        """Choose the pixel alone, and compare it with what might have been chosen."""
+        asked = np.flatnonzero(line == pixel[0] * canvas.width + pixel[1])
+        if not len(asked):
+            whole(self, line, number, **how)
+            return
+        growth, at = self.growth, int(asked[0])
 
         def place_of(index):
-            place = growth.windows.to_sample(np.array([index], np.int32))[0]
-            return divmod(int(place), exemplar.shape[1])
+            return divmod(int(growth.windows.to_sample(index)), exemplar.shape[1])
 
-        if step == "window":
-            before[:] = (a.copy() for a in (growth.pixels, growth.done, growth.source))
-            before.append(facts["number"])
-            return
-        pixels, done, source, number = before
+        whole(self, line[:at], number, **how)
+        pixels, done, source = (a.copy() for a in (growth.pixels, growth.done, growth.source))
+        self.candidates.fill(-1)
+        whole(self, line[at : at + 1], number, **how)
         start = canvas.hole is None and number == 0 and pixel[0] < half < canvas.height / 2
         wrap = canvas.wrap[0] or start, canvas.wrap[1]
         steps = known_steps(done, pixel, half, wrap)
@@ -63,7 +66,7 @@ def test_a_pixel_is_the_best_of_its_candidates(rng):
                 if exemplar.tileable:
                     v, u = v % exemplar.shape[0], u % exemplar.shape[1]
                 found.add((int(v), int(u)) if (v, u) in allowed else None)
-        places = [place_of(index) for index in facts["places"] if index >= 0]
+        places = [place_of(index) for index in self.candidates if index >= 0]
         assert found - {None} <= set(places) <= allowed
         random = max(jumps, 8) if None in found or not found else jumps
         assert len(places) == len(found - {None}) + random
@@ -71,6 +74,9 @@ def test_a_pixel_is_the_best_of_its_candidates(rng):
         chosen = places.index(place_of(growth.source[pixel]))
         assert apart[chosen] == apart.min()
         compared.append(chosen)
+        whole(self, line[at + 1 :], number, **how)
 
-    notes_of(method, exemplar, canvas, pixel, int(rng.integers(2**32)), record)
+    whole = Choice.choose
+    monkeypatch.setattr(Choice, "choose", choose)
+    method.fit(exemplar).sample(canvas, seed=int(rng.integers(2**32)))
     assert len(compared) >= method.passes

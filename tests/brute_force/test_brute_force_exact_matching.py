@@ -7,15 +7,15 @@ from random_cases import (
     centers_of,
     distances,
     known_steps,
-    notes_of,
     random_canvas,
     random_cases,
     random_exemplar,
 )  # fmt: skip
+from weftex.methods.exact_matching.matching import Matching
 
 
 @random_cases(40)
-def test_a_pixel_is_the_best_of_the_union_of_lists(rng):
+def test_a_pixel_is_the_best_of_the_union_of_lists(rng, monkeypatch):
     """On wrapped canvases, in holes, of samples that tile or have unusable pixels."""
     exemplar = random_exemplar(rng, *rng.integers(14, 20, 2))
     canvas = random_canvas(rng, *rng.integers(7, 18, 2))
@@ -26,18 +26,22 @@ def test_a_pixel_is_the_best_of_the_union_of_lists(rng):
     )  # fmt: skip
     holes = np.ones(canvas.shape, bool) if canvas.hole is None else canvas.hole
     pixel = tuple(rng.choice(np.argwhere(holes)).tolist())
-    centers, before, compared = centers_of(exemplar, half), [], []
+    centers, compared = centers_of(exemplar, half), []
 
-    def record(step, facts):
-        sheet = facts["sheet"]
+    def make(self, order, purpose):
+        """Make the pixel alone, and compare it with the union."""
+        sheet = self.sheet
         at = pixel[0] + sheet.top, pixel[1]
-        if step == "window":
-            steps = known_steps(sheet.done, at, half, sheet.wrap)
-            if sheet.lists.causal:
-                steps = steps[steps[:, 0] <= 0]  # where rows wrap, a row's end sees its beginning
-            before[:] = sheet.pixels.copy(), steps
+        asked = np.flatnonzero(order == at[0] * sheet.done.shape[1] + at[1])
+        if not len(asked):
+            whole(self, order, purpose)
             return
-        picture, steps = before
+        whole(self, order[: asked[0]], purpose)
+        steps = known_steps(sheet.done, at, half, sheet.wrap)
+        if sheet.lists.causal:
+            steps = steps[steps[:, 0] <= 0]  # where rows wrap, a row's end sees its beginning
+        picture, latest = sheet.pixels.copy(), self.seen.max()
+        whole(self, order[asked], purpose)
         colors, radius = sheet.lists.index.colors, sheet.lists.radius.max()
         union = np.zeros(len(centers), bool)
         for step in steps[abs(steps).max(axis=1) == 1]:
@@ -48,7 +52,7 @@ def test_a_pixel_is_the_best_of_the_union_of_lists(rng):
                 continue
             there = exemplar.pixels[tuple(((centers + step) % exemplar.shape).T)]
             union |= ((there - color) ** 2).sum(axis=1) <= radius
-        flat = np.append(facts["places"], sheet.source[at]).astype(np.int32)
+        flat = np.append(np.flatnonzero(self.seen > latest), sheet.source[at]).astype(np.int32)
         places = np.divmod(sheet.lists.windows.to_sample(flat), exemplar.shape[1])
         *listed, chosen = distances(exemplar, np.transpose(places), picture, at, steps).tolist()
         expected = distances(exemplar, centers[union], picture, at, steps).tolist()
@@ -56,6 +60,9 @@ def test_a_pixel_is_the_best_of_the_union_of_lists(rng):
             assert {*expected} <= {*listed}  # of equal windows one stands for all
         assert chosen <= min(expected, default=chosen)
         compared.append(len(expected))
+        whole(self, order[asked[0] + 1 :], purpose)
 
-    notes_of(method, exemplar, canvas, pixel, int(rng.integers(2**32)), record)
+    whole = Matching.make
+    monkeypatch.setattr(Matching, "make", make)
+    method.fit(exemplar).sample(canvas, seed=int(rng.integers(2**32)))
     assert compared

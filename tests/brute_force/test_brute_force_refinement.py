@@ -7,11 +7,11 @@ from random_cases import (
     centers_of,
     distances,
     known_steps,
-    notes_of,
     random_canvas,
     random_cases,
     random_exemplar,
 )  # fmt: skip
+from weftex.methods import refinement
 
 
 def order_of(hole, iteration, cyclic):
@@ -23,7 +23,7 @@ def order_of(hole, iteration, cyclic):
 
 
 @random_cases(20)
-def test_each_pixel_takes_the_nearest_window(rng):
+def test_each_pixel_takes_the_nearest_window(rng, monkeypatch):
     """On wrapped canvases, in holes, of samples that tile or have unusable pixels."""
     exemplar = random_exemplar(rng, *rng.integers(14, 20, 2))
     canvas = random_canvas(rng, *rng.integers(6, 12, 2))
@@ -33,21 +33,29 @@ def test_each_pixel_takes_the_nearest_window(rng):
         iterations=int(rng.integers(1, 4)),
     )  # fmt: skip
     hole = np.ones(canvas.shape, bool) if canvas.hole is None else canvas.hole
-    centers, state, compared = centers_of(exemplar, half), [], []
+    centers, compared = centers_of(exemplar, half), []
 
-    def record(step, facts):
-        output = facts["output"]
-        if step == "sweep":
-            picture, done = state
-            wrap = canvas.wrap if cyclic or facts["iteration"] == 0 else (True, True)
-            for pixel in order_of(hole, facts["iteration"], cyclic):
-                steps = known_steps(done, pixel, half, wrap)
-                nearest = distances(exemplar, centers, picture, pixel, steps).argmin()
-                place = centers[nearest] % exemplar.shape
-                picture[tuple(pixel)], done[tuple(pixel)] = exemplar.pixels[tuple(place)], True
-            compared.append(step)
-            assert np.array_equal(output.pixels, picture)
-        state[:] = output.pixels.copy(), output.done.copy()
+    def sweep_of(prepared, output, *given):
+        outputs.append(output)
+        return whole_sweep_of(prepared, output, *given)
 
-    notes_of(method, exemplar, canvas, (0, 0), int(rng.integers(2**32)), record)
+    def refine_texture(sweep, iteration, progress):
+        """Refine all pixels, and compare with a plain search for each."""
+        output = outputs[-1]
+        picture, done = output.pixels.copy(), output.done.copy()
+        changed = whole(sweep, iteration, progress)
+        wrap = canvas.wrap if cyclic or iteration == 0 else (True, True)
+        for pixel in order_of(hole, iteration, cyclic):
+            steps = known_steps(done, pixel, half, wrap)
+            nearest = distances(exemplar, centers, picture, pixel, steps).argmin()
+            place = centers[nearest] % exemplar.shape
+            picture[tuple(pixel)], done[tuple(pixel)] = exemplar.pixels[tuple(place)], True
+        compared.append(iteration)
+        assert np.array_equal(output.pixels, picture)
+        return changed
+
+    outputs, whole_sweep_of, whole = [], refinement.sweep_of, refinement.refine_texture
+    monkeypatch.setattr(refinement, "sweep_of", sweep_of)
+    monkeypatch.setattr(refinement, "refine_texture", refine_texture)
+    method.fit(exemplar).sample(canvas, seed=int(rng.integers(2**32)))
     assert compared

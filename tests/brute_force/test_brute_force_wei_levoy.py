@@ -1,5 +1,7 @@
 """Wei and Levoy's full search: the pixel with the nearest of all neighborhoods (section 2)."""
 
+from dataclasses import replace
+
 import numpy as np
 
 import weftex
@@ -7,12 +9,13 @@ from random_cases import (
     centers_of,
     distances,
     known_steps,
-    notes_of,
     random_canvas,
     random_cases,
     random_exemplar,
 )  # fmt: skip
 from weftex import reference
+from weftex.methods import wei_levoy
+from weftex.search.pyramid_windows import window_offsets
 
 
 @random_cases(12)
@@ -29,7 +32,7 @@ def test_plain_canvases_are_the_reference(rng):
 
 
 @random_cases(40)
-def test_a_pixel_has_the_nearest_neighborhood(rng):
+def test_a_pixel_has_the_nearest_neighborhood(rng, monkeypatch):
     """Causal in the first pass, else to all sides: on wrapped canvases, in holes, of masks."""
     exemplar = random_exemplar(rng, *rng.integers(14, 20, 2))
     canvas = random_canvas(rng, *rng.integers(8, 18, 2))
@@ -40,23 +43,32 @@ def test_a_pixel_has_the_nearest_neighborhood(rng):
     )  # fmt: skip
     holes = np.ones(canvas.shape, bool) if canvas.hole is None else canvas.hole
     pixel = tuple(rng.choice(np.argwhere(holes)).tolist())
-    centers, before, compared = centers_of(exemplar, half), [], []
+    centers, compared = centers_of(exemplar, half), []
 
-    def record(step, facts):
-        level = facts["level"]
-        if step == "window":
-            steps = known_steps(level.done, pixel, half, facts["wrap"])
-            own = {tuple(step) for step in facts["own"].tolist()}
-            causal = len(own) == 2 * half * (half + 1)
-            assert causal or len(own) == (2 * half + 1) ** 2 - 1
-            steps = np.array([s for s in steps.tolist() if tuple(s) in own]).reshape(-1, 2)
-            before[:] = level.pixels.copy(), steps
+    def replace_by_nearest(level, step, trees, wrap, progress):
+        """Replace the pixel alone, and compare it with all windows."""
+
+        def part(places):
+            whole(level, replace(step, places=places), trees, wrap, progress)
+
+        (at,) = np.flatnonzero(step.places == pixel[0] * canvas.width + pixel[1]).tolist() or [-1]
+        if at < 0:  # of the border alone
+            part(step.places)
             return
-        picture, steps = before
+        part(step.places[:at])
+        steps = known_steps(level.done, pixel, half, wrap)
+        own = {tuple(s) for s in window_offsets(2 * half + 1, step.causal).tolist()}
+        assert len(own) == (2 * half * (half + 1) if step.causal else (2 * half + 1) ** 2 - 1)
+        steps = np.array([s for s in steps.tolist() if tuple(s) in own]).reshape(-1, 2)
+        picture = level.pixels.copy()
+        part(step.places[at : at + 1])
         place = divmod(int(level.source[pixel]), exemplar.shape[1])
         chosen = distances(exemplar, [place], picture, pixel, steps)[0]
         compared.append(chosen)
         assert chosen <= distances(exemplar, centers, picture, pixel, steps).min()
+        part(step.places[at + 1 :])
 
-    notes_of(method, exemplar, canvas, pixel, int(rng.integers(2**32)), record)
+    whole = wei_levoy.replace_by_nearest
+    monkeypatch.setattr(wei_levoy, "replace_by_nearest", replace_by_nearest)
+    method.fit(exemplar).sample(canvas, seed=int(rng.integers(2**32)))
     assert compared

@@ -67,7 +67,6 @@ WRONG = [
     ("replay photo.png sample.png -o x.png", "not a saved weftex result"),
     ("replay a.npz photo.png -o x.png", "integer multiple"),
     ("methods quiltin", "did you mean 'quilting'"),
-    ("explain sample.png x --at 1", "--at is '1'; it must be ROW,COLUMN"),
     ("samples more", "unexpected argument"),
 ]
 

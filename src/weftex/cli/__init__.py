@@ -33,7 +33,6 @@ _COMMANDS = {
     "estimate": "estimate height and normals from a photo",
     "pack": "write a map set for an engine: names, packed channels, formats",
     "unpack": "separate the packed maps of an engine",
-    "explain": "show step by step how a method chooses one pixel",
     "compare": "run every method on one sample: images, scores, times",
     "studio": "open the studio in the browser, to view, edit and export materials",
     "report": "measure how good a result is, with maps of its flaws",

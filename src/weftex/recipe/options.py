@@ -202,7 +202,6 @@ ONE_OR_SEVERAL = NUMBERS._replace(
 POINT = NUMBERS._replace(
     read=lambda text: NUMBERS.read(text)[::-1], text=lambda value: NUMBERS.text(value[::-1])
 )
-PIXEL = _listed("pixel", "ROW,COLUMN, such as 40,30", int, _whole, count=2)
 WINDOW = _listed("window", "TOP,LEFT,HEIGHT,WIDTH, such as -100,0,256,256", int, _whole, count=4)
 
 

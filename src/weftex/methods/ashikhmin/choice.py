@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from weftex.methods.ashikhmin import candidate_kernels as kernels
-from weftex.notes import note, parts
 from weftex.random import draw
 from weftex.seams.path import least_path
 from weftex.search.windows import new_query
@@ -46,16 +45,17 @@ class Choice:
         jumps: int,
         growth: Growth,
     ) -> None:
-        self._windows, self._half, self._growth = windows, half, growth
+        self._windows, self._half, self.growth = windows, half, growth
         canvas = growth.canvas
         followed = np.zeros((1, 1, 1), np.uint8)
         if canvas.guide is not None:
             followed = growth.exemplar.as_guide(canvas.guide)
         growth.about["jumps"] = jumps
         self._tries = max(jumps, _REPLACEMENTS)
-        self._candidates = np.empty((2 * half + 1) ** 2 + self._tries + 1, np.int32)
+        #: Flat indices of the last pixel's candidates, and what was there before.
+        self.candidates = np.empty((2 * half + 1) ** 2 + self._tries + 1, np.int32)
         self._choice = kernels.PixelChoice(
-            half, jumps, new_query(half, growth.pixels.shape[2]), self._candidates,
+            half, jumps, new_query(half, growth.pixels.shape[2]), self.candidates,
             followed, guide, round(_ONE * guide_weight),
         )  # fmt: skip
         rows = min(_ROWS_TO_CLOSE, canvas.height // 4)
@@ -63,7 +63,7 @@ class Choice:
 
     def count(self, passes: int) -> int:
         """Return how many pixels are chosen in all passes."""
-        canvas, hole = self._growth.canvas, self._growth.hole
+        canvas, hole = self.growth.canvas, self.growth.hole
         pixels = canvas.height * canvas.width if hole is None else int(hole.sum())
         return passes * pixels + self.rows_to_close * canvas.width
 
@@ -73,25 +73,19 @@ class Choice:
         From pass `number` 1 on, a pixel's own source is a candidate too. `around` wraps windows
         along y even if the canvas does not wrap.
         """
-        growth, tries = self._growth, np.arange(self._tries)
+        growth, tries = self.growth, np.arange(self._tries)
         at_random = random_places(
             self._windows, growth.seed, "ashikhmin", number, line[:, None], tries
         )
-        for part, asked in parts(line, growth.canvas.width):
-            if asked:
-                self._candidates.fill(-1)
-                note("window", growth=growth, number=number, half=self._half)
-            kernels.choose(
-                self._windows.kernel, growth.picture, self._choice,
-                line[part], at_random[part], around, number > 0,
-            )  # fmt: skip
-            if asked:
-                note("chosen", growth=growth, places=self._candidates)
+        kernels.choose(
+            self._windows.kernel, growth.picture, self._choice,
+            line, at_random, around, number > 0,
+        )  # fmt: skip
         self.progress.advance(len(line))
 
     def close(self, lines: list[NDArray[np.int32]]) -> None:
         """Make the first lines again, below the last; cut where old and new differ least."""
-        growth, rows = self._growth, len(lines)
+        growth, rows = self.growth, len(lines)
         hidden = slice(0, rows + self._half)
         pixels, source = growth.pixels[:rows].copy(), growth.source[:rows].copy()
         growth.done[hidden] = 0

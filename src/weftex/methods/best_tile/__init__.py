@@ -11,7 +11,6 @@ from weftex.method import Method
 from weftex.methods.best_tile.repetition import repeated
 from weftex.methods.best_tile.tiles import border_for, least_corner, tile_errors, tile_rows
 from weftex.methods.lattices.model import LatticeModel
-from weftex.notes import note
 from weftex.parameters import parameter
 from weftex.results.pixels import PixelSynthesis
 
@@ -114,7 +113,6 @@ class BestTileModel(LatticeModel):
             )
         # The tile with the lowest total is the best self-similar one (Fig. 4.6).
         self.anchor = least_corner(errors)
-        note("tiles", errors=errors, anchor=self.anchor, rows=self.rows, vectors=vectors)
         super().__init__(replace(method, lattice=vectors, border_width=border), exemplar, vectors)
 
     def make(

@@ -20,7 +20,6 @@ from weftex.methods.efros_leung.layers import (
 )
 from weftex.methods.efros_leung.weighted_search import ExhaustiveSearch, gaussian_weights
 from weftex.methods.pixels.growth import PixelModel, WindowedMethod, narrowed, width_for
-from weftex.notes import asked_among, note
 from weftex.parameters import parameter
 from weftex.search.windows import square_windows
 
@@ -153,13 +152,9 @@ def grow_in_layers(prepared: Prepared, growth: Growth) -> None:
         [prepared.search.on(*canvas, method.tolerance) for _ in range(growth.threads)]
     ) as draw_match:
         while (layer := unfilled_with_filled_neighbors(growth.done, wrap)).size:
-            note("layer", growth=growth)
             lowest = np.inf
             for wave, bits in waves.of(layer, growth.done):
                 chosen, distances, weights = draw_match(wave, bits)
-                if (k := asked_among(wave, growth.canvas.width)) is not None:
-                    search = prepared.search
-                    note("pixel", growth=growth, chosen=chosen[k], draw=draw_match, search=search)
                 # "... normalizing the error by the total number of known pixels"; it is 1
                 # between black and white.
                 errors = distances / (255.0**2 * pixels.shape[1] * np.maximum(weights, 1))

@@ -188,7 +188,7 @@ def synthesize(prepared: Prepared, growth: Growth, level: int) -> Sheet:
     else:
         band = random_band(lists, width, growth.seed)
         top += lists.reach
-    sheet = Sheet(lists, (top + height, width), (False, growth.canvas.wrap[1]), top, level)
+    sheet = Sheet(lists, (top + height, width), (False, growth.canvas.wrap[1]), top)
     sheet.put(band)
     matching = Matching(sheet, method, growth, parents)
     matching.scan(range(len(band), top), f"exact {level}", "beginning")
@@ -222,7 +222,7 @@ def fill_hole(prepared: Prepared, growth: Growth) -> None:
     """Beyond the paper: make a hole from its border inwards, at a single resolution."""
     lists = prepared.levels[0].around
     growth.about["levels"] = 1
-    sheet = Sheet(lists, growth.canvas.shape, growth.canvas.wrap, level=0)
+    sheet = Sheet(lists, growth.canvas.shape, growth.canvas.wrap)
     sheet.pixels, sheet.done = growth.pixels, growth.done
     sheet.source = lists.windows.from_sample(growth.source)
     sheet.name_colors()

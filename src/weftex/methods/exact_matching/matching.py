@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from weftex.methods.exact_matching import match_kernels as kernels
-from weftex.notes import note, parts
 from weftex.random import draw
 from weftex.raster.masks import grown, peeled
 from weftex.raster.pyramids import children
@@ -44,9 +43,8 @@ class Sheet:
         shape: tuple[int, int],
         wrap: tuple[bool, bool],
         top: int = 0,
-        level: int | None = None,
     ) -> None:
-        self.lists, self.wrap, self.top, self.level = lists, wrap, top, level
+        self.lists, self.wrap, self.top = lists, wrap, top
         # (H, W, K): the bytes that are compared
         self.pixels = np.zeros((*shape, lists.windows.pixels.shape[2]), np.uint8)
         self.done = np.zeros(shape, np.uint8)  # (H, W): 1 where a pixel is known or made
@@ -139,7 +137,8 @@ class Matching:
         self._lists = lists.for_kernels()
         self._picture = Picture(sheet.pixels, sheet.done, sheet.source, sheet.wrap)
         self._last = np.empty(lists.windows.usable.size, np.int32)
-        self._seen = np.zeros(lists.windows.usable.size, np.int32)
+        #: The stamp of the search that met a window last.
+        self.seen = np.zeros(lists.windows.usable.size, np.int32)
         of_neighbors = np.empty(_MOST_NEIGHBORS, np.int32)
         everywhere = np.ones(parents.suggested.shape, np.uint8)
         self._search = kernels.Search(
@@ -152,7 +151,7 @@ class Matching:
             (of_neighbors, np.empty(_MOST_NEIGHBORS + 1, np.intp), of_neighbors.copy()),
             sheet.color,
             self._last,
-            self._seen,
+            self.seen,
         )  # fmt: skip
         self._begin_pass()
 
@@ -167,7 +166,7 @@ class Matching:
         width = self.sheet.done.shape[1]
         progress = self._growth.progress(len(rows), stage)
         for i, row in enumerate(rows):
-            self._make(np.arange(row * width, (row + 1) * width, dtype=np.int32), purpose)
+            self.make(np.arange(row * width, (row + 1) * width, dtype=np.int32), purpose)
             if shown is not None:
                 shown[i] = self.sheet.pixels[row]
             progress.advance(1)
@@ -183,14 +182,14 @@ class Matching:
         for layer in peeled(unknown, self.sheet.wrap):
             # Nothing else is left to chance here, unless colors are few.
             bits = draw(self._growth.seed, "exact layer", layer)
-            self._make(layer[np.argsort(bits, kind="stable")], purpose)
+            self.make(layer[np.argsort(bits, kind="stable")], purpose)
             progress.advance(len(layer))
         order = np.flatnonzero(unknown).astype(np.int32)
         lines = np.split(order, np.flatnonzero(np.diff(order // unknown.shape[1])) + 1)
         for number in range(passes):
             self._begin_pass()
             for line in lines:
-                self._make(line, f"exact pass {number}")
+                self.make(line, f"exact pass {number}")
                 progress.advance(len(line))
 
     def _begin_pass(self) -> None:
@@ -199,19 +198,10 @@ class Matching:
         made = np.flatnonzero(self.sheet.source >= 0)
         np.maximum.at(self._last, self.sheet.source.ravel()[made], made)
 
-    def _make(self, order: NDArray[np.int32], purpose: str) -> None:
+    def make(self, order: NDArray[np.int32], purpose: str) -> None:
         """Make the pixels of these flat indices, one after the other."""
         bits = draw(self._growth.seed, purpose, order)
-        compared, sheet = 0, self.sheet
-        for part, asked in parts(order, sheet.done.shape[1], level=sheet.level, top=sheet.top):
-            latest = int(self._seen.max(initial=0)) if asked else 0
-            if asked:
-                note("window", sheet=sheet)
-            compared += kernels.match_pixels(
-                self._lists, self._picture, self._search, order[part], bits[part]
-            )
-            if asked:
-                note("chosen", sheet=sheet, places=np.flatnonzero(self._seen > latest))
+        compared = kernels.match_pixels(self._lists, self._picture, self._search, order, bits)
         about = self._growth.about  # columns of Table 1
         about["pixels_chosen"] = about.get("pixels_chosen", 0) + len(order)
         about["windows_compared"] = about.get("windows_compared", 0) + compared

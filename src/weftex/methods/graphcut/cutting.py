@@ -12,7 +12,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from weftex.methods.graphcut import cost_kernels, graph_kernels
-from weftex.notes import is_asked, note
 from weftex.raster.boxes import box_sums
 from weftex.seams.maxflow import search_trees
 
@@ -118,13 +117,8 @@ class CutCanvas:
 
     def paste(self, patch: Patch) -> int:
         """Cut a patch in smaller and smaller blocks and copy it; return the pixels that it adds."""
-        asked = is_asked((patch.top, patch.left, patch.height, patch.width), self.shape)
-        if asked:
-            note("patch", growth=self.growth, place=patch)
         graph = self._graph_of(patch, 0)
         covered: int = graph_kernels.paste_patch(graph, max(0, self.halvings - 1))
-        if asked:
-            note("pasted", growth=self.growth, place=patch)
         return covered
 
     def _graph_of(self, patch: Patch, number: int) -> graph_kernels.Graph:

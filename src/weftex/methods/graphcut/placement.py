@@ -6,7 +6,6 @@ from typing import TYPE_CHECKING, NamedTuple, Protocol
 
 import numpy as np
 
-from weftex.notes import note
 from weftex.random import draw
 
 if TYPE_CHECKING:
@@ -78,9 +77,7 @@ def draw_offsets(
                  if level.mask.any())  # fmt: skip
     near = [(n >> matches.halvings) // _APART for n in placement.size]
     costs = matches.costs * matches.factors
-    drawn = drawn_places(costs, matches.allowed, tolerance * next(variances), draws, near)
-    note("matches", **{**matches._asdict(), "patches": None}, drawn=drawn)
-    return drawn
+    return drawn_places(costs, matches.allowed, tolerance * next(variances), draws, near)
 
 
 def drawn_places(

@@ -12,7 +12,6 @@ from weftex.methods.near_regular.defaults import blend_of, check_block, is_rows,
 from weftex.methods.near_regular.layout import divide
 from weftex.methods.near_regular.sample import prepare
 from weftex.methods.near_regular.seams import blend_linearly, cut_seams, paste_blocks
-from weftex.notes import note
 from weftex.parameters import parameter
 from weftex.threads import thread_count, thread_map
 
@@ -208,12 +207,10 @@ class NearRegularModel(LatticeModel):
             # 4.2.1: every second block gets a similar window, drawn at random (Fig. 4.7):
             # `block_kernels.draw_blocks`.
             sources = draw_constrained_blocks(plan)
-            note("drawn", sample=sample, layout=layout, sources=sources, vectors=self.vectors)
             # 4.2.2: each gap gets the window that best matches the wedge-shaped borders of its
             # neighbors (Fig. 4.8 and 4.9: `sample.wedges_of`; eq. 4.4), within a tolerance around
             # similar ones: `block_kernels.fill_gaps`.
             sources = fill_gaps(plan, sources, progress)
-            note("filled", sample=sample, layout=layout, sources=sources, vectors=self.vectors)
             if method.blend == "cut":
                 # 6: seams of least error instead of blending.
                 joints = cut_seams(plan, sources)

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
 from threading import get_ident
@@ -31,7 +30,6 @@ from weftex.methods.patches.patch_kernels import Patches, Tolerance, lay_patches
 from weftex.methods.patches.plane_order import PatchAxis, PlaneOrder, least_period
 from weftex.methods.patches.zone_kernels import Shortlist
 from weftex.methods.patches.zone_search import ZoneSearch
-from weftex.notes import is_asked, note, pixel_asked
 from weftex.progress import Progress, ProgressCallback
 from weftex.random import seed_number
 from weftex.results.paste_kernels import Layout
@@ -193,8 +191,8 @@ class Output:
             self.order.around,
             self.method.keep_apart,
         )
-        #: The candidates of a patch and their keys and places, of each thread.
-        self._shortlists: dict[int, tuple[Shortlist, NDArray[np.int64], NDArray[np.int32]]] = {}
+        #: The candidates of a patch and their places, of each thread.
+        self._shortlists: dict[int, tuple[Shortlist, NDArray[np.int32]]] = {}
 
     def _order(self, seed: int) -> Order:
         """The order of the patches by the canvas."""
@@ -245,43 +243,19 @@ class Output:
         self.placements[run.first : run.last, 4] = run.zone
         weights = self._zones.weights[run.zone]
         layout = Layout(self.placements, weights, self.cuts, *self.frame.shape)
-        found, keys, places = self._shortlist()
-        # A kd-tree is searched from Python, for one patch at a time; so are patches explained.
-        one_by_one = windows.tree is not None or pixel_asked() is not None
-        step = 1 if one_by_one else run.last - run.first
+        found, places = self._shortlist()
+        # A kd-tree is searched from Python, for one patch at a time.
+        step = run.last - run.first if windows.tree is None else 1
         for first in range(run.first, run.last, step):
             if windows.tree is not None:
                 nearest = windows.nearest_in_tree(self.pixels, *self.placements[first, :2].tolist())
                 places[: len(nearest)] = nearest
-            with self._explained(first, windows, keys, places):
-                lay_patches(
-                    self.pixels, self._patches, first, first + step, layout, windows.kernel,
-                    tolerance, found,
-                )  # fmt: skip
+            lay_patches(
+                self.pixels, self._patches, first, first + step, layout, windows.kernel,
+                tolerance, found,
+            )  # fmt: skip
 
-    @contextmanager
-    def _explained(
-        self,
-        number: int,
-        windows: ZoneSearch,
-        keys: NDArray[np.int64],
-        places: NDArray[np.int32],
-    ) -> Iterator[None]:
-        """Tell whoever explains a pixel about the patch that is pasted over it."""
-        (y, x), over = self.placements[number, :2].tolist(), self.frame.margin
-        box = y - over[0], x - over[1], *self.frame.window
-        if not is_asked(box, self.frame.canvas.shape):
-            yield
-            return
-        before = self.pixels.copy()
-        keys.fill(-1)
-        yield
-        note(
-            "patch", output=self, number=number, before=before, zone=windows.zone,
-            errors=keys.copy(), places=places.copy(), columns=windows.usable.shape[1],
-        )  # fmt: skip
-
-    def _shortlist(self) -> tuple[Shortlist, NDArray[np.int64], NDArray[np.int32]]:
+    def _shortlist(self) -> tuple[Shortlist, NDArray[np.int32]]:
         """Return this thread's candidates, allocated for any patch."""
         if get_ident() not in self._shortlists:
             analysis, window = self.analysis, self.frame.window
@@ -291,10 +265,10 @@ class Output:
             depth = max(self.frame.boundary_width, min(window) // 2)  # of a band with a path
             numbers = window[0] * window[1] * analysis.pixels.shape[2]
             columns = analysis.exemplar.shape[1]
-            keys, places = np.empty(room, np.int64), np.empty(room, np.int32)
+            places = np.empty(room, np.int32)
             found = Shortlist(
                 self.method.candidates or 0,
-                keys,
+                np.empty(room, np.int64),
                 places,
                 query=np.empty(numbers, np.uint8),
                 means=np.empty(numbers, np.int32),
@@ -304,7 +278,7 @@ class Output:
                 excluded=np.empty(room, np.uint8),
                 path=np.empty((max(window), depth), np.int64),
             )
-            self._shortlists[get_ident()] = found, keys, places
+            self._shortlists[get_ident()] = found, places
         return self._shortlists[get_ident()]
 
     def weights(self) -> NDArray[np.uint16]:

@@ -35,7 +35,6 @@ from weftex.methods.refinement.start import (
     start_window,
 )
 from weftex.methods.refinement.sweeps import Convergence, refine_texture, sweep_of
-from weftex.notes import note
 from weftex.parameters import parameter
 from weftex.results.pixels import PixelSynthesis
 
@@ -299,14 +298,12 @@ def texture_synthesis(prepared: Prepared, growth: Growth) -> None:
             source = seed_sources(prepared, output, guide, growth.seed)
         output.begin(level, source)
         show_coarse(output, growth)
-        note("start", output=output, level=level)
         # Search Tree Construction (section 3): `sweep_kernels.refine_to_nearest` is the paper's,
         # among all windows; `refine_coherently` is ours, among coherent and similar places.
         sweep = sweep_of(prepared, output, guide, growth.seed, cyclic)
         for iteration in range(rounds[number]):  # step 5: while (ContinueFlag)
             convergence.remember(output)
             changed = refine_texture(sweep, iteration, progress)  # step 6: RefineTexture
-            note("sweep", output=output, level=level, iteration=iteration)
             if convergence.reached(output, iteration, changed):  # steps 7 and 8: eq. (1)
                 left = rounds[number] - 1 - iteration
                 progress.advance(left * output.count)

@@ -8,7 +8,6 @@ import numpy as np
 
 from weftex.methods.wei_levoy import scan_kernels as kernels
 from weftex.methods.wei_levoy.tsvq import TSVQ, build_tsvq
-from weftex.notes import note, parts
 from weftex.search.picture_kernels import Picture
 from weftex.search.pyramid_windows import parent_offsets, window_offsets, window_vectors
 
@@ -74,10 +73,5 @@ def replace_by_nearest(
     line = max(level.pixels.shape[1], _LEAST_PIXELS)
     for start in range(0, len(step.places), line):
         places = step.places[start : start + line]
-        for part, asked in parts(places, level.pixels.shape[1], level=level.number):
-            if asked:
-                note("window", level=level, own=own, tree=tree, wrap=wrap)
-            kernels.replace_pixels(here, above, sample, own, parents, places[part], bundle, leaves)
-            if asked:
-                note("chosen", level=level)
+        kernels.replace_pixels(here, above, sample, own, parents, places, bundle, leaves)
         progress.advance(len(places))
