@@ -27,7 +27,6 @@ if TYPE_CHECKING:
 
 #: Options of `weftex tile` that do something else than making a photo tileable.
 TOOLS = ("--check", "--pad", "--crop")
-_PLAIN = {"names": None, "mtlx": False}  # what `plan` asks for
 _DIRECTIONS = "top to bottom", "left to right"
 _AXES = TASKS["tile"].options["axes"]
 
@@ -176,7 +175,9 @@ def _resize(args: argparse.Namespace, axes: tuple[int, ...], tool: str) -> None:
                 for name, one in material.pictures.items()
             }
             changed = replace(material, pictures=pictures)
-            made = plan([changed], changed.exemplar(), argparse.Namespace(**_PLAIN | vars(own)))
+            made = plan(
+                [changed], changed.exemplar(), argparse.Namespace(**{"preset": None} | vars(own))
+            )
             made.write(lambda name, made=made: made.pictures[name].pixels, outputs)  # type: ignore[misc]
             count += len(pictures)
         did = "padded" if tool == "--pad" else "cropped"
