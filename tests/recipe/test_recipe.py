@@ -136,6 +136,8 @@ MADE = {
              "tileable": "x", **QUILTING},
     "alpha": {"materials": [{"path": "clear.png", "mask": "alpha"}], "size": [40, 40],
               "tileable": True, **QUILTING},
+    "fit": {"materials": [SAMPLE], "size": [40, 50], "tileable": True, "fit": True,
+            "method": "near-regular", "parameters": {"lattice": [9.0, 0.0, 0.0, 11.0]}},
     "guide": {"materials": [SAMPLE | {"turn": "half"}], "guide": "photo.png",
               "sample_guide": "second.png", "method": "ashikhmin"},
     "window": {"materials": [SAMPLE], "window": [60, 50, 30, 40], "period": [200, 300],
@@ -183,7 +185,7 @@ TRIED = {
     "half.png", "--straighten": "8,8,40,8,40,50,8,50", "--even-light": "3", "--turn": "half",
     "--tileable-sample": "", "--map-weights": "height=2", "--seed": "8", "--direction": "0",
     "--center": "0,0", "--radii": "0.5", "--width": "0.5", "--circles": "0.1",
-    "--landmarks": "remove",
+    "--landmarks": "remove", "--fit": "",
 }  # fmt: skip
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import islice
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -18,12 +19,13 @@ if TYPE_CHECKING:
 _UNIT = 1 << 16  # positions are in 1/65536 pixel
 _SMALLEST_SAMPLE = 32  # side below which noise may look like a lattice by chance
 _ALONG = 1.01  # pixels: a vector as short as that says nothing but a direction
-_SIZES_TRIED = 64  # pixels on both sides of a size among which a better one is looked for
+_SIZES_TRIED = 256  # pixels on both sides of a size among which a better one is looked for
 _SURE = 0.6  # confidence from which blocks may be laid by a lattice
 _TILES = 4  # that a sample must show, so that a block has more than one place to come from
 #: Strain of a lattice that goes around a canvas, from which it shows. Joints of bricks, tiles and a
 #: fence met at up to 0.07, whatever the tolerance; at 0.1 some were broken.
 VISIBLE_STRAIN = 0.07
+FITTING_STRAIN = 0.01  #: Strain of a lattice up to which a size counts as one that fits.
 
 
 class Around(NamedTuple):
@@ -62,11 +64,11 @@ class CanvasLattice:
         if canvas is not None and any(canvas.wrap):
             self.canvas, self.strain = _stretched(self.sample, canvas.shape, canvas.wrap)
             if not self.strain <= limit:
-                better = _good_size(self.sample, canvas, limit)
+                better = [f"{w}x{h} would do" for h, w in fitting_sizes(vectors, canvas, limit)]
                 raise InvalidInputError(
                     f"the lattice would have to be strained by {100 * self.strain:.1f} % to go "
                     f"around {canvas.width}x{canvas.height}, at most {100 * limit:.1f} % look "
-                    f"right; {better}"
+                    f"right; {[*better, 'make it larger'][0]}"
                 )
         (a, b), (c, d) = self.canvas
         det = a * d - b * c
@@ -212,13 +214,26 @@ def _stretched(
     return (vectors, 0.0) if strain < 1e-12 else (vectors @ change, strain)
 
 
-def _good_size(vectors: NDArray[np.float64], canvas: Canvas | Around, limit: float) -> str:
-    """Return a sentence that names a good size close to the canvas's own."""
-    reach = [range(-_SIZES_TRIED, _SIZES_TRIED + 1) if wraps else range(1) for wraps in canvas.wrap]
-    steps = sorted((abs(dy) + abs(dx), dy, dx) for dy in reach[0] for dx in reach[1])
-    for _, dy, dx in steps:
-        height, width = canvas.height + dy, canvas.width + dx
-        if min(height, width) > 0:
-            if _stretched(vectors, (height, width), canvas.wrap)[1] <= limit:
-                return f"{width}x{height} would do"
-    return "make it larger"
+def fitting_sizes(
+    vectors: tuple[float, ...], canvas: Canvas | Around, limit: float = FITTING_STRAIN
+) -> list[tuple[int, int]]:
+    """Return the nearest size that strains a lattice at most this much, and the nearest larger."""
+    x1, y1, x2, y2 = vectors
+    pair, sides = np.array([[y1, x1], [y2, x2]]), list[list[int]]()
+    for axis, (side, wraps) in enumerate(zip(canvas.shape, canvas.wrap, strict=True)):
+        tried = np.arange(max(1, side - _SIZES_TRIED), side + _SIZES_TRIED + 1)
+        around = tried[:, None] * np.eye(2)[axis]
+        times = np.rint(around @ np.linalg.inv(pair))
+        off = np.hypot(*(times @ pair - around).T) / tried
+        fits = tried[(off <= limit) & times.any(axis=1)] if wraps else np.array([side])
+        sides.append([int(one) for one in fits])
+    height, width = canvas.shape
+    pairs = sorted(
+        ((y, x) for y in sides[0] for x in sides[1]),
+        key=lambda one: abs(one[0] - height) + abs(one[1] - width),
+    )
+    good = (one for one in pairs if _stretched(pair, one, canvas.wrap)[1] <= limit)
+    found = list(islice(good, 1))
+    if found and (found[0][0] < height or found[0][1] < width):
+        found += islice((one for one in good if one[0] >= height and one[1] >= width), 1)
+    return found

@@ -171,6 +171,8 @@ def _done(job: OpenedRecipe, result: Synthesis) -> str:
     if job.recipe.task == "fuse":
         return f"fused {len(job.prepared)} samples in"
     made = f"made {result.shape[1]}x{result.shape[0]}"
+    if job.shape != job.asked:
+        made += f", which fits the sample in place of {job.asked[1]}x{job.asked[0]}:"
     return {"synth": made, "tile": "made tileable:"}[job.recipe.task]
 
 

@@ -83,6 +83,10 @@ TILEABLE = Option(
     "tileable", AXES, "make the output tileable along both axes, or only along x or y", False,
     metavar="x|y",
 )  # fmt: skip
+FIT = Option(
+    "fit", FLAG, "with --tileable: make the size nearest to the given one into which whole bricks, "
+    "tiles or rows of the sample fit", False, heading="tiling",
+)  # fmt: skip
 LANDMARKS = Option(
     "landmarks", TEXT, "recognizable features of the sample, such as its only red leaf: keep "
     "repeats them, thin shows them rarely, remove replaces the most conspicuous; auto thins small "
@@ -145,6 +149,7 @@ TASKS = {
             Option("guide", PICTURE, "image that the output follows; as large as the output",
                    metavar="FILE"),
             TILEABLE,
+            FIT,
             Option("best_of", TRIES, "make N results with successive seeds, or one with each named "
                    "method, and keep the best", 1, low=1, high=1000, metavar="N|NAME,...",
                    heading=_QUALITY),

@@ -19,6 +19,7 @@ _ALL = ("task", "materials", "seed", "method", "parameters")
 FIELDS = frozenset({*_ALL, "sample", "path", "name", *MATERIAL, *GRADIENT}.union(
     *(task.options for task in TASKS.values())
 ))  # fmt: skip
+_WHOLE = ("guide", "sample_guide", "tileable", "fit", "best_of", "landmarks")  # not of windows
 #: The most materials of a recipe that is not local, and the most results it makes to keep one.
 _MOST_MATERIALS, _MOST_TRIES = 8, 16
 
@@ -102,13 +103,17 @@ class Fields:
 
         if self.task == "synth":
             if options["window"] is not None:
-                for name in ("size", "guide", "sample_guide", "tileable", "best_of", "landmarks"):
+                for name in (*_WHOLE, "size"):
                     if options[name] != declared[name].default:
                         raise InvalidInputError(f"{named(name)} and --window exclude each other")
             elif options["period"] is not None:
                 raise InvalidInputError(
                     "--period has no effect without --window; see also --tileable"
                 )
+            if options["fit"] and options["tileable"] is False:
+                raise InvalidInputError(f"{named('fit')} has no effect without {named('tileable')}")
+            if options["fit"] and options["guide"] is not None:
+                raise InvalidInputError(f"{named('fit')} and {named('guide')} exclude each other")
             if len(self.materials) > 1:
                 self._check_several(named)
             if options["landmarks"] not in ("auto", "keep") and "turn" in self.materials[0]:

@@ -195,6 +195,16 @@ class OpenedRecipe:
     @cached_property
     def shape(self) -> tuple[int, int]:
         """Height and width of the result."""
+        if not self.recipe.options.get("fit"):
+            return self.asked
+        from weftex.tasks.fitting import fitting_canvas
+
+        canvas = as_canvas(self.asked, self.recipe.options["tileable"])
+        return fitting_canvas(canvas, self.sample, self.recipe.method).shape
+
+    @cached_property
+    def asked(self) -> tuple[int, int]:
+        """Height and width before `fit`."""
         options = self.recipe.options
         if self.recipe.task in ("tile", "fill"):
             return self.prepared[0].exemplar.shape

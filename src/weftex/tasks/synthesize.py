@@ -35,6 +35,7 @@ def synthesize(
     tileable: bool | str = False,
     guide: Sample | None = None,
     sample_guide: Sample | None = None,
+    fit: bool = False,
     best_of: int | Sequence[str | Method] = 1,
     landmarks: str = "auto",
     threads: int | None = None,
@@ -64,6 +65,9 @@ def synthesize(
     sample_guide : path, array, PIL image or Exemplar, optional
         An image of the sample's size that `guide` is compared with, such as a map of labels; see
         `Exemplar`.
+    fit : bool
+        Whether to make the size nearest to `size` into which whole tiles or rows of the sample's
+        lattice fit. It needs `tileable`, and changes nothing if the sample has no lattice.
     best_of : int, or sequence of str and Method
         Number of results, made with `seed`, `seed` + 1 and so on; or methods, one result of each.
         The result with the best score is returned. Its provenance has all scores.
@@ -119,6 +123,10 @@ def synthesize(
         exemplar = exemplar.changed(guide=_guide(sample_guide))
     if exemplar.guide is None and canvas.guide is not None:
         canvas = dataclasses.replace(canvas, guide=_like(canvas.guide, exemplar))
+    if fit:
+        from weftex.tasks.fitting import fitting_canvas
+
+        canvas = fitting_canvas(canvas, exemplar, chosen)
     number = seed_number(seed)
     how: dict[str, Any] = {"seed": number, "threads": threads, "progress": progress}
     plain, model = None, None

@@ -20,7 +20,7 @@ from weftex.io.map_files import map_files
 from weftex.processes import LostError, Workers
 from weftex.quality.score import MapsScorer
 from weftex.recipe import MATERIAL, SEED, Recipe
-from weftex.recipe.declared import OUTPUT_SIZE, TILEABLE
+from weftex.recipe.declared import FIT, OUTPUT_SIZE, TILEABLE
 from weftex.threads import in_turn, thread_count
 
 if TYPE_CHECKING:
@@ -62,7 +62,7 @@ def run(argv: list[str]) -> None:
     add("--force", action="store_true", help="overwrite existing outputs")
     parser.share("--preset")
     args, recipe = parse_task(
-        "synth", parser, argv, [OUTPUT_SIZE, TILEABLE, SEED, MATERIAL["turn"]]
+        "synth", parser, argv, [OUTPUT_SIZE, TILEABLE, FIT, SEED, MATERIAL["turn"]]
     )
     if not 1 <= args.count <= _MOST:
         raise InvalidInputError(f"--count is {args.count}; it must be from 1 to {_MOST}")

@@ -20,8 +20,8 @@ from weftex.methods.lattices.model import is_strained
 from weftex.parameters import parameter
 from weftex.progress import Progress
 from weftex.random import seed_number
-from weftex.tasks.auto.findings import Findings, look
-from weftex.tasks.auto.rule import choose, choose_for_hole, places_freely
+from weftex.tasks.auto.findings import Findings, look, with_full
+from weftex.tasks.auto.rule import choose, choose_for_hole, is_sure, places_freely
 from weftex.tasks.auto.trial import (
     PREVIEW,
     best_of_choices,
@@ -30,6 +30,7 @@ from weftex.tasks.auto.trial import (
 )
 
 if TYPE_CHECKING:
+    from weftex.analysis.lattice import Lattice
     from weftex.endless.boxes import Box, PlaneRequest
     from weftex.progress import ProgressCallback
     from weftex.random import Seed
@@ -82,6 +83,18 @@ class AutoModel(Model):
         """The analysis of the sample."""
         return look(self.exemplar)
 
+    @cached_property
+    def _exactly(self) -> Findings:
+        return with_full(self.findings, self.exemplar)
+
+    @property
+    def lattice(self) -> Lattice | None:
+        """The lattice or rows that tileable outputs must fit, if those of the sample are sure."""
+        found = self._exactly
+        if found.lattice is None or not is_sure(found.lattice, found.shape):
+            return None
+        return found.full[-1] if found.full else found.lattice
+
     def choose(self, size: Canvas | int | tuple[int, int]) -> Choice:
         """Return the rule's method for a canvas, and why; nothing is tried."""
         canvas = as_canvas(size)
@@ -89,7 +102,7 @@ class AutoModel(Model):
             return Choice("refinement", {}, "there is a guide to follow")
         if canvas.known is not None:
             return choose_for_hole(self.exemplar, canvas)
-        return choose(self.findings, canvas)
+        return choose(self._exactly if any(canvas.wrap) else self.findings, canvas)
 
     def chosen(self, size: Canvas | int | tuple[int, int]) -> tuple[Choice, Model]:
         """Return the rule's choice and its model, or the next method that can be fitted."""

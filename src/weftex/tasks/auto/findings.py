@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -11,6 +12,9 @@ from weftex.analysis.properties import Evenness, evenness, sidedness
 from weftex.analysis.relief import maps_alone, smaller_copy
 from weftex.analysis.scale import dominant_scale
 from weftex.exemplar import Exemplar
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
 
 LOOK = 320  #: pixels a side; of larger samples a smaller copy and a part are analyzed
 SMALLEST_ANALYZED = 32  #: pixels a side; a smaller sample is not analyzed
@@ -27,6 +31,8 @@ class Findings:
     colors: int  # different colors; approximate above some thousand
     evenness: Evenness
     sidedness: float = 1.0  # 1 where rotated copies cannot be made
+    #: Where `lattice` is not exact: that of the sample itself, and rows where it should have rows.
+    full: tuple[Lattice, ...] = ()
 
 
 def look(exemplar: Exemplar) -> Findings:
@@ -56,6 +62,31 @@ def look(exemplar: Exemplar) -> Findings:
         evenness=evenness(small),
         sidedness=sidedness(small) if _may_turn(exemplar) else 1.0,
     )
+
+
+def with_full(found: Findings, exemplar: Exemplar) -> Findings:
+    """Add the lattice of the sample itself, which canvases that wrap must fit."""
+    own = None if found.exact or found.lattice is None else find_lattice(exemplar)
+    if own is None or found.lattice is None:
+        return found
+    doubtful = own.area and len(found.lattice.vectors) == 1
+    rows = [_exact_rows(exemplar, found.lattice)] if doubtful else []
+    return replace(found, full=(own.reduced(), *rows))
+
+
+def _exact_rows(exemplar: Exemplar, rows: Lattice) -> Lattice:
+    """Return rows of a smaller copy with their distance in the sample itself.
+
+    It is measured over 1, 2, 4 and more rows; along rows nothing tells one place from another.
+    """
+    ((x, y),), times, factor = rows.vectors, 1, 1.0
+    pixels, length = exemplar.matching(), float(np.hypot(x, y))
+    while 2 * times * length <= max(pixels.shape[:2]):
+        near = [factor + step / (times * length) for step in (0, -1, 1)]
+        shifts = {one: (times * one * x, times * one * y) for one in near}
+        factor = max(near, key=lambda one: like_itself(pixels, shifts[one]))
+        times *= 2
+    return Lattice(((factor * x, factor * y),), rows.confidence)
 
 
 def _may_turn(exemplar: Exemplar) -> bool:
@@ -96,3 +127,23 @@ def count_colors(exemplar: Exemplar) -> int:
         names = names << np.uint64(8) | levels[:, k]
     names.sort()  # not np.unique, which loads masked arrays
     return 1 + int(np.count_nonzero(names[1:] != names[:-1]))
+
+
+def like_itself(values: NDArray[np.integer], vector: tuple[float, float]) -> float:
+    """Return the correlation of pixels (H, W, K) with themselves, shifted by (x, y).
+
+    In integers, so that it is the same on every machine; 0 where there is nothing to compare.
+    """
+    x, y = (round(part) for part in vector)
+    height, width = values.shape[:2]
+    first = values[max(0, -y) : height - max(0, y), max(0, -x) : width - max(0, x)]
+    second = values[max(0, y) : height - max(0, -y), max(0, x) : width - max(0, -x)]
+    here, there = (part.reshape(-1, values.shape[2]).astype(np.int64) for part in (first, second))
+    together = _variance(here, here) + _variance(there, there)
+    return 2 * _variance(here, there) / together if together else 0.0
+
+
+def _variance(first: NDArray[np.int64], second: NDArray[np.int64]) -> int:
+    """Return the covariance of (N, K), summed over K, times N squared; it may exceed 64 bits."""
+    sums = [int(a) * int(b) for a, b in zip(first.sum(axis=0), second.sum(axis=0), strict=True)]
+    return len(first) * int((first * second).sum()) - sum(sums)

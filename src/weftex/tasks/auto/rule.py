@@ -6,14 +6,18 @@ import math
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from weftex.analysis.canvas_lattice import VISIBLE_STRAIN, CanvasLattice, four_numbers
+from weftex.analysis.canvas_lattice import (
+    VISIBLE_STRAIN,
+    CanvasLattice,
+    fitting_sizes,
+    four_numbers,
+)
 from weftex.analysis.canvas_lattice import is_sure as lattice_is_sure
 from weftex.analysis.lattice import Lattice, find_lattice
 from weftex.analysis.overlay import courses
 from weftex.analysis.relief import smaller_copy
 from weftex.analysis.scale import dominant_scale
 from weftex.choice import Choice
-from weftex.errors import InvalidInputError
 from weftex.tasks.auto.findings import LOOK, SMALLEST_ANALYZED, Findings
 
 if TYPE_CHECKING:
@@ -65,20 +69,27 @@ def _too_small(findings: Findings) -> Choice | None:
 
 
 def _regular(findings: Findings, canvas: Canvas) -> Choice | None:
-    """Return what follows a sure lattice or rows; quilting where they do not fit the canvas."""
+    """Return what follows a sure lattice or rows, and what does not where they do not fit."""
     lattice = findings.lattice
     if lattice is None or not is_sure(lattice, findings.shape):
         return None
-    vectors, because = four_numbers(lattice), f"the sample has {words(lattice)}"
-    refused = _strained(vectors, canvas)
+    because, full = f"the sample has {words(lattice)}", findings.full or (lattice,)
+    vectors = four_numbers(full[0])
+    strain = CanvasLattice(vectors, canvas).strain
+    given = {"lattice": vectors} if findings.exact else {}
+    if strain > _STIFF and len(full) > 1:
+        vectors = four_numbers(full[1])
+        strain, given = CanvasLattice(vectors, canvas).strain, {"lattice": vectors}
+    refused = strain > (_STIFF if len(full) > 1 else VISIBLE_STRAIN)
+    notes = (unfitting(vectors, canvas),) if strain > _STIFF else ()
     if refused:
         because = f"{because}, which do not fit a tileable {_size(canvas.shape)}"
-        return Choice("quilting", {}, because, (refused,))
-    if not findings.exact:
-        return Choice("near-regular", {}, because)
-    if _quickly_cut(canvas) and CanvasLattice(vectors, canvas).strain <= _STIFF:
-        return Choice("graphcut", {**WHOLE, "lattice": vectors}, because)
-    return Choice("near-regular", {"lattice": vectors}, because)
+        if len(lattice.vectors) == 1:  # rows keep their distance if cut seldom
+            return replace(_whole(findings, canvas, because), warnings=notes)
+        return Choice("quilting", {}, because, notes)
+    if findings.exact and _quickly_cut(canvas) and strain <= _STIFF:
+        return Choice("graphcut", {**WHOLE, **given}, because)
+    return Choice("near-regular", given, because, notes)
 
 
 def _fine(findings: Findings, canvas: Canvas) -> Choice | None:
@@ -196,10 +207,12 @@ def _size(shape: tuple[int, int]) -> str:
     return f"{shape[1]}x{shape[0]}"
 
 
-def _strained(vectors: tuple[float, ...], canvas: Canvas) -> str:
-    """Return why a lattice does not fit a canvas that wraps, and a good size; "" if it fits."""
-    try:
-        CanvasLattice(vectors, canvas, VISIBLE_STRAIN)
-    except InvalidInputError as error:
-        return str(error)
-    return ""
+def unfitting(vectors: tuple[float, ...], canvas: Canvas) -> str:
+    """Return by how much a lattice does not fit a canvas that wraps, and the sizes that fit."""
+    strain = CanvasLattice(vectors, canvas).strain
+    sizes = " or ".join(map(_size, fitting_sizes(vectors, canvas)))
+    better = f"{sizes} would do (--fit takes the nearest)"
+    if not sizes:  # such as where it lies at a slant
+        better = "no size near it would do; straighten the sample (--straighten)"
+    size = _size(canvas.shape)
+    return f"the lattice has to be strained by {100 * strain:.1f} % to fit {size}; {better}"

@@ -12,6 +12,7 @@ from weftex.errors import InvalidInputError
 from weftex.methods import make_method
 from weftex.naming import text_of
 from weftex.raster.boxes import box_sums
+from weftex.tasks.auto.findings import like_itself
 from weftex.tasks.auto.rule import WHOLE, is_sure, places_freely
 
 if TYPE_CHECKING:
@@ -130,28 +131,8 @@ def _likeness(made: Synthesis, lattice: Lattice, exemplar: Exemplar) -> float:
     return float(np.mean([like_itself(fine, vector) for vector in lattice.vectors]))
 
 
-def like_itself(values: NDArray[np.integer], vector: tuple[float, float]) -> float:
-    """Return the correlation of pixels (H, W, K) with themselves, shifted by (x, y).
-
-    In integers, so that it is the same on every machine; 0 where there is nothing to compare.
-    """
-    x, y = (round(part) for part in vector)
-    height, width = values.shape[:2]
-    first = values[max(0, -y) : height - max(0, y), max(0, -x) : width - max(0, x)]
-    second = values[max(0, y) : height - max(0, -y), max(0, x) : width - max(0, -x)]
-    here, there = (part.reshape(-1, values.shape[2]).astype(np.int64) for part in (first, second))
-    together = _variance(here, here) + _variance(there, there)
-    return 2 * _variance(here, there) / together if together else 0.0
-
-
 def detail(pixels: NDArray[np.integer]) -> Values:
     """Return 49 times the difference from the mean of 7x7 pixels (H - 6, W - 6, 1)."""
     values = pixels.sum(axis=2, dtype=np.int64)
     fine: Values = 49 * values[3:-3, 3:-3] - box_sums(values, 7, 7)
     return fine[..., None]
-
-
-def _variance(first: Values, second: Values) -> int:
-    """Return the covariance of (N, K), summed over K, times N squared; it may exceed 64 bits."""
-    sums = [int(a) * int(b) for a, b in zip(first.sum(axis=0), second.sum(axis=0), strict=True)]
-    return len(first) * int((first * second).sum()) - sum(sums)
