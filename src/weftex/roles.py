@@ -109,6 +109,8 @@ ROLES = {role.name: role for role in (
             "metallicroughness"),
     _packed("metallic_smoothness", "metallic unused unused gloss", "metallic smoothness",
             "metallicsmoothness"),
+    _packed("metallic_occlusion_smoothness", "metallic ao unused gloss",
+            "metallic occlusion smoothness", "metallicocclusionsmoothness"),
     _packed("mask_map", "metallic ao detail gloss", "mask map", "maskmap"),
     Role("roughness_ao", "data", ("rough ao", "roughness ao")),
 )}  # fmt: skip

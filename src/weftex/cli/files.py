@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
     from weftex.cli.terminal import Outputs
     from weftex.exemplar import Exemplar
-    from weftex.io.packing import PackedSet
+    from weftex.io.packed import PackedSet
     from weftex.io.pictures import Picture
     from weftex.recipe import Recipe
     from weftex.results.synthesis import Synthesis
@@ -125,7 +125,7 @@ class Plan:
         self, pixels: Callable[[str], NDArray[Any]], outputs: Outputs, threads: int | None = None
     ) -> None:
         """Write pixels, asked for by the names of maps."""
-        from weftex.io.packing import write_set
+        from weftex.io.packed import write_set
 
         write_set(self.files, self.folder, pixels, outputs.add, threads)
 
@@ -141,7 +141,8 @@ def plan(
     `made` is a sample with the maps to write; each is stored as the first material that has it, or
     as a preset wants it.
     """
-    from weftex.io.packing import PackedSet, check_set, kept_file, pack_set
+    from weftex.io.packed import PackedSet, check_set, kept_file
+    from weftex.io.packing import pack_set
     from weftex.io.presets import read_preset
 
     first = materials[0]

@@ -45,18 +45,6 @@ class PresetFile:
     format: str = ""  # a suffix; as the map has it if empty
     bits: int = 16  # at most, for each channel
 
-    def widths(self) -> dict[str, int]:
-        """Return the number of channels of each role; a file of one role has any number."""
-        return {role: width_of(role) for role in self.roles}
-
-    def places(self) -> dict[str, int]:
-        """Return the first channel of each role."""
-        places, start = {}, 0
-        for role in self.roles:
-            places[role] = start
-            start += width_of(role)
-        return places
-
 
 @dataclass(frozen=True)
 class Preset:
@@ -176,7 +164,9 @@ def _check_whole(preset: Preset) -> None:
             raise InvalidInputError(f"two {what} {shown(twice[0])}")
     if preset.material == "gltf":
         for one in preset.files:
-            for role, place in one.places().items():
+            if one.format != ".png":
+                raise InvalidInputError(f'{one.name} must have format = "png", for glTF')
+            for place, role in enumerate(one.roles):
                 if _GLTF.get(role, place) != place:
                     raise InvalidInputError(
                         f"{one.name} has {role} in channel {place + 1}; glTF reads ao, roughness "

@@ -31,9 +31,9 @@ def run(argv: list[str]) -> None:
 
     def work(bar: Bar, outputs: Outputs) -> str:
         from weftex.io.map_files import map_files
-        from weftex.io.packing import unpack_set
         from weftex.io.pictures import MAX_PIXELS, is_folder, write_image
         from weftex.io.presets import presets, read_preset
+        from weftex.io.unpacking import unpack_set
 
         if args.preset is None:
             raise InvalidInputError(f"--preset is missing; known: {', '.join(presets())}")

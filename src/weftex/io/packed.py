@@ -1,0 +1,200 @@
+"""The files of a packed map set: their pixels, made from those of the maps, and their writing."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+from weftex.errors import InvalidInputError
+from weftex.io.formats import suffix_of, written_as
+from weftex.io.pictures import Picture, check_output, write_bytes, write_image
+from weftex.io.presets import UNUSED, width_of
+from weftex.raster.levels import to_light, to_stored
+from weftex.raster.mixing import middle_of, opposite, vectors_of
+from weftex.roles import ROLES
+from weftex.threads import in_turn, thread_count
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    Pixels = NDArray[Any]
+    #: Pixels by the names of maps.
+    PixelsOf = Callable[[str], Pixels]
+
+
+class Part(NamedTuple):
+    """A role in a file, and where its channels come from."""
+
+    role: str
+    source: str = ""  # the name of a map; without, `value` everywhere
+    channel: int | None = None  # of a packed map
+    reverse: bool = False
+    strip: bool = False  # leave out the map's alpha
+    value: float = 0.0
+
+
+@dataclass(frozen=True)
+class PackedFile:
+    """A file to write."""
+
+    name: str
+    parts: tuple[Part, ...]
+    dtype: np.dtype[Any]
+    alpha: bool = False
+    icc: bytes | None = None
+    half: bool = False
+
+    def pixels(self, pixels_of: PixelsOf) -> Pixels:
+        """Return the pixels of the file, from those of the maps."""
+        made = {one: self._made(one, pixels_of(one.source)) for one in self.parts if one.source}
+        first = next(iter(made.values()))
+        if len(self.parts) == 1:
+            return first
+        top = 1.0 if self.dtype.kind == "f" else np.iinfo(self.dtype).max
+        channels = []
+        for one in self.parts:
+            if one.source:
+                pixels, width = np.atleast_3d(made[one]), width_of(one.role)
+                narrow = pixels.shape[2] < width
+                channels.append(pixels.repeat(width, 2) if narrow else pixels[..., :width])
+            else:
+                value = one.value * top if self.dtype.kind == "f" else round(one.value * top)
+                channels.append(np.full((*first.shape[:2], 1), value, self.dtype))
+        return np.concatenate(channels, axis=2)
+
+    def _made(self, part: Part, pixels: Pixels) -> Pixels:
+        if part.channel is not None:
+            pixels = pixels[..., part.channel]
+        elif part.strip:
+            pixels = pixels[..., 0] if pixels.shape[2] == 2 else pixels[..., :-1]
+        if part.reverse:
+            pixels = reversed_map(pixels, part.role)
+        return _converted(pixels, part.role, self.dtype, self.alpha and len(self.parts) == 1)
+
+
+def reversed_map(pixels: Pixels, role: str) -> Pixels:
+    """Return gloss of roughness, normals whose y points the other way, and the reverse."""
+    if ROLES[role].kind != "normal":
+        return opposite(pixels, 0.5)
+    pixels = pixels.copy()
+    pixels[..., 1] = opposite(pixels[..., 1], middle_of(pixels))
+    return pixels
+
+
+def _converted(pixels: Pixels, role: str, dtype: np.dtype[Any], alpha: bool) -> Pixels:
+    """Return pixels in another type: scaled to its range, and rounded."""
+    given, shows = pixels.dtype, ROLES[role]
+    if given == dtype:
+        return pixels
+    if given.kind == dtype.kind == "u":
+        low, high = np.iinfo(given).max, np.iinfo(dtype).max
+        return ((pixels.astype(np.uint32) * high + low // 2) // low).astype(dtype)
+    values = pixels / np.iinfo(given).max if given.kind == "u" else pixels.astype(np.float64)
+    if shows.kind == "normal" and given.kind == "f":
+        values = vectors_of(pixels, middle_of(pixels)) / 2 + 0.5
+    if dtype.kind == "u":
+        values = np.clip(values, 0, 1)
+    if shows.srgb:
+        colors = (..., slice(0, -1)) if alpha else ...
+        values[colors] = (to_stored if dtype.kind == "u" else to_light)(values[colors])
+    return (
+        np.rint(values * np.iinfo(dtype).max).astype(dtype)
+        if dtype.kind == "u"
+        else (values.astype(dtype))
+    )
+
+
+@dataclass(frozen=True)
+class PackedSet:
+    """The files of a set, and what else is to be written and said about them."""
+
+    files: tuple[PackedFile, ...]
+    notes: tuple[str, ...] = ()
+    name: str = ""
+    material: str = ""  # one of `weftex.io.presets.MATERIALS`
+
+    def told(self) -> list[str]:
+        """Return a line for each file, and the notes."""
+        held = {one.name: [part.role for part in one.parts] for one in self.files}
+        lines = [
+            f"{name} holds {', '.join(role for role in roles if role != UNUSED)}"
+            for name, roles in held.items()
+        ]
+        return [*lines, *self.notes]
+
+    def document(self, read: Callable[[str], bytes]) -> tuple[str, bytes] | None:
+        """Return name and content of the material's file; `read` gives the bytes of a picture."""
+        if not self.material:
+            return None
+        from weftex.io.materials import Place, glb, usda
+
+        where, alphas = {}, {one.name for one in self.files if one.alpha}
+        for one in self.files:
+            start = 0
+            for part in one.parts:
+                width = width_of(part.role) if len(one.parts) > 1 else 0
+                where[part.role] = Place(one.name, start, width)
+                start += width
+        if self.material == "gltf":
+            return f"{self.name}.glb", glb(self.name, where, alphas, read)
+        if self.material == "usd":
+            return f"{self.name}.usda", usda(self.name, where, alphas).encode()
+        from weftex.io.materialx import materialx_document
+
+        hextiled = self.material == "materialx-hextiled"
+        text = materialx_document(self.name, where, hextiled=hextiled)
+        return f"{self.name}.mtlx", text.encode()
+
+
+def kept_file(stem: str, key: str, like: Picture, role: str = "color") -> PackedFile:
+    """Return a file that holds one map as it is, in the format that it came in."""
+    name = stem + written_as(like.path, like.pixels.dtype.kind == "f")
+    return PackedFile(name, (Part(role, key),), like.pixels.dtype, like.alpha, like.icc, like.half)
+
+
+def check_set(planned: PackedSet, folder: str, pixels_of: PixelsOf) -> None:
+    """Refuse what cannot be written, before any work; `pixels_of` gives pixels of this kind."""
+    by_name: dict[str, PackedFile] = {}
+    for one in planned.files:
+        if one.name in by_name:
+            twins = [file.parts[0].source for file in (by_name[one.name], one)]
+            raise InvalidInputError(
+                f"{' and '.join(twins)} would both be written to {one.name}; rename one of them"
+            )
+        by_name[one.name] = one
+        like = one.pixels(lambda key: pixels_of(key)[:1, :1])
+        check_output(os.path.join(folder, one.name), like, alpha=one.alpha)
+    document = planned.document(lambda name: b"")
+    if document is not None:
+        check_output(os.path.join(folder, document[0]), suffixes=(suffix_of(document[0]),))
+
+
+def write_set(
+    planned: PackedSet,
+    folder: str,
+    pixels_of: PixelsOf,
+    add: Callable[[str], str],
+    threads: int | None = None,
+) -> list[str]:
+    """Write the files of a set under the names that `add` returns for their paths; their names."""
+    files, at_once = planned.files, thread_count(threads)
+    temporary = {one.name: add(os.path.join(folder, one.name)) for one in files}
+
+    def write_one(number: int) -> None:
+        one = files[number]
+        how: dict[str, Any] = {"alpha": one.alpha, "icc": one.icc, "half": one.half}
+        how["threads"] = max(1, at_once // len(files))
+        write_image(temporary[one.name], one.pixels(pixels_of), **how)
+
+    for _ in in_turn(write_one, range(len(files)), min(at_once, len(files))):
+        pass  # the first that fails ends it
+    document = planned.document(lambda name: Path(temporary[name]).read_bytes())
+    if document is None:
+        return list(temporary)
+    write_bytes(add(os.path.join(folder, document[0])), document[1])
+    return [*temporary, document[0]]
