@@ -135,6 +135,7 @@ class Plane:
     model: Model
     main: str  # the name of its picture among the maps
     seed: int
+    method: str  # the slug of the one that makes the windows, also where `auto` chose it
 
 
 def begin_plane(given: Any, session: Session) -> dict[str, Any]:
@@ -144,10 +145,13 @@ def begin_plane(given: Any, session: Session) -> dict[str, Any]:
     name = id_of({"plane": job.recipe.as_json()})
 
     def fit() -> Plane:
-        return Plane(fitted(job, session, job.sample), next(iter(job.pictures)), recipe.seed)
+        model = fitted(job, session, job.sample)
+        used = model.window(0, 0, 1, 1, seed=recipe.seed).provenance
+        return Plane(model, next(iter(job.pictures)), recipe.seed, used["method"])
 
     plane = session.find(fit, lambda _: 2**20, "plane", name)
-    return {"id": name, "maps": maps_of(plane.model.exemplar, plane.main)}
+    maps = maps_of(plane.model.exemplar, plane.main)
+    return {"id": name, "maps": maps, "method": plane.method}
 
 
 def plane_window(name: str, query: Mapping[str, str], session: Session) -> NDArray[np.uint8]:

@@ -67,6 +67,15 @@
     return getComputedStyle(document.activeElement).outlineStyle;
   },
 
+  focus_is_lost() {
+    return document.activeElement === document.body;
+  },
+
+  /** Labels of segmented choices with more than one line. */
+  wrapped() {
+    return [...document.querySelectorAll(".segment-row span")].filter((one) => one.offsetHeight > 40).map((one) => one.textContent);
+  },
+
   focused() {
     return document.activeElement.textContent;
   },

@@ -208,6 +208,7 @@ def test_seeds_that_nobody_waits_for_end(tab: Any, address: str) -> None:
     page.click(".samples button:has-text('grass')")
     page.click("[data-screen=make]")
     page.select_option("select", "efros-leung")
+    page.click("summary")
     page.uncheck("text=Preview while I change things")
     page.click("text=Nine seeds")
     page.wait_for_selector(".progress >> text=of 9")

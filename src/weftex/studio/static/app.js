@@ -1,12 +1,15 @@
 import { Api, StudioError } from "./api.js";
 import { drawSquare, h } from "./dom.js";
 import { fromAddress, History, toAddress } from "./history.js";
+import { beginTask } from "./screens/tasks.js";
 import { sameJson, Shelf } from "./shelf.js";
 import { t } from "./strings.js";
 
 const PICTURES_KEPT = 12; // steps whose pictures stay at hand
 const PASSING = 1500; // milliseconds after which a preview that was not followed by another is stored
 const THUMB = 96; // pixels
+const SOON = 2; // seconds in which a preview may be the final picture itself
+const CROPS = new Set(["near-regular", "best-tile"]); // methods whose smaller pictures are parts of larger ones
 
 /**
  * What the person has: materials on the shelf, the recipe as it stands, the result that is seen, the steps
@@ -23,6 +26,8 @@ export class App extends Shelf {
     this.preview = null; // {bitmap, size, recipe} of something smaller or unfinished
     this.job = null;
     this.stop = null;
+    this.wish = null; // the task that was chosen before a photo
+    this.pace = new Map(); // seconds a pixel, by method and effort
     this.goOn = false; // work goes on when the page is left
   }
 
@@ -119,7 +124,8 @@ export class App extends Shelf {
     this.shelve(specs);
     this.notes = notes;
     await this.choose(specs[0]);
-    this.tell("go", { screen: "sample" });
+    if (this.wish) beginTask(this, this.wish);
+    else this.tell("go", { screen: "sample" });
   }
 
   /** Begin anew with a material of the shelf. */
@@ -152,6 +158,7 @@ export class App extends Shelf {
   }
 
   async useAsSample(result) {
+    this.wish = null;
     await this.open([await this.asSample(result)]);
   }
 
@@ -199,8 +206,8 @@ export class App extends Shelf {
   }
 
   /** Change the recipe without a step; `make` or a preview comes after. */
-  edit(changes) {
-    this.recipe = { ...this.recipe, ...changes };
+  edit(changes, whole = false) {
+    this.recipe = whole ? changes : { ...this.recipe, ...changes };
     this.tell("recipe");
   }
 
@@ -230,7 +237,7 @@ export class App extends Shelf {
       return await this.api.follow(
         await posted,
         (job) => {
-          this.job = { ...job, quiet, many };
+          this.job = { ...job, quiet, many, heard: performance.now() };
           this.tell("job");
           if (job.results.length) onresults(job);
           if (recipe && job.preview && job.preview !== seen && job.state === "running") {
@@ -259,7 +266,7 @@ export class App extends Shelf {
     try {
       const { bitmap } = await this.api.picture(`jobs/${job.id}/preview`, {}, signal);
       const [height, width] = recipe.size ?? [bitmap.height, bitmap.width];
-      if (!signal.aborted && this.job?.id === job.id) this.showPreview({ bitmap, size: [width, height], recipe });
+      if (!signal.aborted && this.job?.id === job.id) this.showPreview({ bitmap, size: [width, height], recipe, grows: true });
     } catch {
       // a preview that has gone is no fault: the picture itself comes
     } finally {
@@ -308,6 +315,7 @@ export class App extends Shelf {
    */
   async step(result, label, passing = false) {
     const whole = { ...result, ...(await this.pictureOf(result)) };
+    this.pace.set(paceOf(result.recipe), result.seconds / (result.width * result.height));
     if (passing && !sameJson(result.recipe, this.recipe)) return null; // something was changed meanwhile
     await this.useMaterial(result.recipe.materials[0]);
     const { history } = this;
@@ -343,13 +351,24 @@ export class App extends Shelf {
     const still = this.recipe === asked; // else another try follows
     if (still && sameJson(recipe, asked)) return this.step(result, t("history.changed"), true);
     const picture = await this.pictureOf(result);
-    if (this.recipe === asked || (!still && this.history.present === entry)) this.showPreview({ ...picture, recipe, result });
+    if (this.recipe === asked || (!still && this.history.present === entry)) this.showPreview({ ...picture, ...this.placed(picture, recipe, asked), recipe, result });
     return result;
   }
 
-  /** The recipe at a size that takes a blink. */
+  /** How a preview is shown: as the part of the final picture that it is, where the method allows that. */
+  placed({ bitmap, size }, recipe, asked) {
+    const whole = asked.size && !sameJson(recipe.size, asked.size);
+    if (!whole || asked.tileable || !CROPS.has(recipe.method)) return { isPart: false };
+    const canvas = new OffscreenCanvas(asked.size[1], asked.size[0]);
+    canvas.getContext("2d").drawImage(bitmap, 0, 0, ...size);
+    return { bitmap: canvas, size: [asked.size[1], asked.size[0]], isPart: true };
+  }
+
+  /** The recipe itself if that is quick, by what was made before; else at a size that takes a blink. */
   smaller(recipe) {
     if (recipe.task !== "synth" || recipe.guide || Math.min(...recipe.size) < 1) return recipe;
+    const pace = this.pace.get(paceOf(recipe));
+    if (pace * recipe.size[0] * recipe.size[1] < SOON) return recipe;
     const most = this.method(recipe.method).fast ? 512 : 192; // the others go pixel by pixel
     const shrink = Math.min(1, most / Math.max(...recipe.size));
     const parameters = recipe.method === "auto" ? { effort: "quick" } : recipe.parameters;
@@ -362,4 +381,9 @@ function thumbOf(picture) {
   const canvas = h("canvas", { width: THUMB, height: THUMB });
   drawSquare(canvas, picture);
   return canvas.toDataURL("image/webp", 0.8);
+}
+
+/** What the seconds of a recipe depend on, beside its size. */
+function paceOf({ task, method, parameters, materials }) {
+  return JSON.stringify([task ?? "synth", method, parameters?.effort, materials]);
 }

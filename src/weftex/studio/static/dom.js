@@ -69,6 +69,7 @@ const ICONS = {
   maps: "M2.5 2.5h4.7v4.7H2.5zM8.8 2.5h4.7v4.7H8.8zM2.5 8.8h4.7v4.7H2.5zM8.8 8.8h4.7v4.7H8.8z",
   picture: "M2.5 3h11v10h-11zM2.5 11l3.5-3.5 3 3 2-2 2.5 2.5M10.5 6h.01",
   layers: "m8 2.5 6 3-6 3-6-3zM2 8.5l6 3 6-3M2 11.2l6 3 6-3",
+  repeat: "M2.5 2.5h5v5h-5zM8.5 2.5h5v5h-5zM2.5 8.5h5v5h-5zM8.5 8.5h5v5h-5z",
   branch: "M4 2.5v6.5a2 2 0 0 0 2 2h6M9.5 8l3 3-3 3",
   trash: "M3 4.5h10M6.5 4.5v-2h3v2M4.5 4.5l.7 9h5.6l.7-9M6.8 7v4M9.2 7v4",
   lock: "M4 7.5h8v6H4zM5.7 7.5V5a2.3 2.3 0 0 1 4.6 0v2.5",
@@ -139,4 +140,11 @@ export async function drawText(canvas, text) {
   const [kind, data] = text.slice(5).split(";base64,");
   const bytes = Uint8Array.from(atob(data), (one) => one.charCodeAt(0));
   drawSquare(canvas, await createImageBitmap(new Blob([bytes], { type: kind })));
+}
+
+/** Save a Blob as a file of this name. */
+export function download(file, name) {
+  const link = h("a", { href: URL.createObjectURL(file), download: name });
+  link.click();
+  setTimeout(() => URL.revokeObjectURL(link.href), 1000);
 }

@@ -1,3 +1,5 @@
+import { learn, shareOf } from "./pace.js";
+
 /** The materials that are open, the one that work begins from, and what analysis says about it. */
 export class Shelf extends EventTarget {
   constructor() {
@@ -46,10 +48,16 @@ export class Shelf extends EventTarget {
   /** Have the sample analyzed, once; "look" is told when that has ended. */
   analyze() {
     const asked = this.material;
-    this.looking ??= this.api
+    if (this.looking) return;
+    const begun = performance.now();
+    const { width, height } = asked;
+    const pixels = width * height;
+    this.lookShare = () => shareOf("look", pixels, (performance.now() - begun) / 1000);
+    this.looking = this.api
       .get(`materials/${asked.id}/look`)
       .then((look) => {
         if (this.material === asked) this.look = look;
+        learn("look", pixels, (performance.now() - begun) / 1000);
       })
       .catch((error) => {
         if (this.material === asked) this.lookError = error;

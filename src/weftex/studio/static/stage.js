@@ -1,4 +1,5 @@
-import { fill, h, icon, iconButton } from "./dom.js";
+import { download, fill, h, icon, iconButton } from "./dom.js";
+import { learn, shareOf } from "./pace.js";
 import { duration, has, number, t } from "./strings.js";
 import { Camera } from "./view/camera.js";
 import { LightView } from "./view/light.js";
@@ -6,6 +7,7 @@ import { lightMaps } from "./view/light_maps.js";
 import { Plane } from "./view/plane.js";
 import { Viewer } from "./view/viewer.js";
 
+const TICK = 200; // milliseconds
 const MODES = { picture: "picture", split: "split", maps: "maps", light: "light", plane: "plane" };
 
 /** The picture's part of the page: one view, or several that move together, and the bar below them. */
@@ -17,9 +19,10 @@ export class Stage {
     this.camera = new Camera();
     this.views = h("div", { class: "views" });
     this.bar = h("div", { class: "stage-bar", role: "toolbar", "aria-label": t("stage.bar") });
+    this.badge = h("div", { class: "caption badge", role: "status", hidden: true });
     this.chip = h("div", { class: "progress", role: "status", hidden: true });
     this.message = h("div", { class: "stage-message", role: "alert", hidden: true });
-    element.append(this.views, this.chip, this.message, this.bar);
+    element.append(this.views, this.badge, this.chip, this.message, this.bar);
     this.main = new Viewer({ camera: this.camera, label: t("stage.view") });
     this.mode = "picture";
     this.subject = "result";
@@ -72,9 +75,19 @@ export class Stage {
     this.buildBar();
   }
 
+  /** Say on the picture that it is not the final one. */
+  tellPreview() {
+    const preview = this.custom || this.subject === "sample" || this.mode === "plane" ? null : this.app.preview;
+    this.badge.hidden = !preview;
+    if (!preview) return;
+    const [width, height] = preview.size;
+    this.badge.textContent = preview.grows ? t("badge.grows") : preview.isPart ? t("badge.part") : t("badge.other", { width, height });
+  }
+
   /** Draw what the mode says of what is seen. */
   refresh() {
     const seen = this.seen();
+    this.tellPreview();
     if (!seen || this.custom) return;
     if (this.mode === "maps" && seen.owner?.maps?.length > 1) return this.showMaps(seen);
     this.single();
@@ -198,7 +211,8 @@ export class Stage {
     const plane = { recipe: JSON.stringify(app.recipe) };
     this.plane = plane;
     try {
-      const { id, maps } = await app.api.post("planes", recipe);
+      const { id, maps, method } = await app.api.post("planes", recipe);
+      Object.assign(plane, { id, method });
       const side = 256;
       const get = async ({ top, left, side: length }, signal) =>
         (await app.api.picture(`planes/${id}/window`, { top, left, height: length, width: length, most: side, map: maps[0].name }, signal)).bitmap;
@@ -207,9 +221,21 @@ export class Stage {
       main.show({ background: (context, view) => plane.view.draw(context, view), repeat: 1 });
       this.camera.least = 0.12;
       this.camera.set(side, side, 1 / window.devicePixelRatio);
+      this.buildBar();
     } catch (error) {
       if (this.plane === plane) this.say(error.message);
     }
+  }
+
+  /** Save what is in view of the plane, at full size, as a PNG file. */
+  async savePlane() {
+    const { id } = this.plane ?? {};
+    if (!id) return;
+    const { camera, main } = this;
+    const [width, height] = [main.element.clientWidth, main.element.clientHeight].map((one) => Math.max(1, Math.min(1024, Math.round(one / camera.scale))));
+    const query = new URLSearchParams({ top: Math.round(camera.y - height / 2), left: Math.round(camera.x - width / 2), height, width });
+    const file = await (await this.app.api.fetch(`planes/${id}/window?${query}`)).blob();
+    download(file, `${this.app.material.name.replace(/\.[^.]*$/, "")}_plane_${width}x${height}.png`);
   }
 
   closePlane() {
@@ -256,9 +282,16 @@ export class Stage {
     const slow = job && (!job.quiet || job.seconds > 0.6);
     this.chip.hidden = !slow;
     if (!slow) return;
-    const share = job.total ? job.done / job.total : 0;
-    const text = job.state === "waiting" && job.ahead ? t("job.waiting", { n: job.ahead }) : has(`job.${job.stage}`) ? t(`job.${job.stage}`) : job.stage || t("job.starting");
-    const count = !job.total ? "" : job.total > 100 ? `${number(100 * share)} %` : t("job.count", { done: number(job.done), total: number(job.total) });
+    const pixels = this.app.material.width * this.app.material.height;
+    const silent = job.state === "running" && !job.total; // the sample is analyzed, which reports nothing
+    const seconds = job.seconds + (performance.now() - job.heard) / 1000;
+    const share = silent ? shareOf("begin", pixels, seconds) : job.total ? job.done / job.total : 0;
+    if (job.total && this.silent === job.id) learn("begin", pixels, seconds);
+    this.silent = silent ? job.id : null;
+    clearTimeout(this.ticking);
+    if (silent) this.ticking = setTimeout(() => this.tellJob(), TICK);
+    const text = job.state === "waiting" ? t(job.ahead ? "job.waiting" : "job.starting", { n: job.ahead }) : silent ? t("job.analyzing") : has(`job.${job.stage}`) ? t(`job.${job.stage}`) : job.stage || t("job.starting");
+    const count = silent ? t("job.about", { n: number(100 * share) }) : !job.total ? "" : job.total > 100 ? `${number(100 * share)} %` : t("job.count", { done: number(job.done), total: number(job.total) });
     const left = job.left >= 1 ? t("job.left", { time: duration(job.left) }) : "";
     const picture = job.many > 1 ? t("job.picture", { n: Math.min(job.many, job.results.length + 1), of: job.many }) : "";
     if (!this.chip.firstChild) {
@@ -285,12 +318,14 @@ export class Stage {
       h("button", { type: "button", class: "mode number-mode", "data-key": `repeat${n}`, "aria-pressed": String(n === this.main.repeat), "aria-label": t("stage.repeat", { n }), title: t("stage.repeat", { n }), onclick: () => this.setRepeat(n) }, `${n}×${n}`),
     );
     this.zoomText = h("output", { class: "zoom-text" });
-    const [width, height] = this.custom === "paint" ? this.main.size : seen.size;
-    const seconds = !this.custom && seen.seconds ? h("span", { class: "seconds" }, `· ${duration(seen.seconds)}`) : null;
+    const [width, height] = this.custom === "paint" ? this.main.size : this.custom ? this.cells.at(-1).item.size : seen.size;
+    const plane = !this.custom && this.mode === "plane";
+    const size = plane ? "" : `${width} × ${height}`;
+    const seconds = !this.custom && !plane && seen.seconds ? h("span", { class: "seconds" }, `· ${duration(seen.seconds)}`) : null;
     fill(
       this.bar,
-      h("div", { class: "about" }, h("strong", {}, this.title ?? seen.title), h("span", {}, `${width} × ${height}`), seconds),
-      h("div", { class: "modes" }, modes, repeats.length ? h("span", { class: "gap" }) : null, repeats),
+      h("div", { class: "about" }, h("strong", {}, plane ? t("plane.title", { method: this.plane?.method ?? "…" }) : (this.title ?? seen.title)), h("span", {}, size), seconds),
+      h("div", { class: "modes" }, plane ? h("button", { type: "button", class: "mode", title: t("plane.save"), onclick: () => this.app.guard(() => this.savePlane()) }, icon("take"), h("span", {}, t("plane.save"))) : null, modes, repeats.length ? h("span", { class: "gap" }) : null, repeats),
       h("div", { class: "zoom" }, iconButton("minus", t("stage.out"), () => this.camera.zoom(Math.SQRT1_2)), this.zoomText, iconButton("plus", t("stage.in"), () => this.camera.zoom(Math.SQRT2)), iconButton("fit", t("stage.fit"), () => (this.cells[0]?.view ?? this.main).fit())),
     );
     if (held) this.bar.querySelector(`[data-key="${held}"]`)?.focus();

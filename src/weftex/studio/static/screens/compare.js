@@ -105,7 +105,7 @@ export class CompareScreen {
       ...made.map((row, k) => ({
         picture: row.bitmap,
         size: row.size,
-        title: this.hidden() ? t("compare.letter", { letter: String.fromCharCode(65 + k) }) : row.method,
+        title: `${this.hidden() ? t("compare.letter", { letter: String.fromCharCode(65 + k) }) : row.method} · ${row.size.join(" × ")}`,
         note: this.hidden() ? "" : noteOf(row),
         action: h("button", { type: "button", onclick: () => this.pick(row) }, this.hidden() ? t("compare.pick") : t("compare.use")),
       })),

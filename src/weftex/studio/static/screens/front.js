@@ -1,5 +1,6 @@
 import { drawSquare, drawText, fill, h, icon, iconButton } from "../dom.js";
 import { number, t } from "../strings.js";
+import { taskButtons } from "./tasks.js";
 
 /** The first page: drop a picture, choose files, or take one of the samples. */
 export function front(app, openState) {
@@ -18,6 +19,13 @@ export function front(app, openState) {
     );
     drawThumb(app, canvas, `samples/${sample.name}/picture`);
   }
+  const tasks = h("div", {});
+  const choose = (task) => {
+    app.wish = app.wish === task ? null : task;
+    fill(tasks, taskButtons(app.wish, choose));
+  };
+  app.wish = null;
+  fill(tasks, taskButtons(null, choose));
   const works = h("div", { class: "recent" });
   recent(app, works);
   const element = h(
@@ -27,6 +35,7 @@ export function front(app, openState) {
       "div",
       { class: "front-inner" },
       h("div", {}, h("h2", {}, t("front.title")), h("p", { class: "lead" }, t("front.lead"))),
+      tasks,
       h(
         "div",
         { class: "drop" },

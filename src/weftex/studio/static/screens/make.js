@@ -2,6 +2,7 @@ import { field, fill, h, icon, iconButton, segments, tick } from "../dom.js";
 import { parameterForm } from "../form.js";
 import { sameJson } from "../shelf.js";
 import { duration, number, t } from "../strings.js";
+import { beginTask, fittingSize, taskButtons } from "./tasks.js";
 
 const CHANGED = 80; // milliseconds after the last change before a slow preview is asked for again
 const QUICK = 400; // milliseconds that a preview takes which follows a slider
@@ -44,6 +45,8 @@ export class MakeScreen {
     const { task } = recipe;
     const free = task === "synth"; // size and repetition are not given by a photo or a map
     const size = recipe.size ?? app.usualSize();
+    const fitting = free ? fittingSize(app.look?.lattice?.vectors, size, recipe.tileable) : null;
+    const atSize = ["size", "width", "height"].includes(this.fault?.parameter) && free && !recipe.guide;
     const side = (axis, label) => {
       const box = h("input", { type: "number", min: 1, step: 1, value: size[axis], "aria-label": label, inputmode: "numeric", onchange: () => this.change({ size: app.recipe.size.with(axis, Number(box.value)) }) });
       return box;
@@ -54,6 +57,8 @@ export class MakeScreen {
       h("div", { class: "field-head" }, h("span", {}, h("label", {}, t("make.size")))),
       h("div", { class: "size" }, side(1, t("make.width")), h("span", { "aria-hidden": "true" }, "×"), side(0, t("make.height"))),
       h("div", { class: "row" }, [512, 1024, 2048, 4096].map((one) => h("button", { type: "button", class: "quiet", onclick: () => this.change({ size: [one, one] }, true) }, number(one)))),
+      fitting ? h("button", { type: "button", onclick: () => this.change({ size: fitting }, true) }, t("make.fit", { width: fitting[1], height: fitting[0] })) : null,
+      atSize ? h("p", { class: "note error", role: "alert" }, this.fault.message) : null,
     );
     const seed = h("input", { type: "number", min: 0, step: 1, value: recipe.seed, inputmode: "numeric", onchange: () => this.change({ seed: Math.max(0, Math.trunc(Number(seed.value))) }) });
     const method = h(
@@ -67,18 +72,21 @@ export class MakeScreen {
     const form = (list) => parameterForm(list, parameters, () => this.change({ parameters: { ...parameters } }), this.fault);
     const effort = free && chosen.parameters.find((one) => one.name === "effort" && one.choices.length);
     const others = chosen.parameters.filter((one) => one.name !== "effort");
-    const tasks = [["synth", t("task.synth")], ["tile", t("task.tile")], ...(free || task === "tile" ? [] : [[task, t(`task.${task}`)]])];
+    const present = { tile: "tile", fill: "remove", fuse: "blend" }[task] ?? (app.wish === "maps" ? "maps" : "bigger");
     const beside = others.some((one) => one.name === this.fault?.parameter); // the error stands at its control
-    const reason = chosen.slug === "auto" ? (app.result?.reason ?? app.look?.auto.reason) : chosen.paper;
+    const result = sameJson(app.result?.recipe, recipe) ? app.result : null;
+    const reason = chosen.slug === "auto" ? (result?.reason ?? app.look?.auto.reason) : chosen.title;
     fill(
       this.panel,
       h("h2", {}, t("make.title")),
-      segments(t("make.task"), tasks, task, (one) => this.changeTask(one)),
-      this.fault && !beside ? h("div", { class: "note error", role: "alert" }, icon("warn"), h("div", {}, this.fault.message)) : null,
-      task === "tile" ? this.tiling() : free && !recipe.guide ? sizes : null,
+      taskButtons(present, (one) => this.changeTask(one)),
+      present === "maps" ? this.matching() : null,
+      this.fault && !beside && !atSize ? h("div", { class: "note error", role: "alert" }, icon("warn"), h("div", {}, this.fault.message)) : null,
+      task === "tile" ? this.tiling() : null,
       !free ? null : segments(t("make.tileable"), [["no", t("tileable.no")], ["x", t("tileable.x")], ["y", t("tileable.y")], ["xy", t("tileable.xy")]], recipe.tileable === true ? "xy" : recipe.tileable || "no", (one) =>
-        this.change({ tileable: one === "xy" ? true : one === "no" ? false : one }),
+        this.change({ tileable: one === "xy" ? true : one === "no" ? false : one }, true),
       ),
+      free && !recipe.guide ? sizes : null,
       field(t("make.seed"), seed, { value: iconButton("dice", t("make.dice"), () => this.change({ seed: Math.floor(Math.random() * 1e6) }, true)) }),
       effort
         ? segments(t("make.effort"), effort.choices.map((one) => [one, t(`effort.${one}`)]), parameters.effort ?? effort.default, (one) => this.change({ parameters: { ...parameters, effort: one } }))
@@ -86,28 +94,43 @@ export class MakeScreen {
       field(t("make.method"), method, { help: reason }),
       h(
         "div",
-        { class: "row even" },
+        { class: "row even go-row" },
         h("button", { type: "button", class: "main large", onclick: () => this.make() }, t("make.go")),
         h("button", { type: "button", class: "large", onclick: () => this.sheet() }, icon("grid"), t("make.sheet")),
       ),
-      h(
-        "div",
-        {},
-        tick(t("make.live"), this.live, (live) => (this.live = live)),
-        tick(t("make.go_on"), app.goOn, (on) => (app.goOn = on)),
-      ),
       (this.toldBox = h("div", { class: "parameters" }, this.told())),
-      free ? parameterForm(about.tasks.synth, "landmarks" in recipe ? { landmarks: recipe.landmarks } : {}, (name, value) => this.change({ [name]: value ?? null }), this.fault) : null,
-      others.length ? h("details", { open: this.open || beside, ontoggle: (event) => (this.open = event.target.open) }, h("summary", {}, t("make.parameters", { n: others.length })), h("div", {}, form(others))) : null,
+      h(
+        "details",
+        { open: this.open || beside, ontoggle: (event) => (this.open = event.target.open) },
+        h("summary", {}, t("make.advanced")),
+        h(
+          "div",
+          { class: "parameters" },
+          tick(t("make.live"), this.live, (live) => (this.live = live)),
+          tick(t("make.go_on"), app.goOn, (on) => (app.goOn = on)),
+          free ? parameterForm(about.tasks.synth, "landmarks" in recipe ? { landmarks: recipe.landmarks } : {}, (name, value) => this.change({ [name]: value ?? null }), this.fault) : null,
+          chosen.paper ? h("p", { class: "hint" }, chosen.paper) : null,
+          others.length ? form(others) : null,
+        ),
+      ),
     );
   }
 
-  /** More of the material, or the photo itself made to repeat. */
   changeTask(task) {
-    const { materials, seed } = this.app.recipe;
-    const recipe = task === "tile" ? { task, materials, axes: true, seed } : { task, materials, size: this.app.usualSize(), tileable: false, seed, method: "auto", parameters: {} };
-    this.app.recipe = recipe;
-    this.change({}, true);
+    beginTask(this.app, task);
+    if (this.panel) this.change({}, true);
+  }
+
+  /** Maps of the same photo, which change as the picture does. */
+  matching() {
+    const { app } = this;
+    const files = h("input", { type: "file", multiple: true, accept: "image/*,.exr,.tif,.tiff", hidden: true, onchange: () => this.attempt(() => addMaps(app, [...files.files])) });
+    return [
+      h("p", { class: "hint" }, t("do.maps.help")),
+      h("p", {}, t("sample.maps", { names: app.material.maps.map((one) => one.name).join(", ") })),
+      h("button", { type: "button", onclick: () => files.click() }, icon("open"), t("maps.add")),
+      files,
+    ];
   }
 
   tiling() {
@@ -247,4 +270,16 @@ export function resultButtons(app) {
     button("brush", t("result.paint"), () => app.tell("go", { screen: "paint", onResult: true })),
     button("take", t("result.export"), () => app.tell("go", { screen: "take" })),
   );
+}
+
+/** Add maps of the same photo to the sample; their names say which they are. */
+async function addMaps(app, files) {
+  const [spec] = app.recipe.materials;
+  if (!spec.maps) throw new Error(t("maps.own"));
+  const uploads = [];
+  for (const file of files) uploads.push((await app.api.upload(file)).id);
+  const { materials } = await app.api.post("sets", { uploads: [...Object.values(spec.maps), ...uploads] });
+  const named = materials.flatMap((one) => Object.entries(one.maps)).filter(([role, id]) => role !== "color" && uploads.includes(id));
+  if (!named.length) throw new Error(t("maps.unnamed"));
+  await app.mend({ name: app.material.name.replace(/\.[^.]*$/, ""), maps: { ...spec.maps, ...Object.fromEntries(named) } }, t("history.maps"));
 }

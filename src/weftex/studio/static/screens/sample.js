@@ -51,11 +51,25 @@ export class SampleScreen {
       h("div", {}, h("h2", {}, material.name), h("p", { class: "hint" }, about.join(" · "))),
       [...(app.notes ?? []), ...material.notes].map((line) => h("p", { class: "note" }, line)),
       this.shelf(),
-      look ? this.found(look) : app.lookError ? h("p", { class: "note error" }, app.lookError.message) : h("p", { class: "hint", role: "status" }, t("sample.looking")),
+      look ? this.found(look) : app.lookError ? h("p", { class: "note error" }, app.lookError.message) : this.waiting(),
     );
     if (!look) return this.lattice.set(null);
     const chosen = this.chosen ?? look.lattice;
     this.lattice.set(this.shown && chosen ? chosen.vectors : null, chosen?.lines);
+  }
+
+  /** What is being done, and about how much of it. */
+  waiting() {
+    const bar = h("span");
+    const text = h("p", { class: "hint", role: "status" });
+    const tell = () => {
+      const percent = Math.round(100 * this.app.lookShare());
+      bar.style.width = `${percent}%`;
+      text.textContent = `${t("job.analyzing")} · ${t("job.about", { n: number(percent) })}`;
+    };
+    tell();
+    const ticking = setInterval(() => (text.isConnected ? tell() : clearInterval(ticking)), 200);
+    return [text, h("div", { class: "meter" }, bar)];
   }
 
   shelf() {

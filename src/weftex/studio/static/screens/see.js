@@ -35,7 +35,8 @@ export class SeeScreen {
     const { app } = this;
     const { result } = app;
     if (!result || app.preview?.result) {
-      fill(this.panel, h("h2", {}, t("see.title")), h("p", {}, t(result ? "see.preview" : "see.nothing")), this.goMake());
+      const busy = app.job && !app.job.quiet;
+      fill(this.panel, h("h2", {}, t("see.title")), h("p", {}, t(busy ? "see.making" : result ? "see.preview" : "see.nothing")), busy ? null : this.goMake());
       return;
     }
     this.spot = h("dl", { class: "facts" }, h("dd", { class: "hint wide" }, t("see.hover")));

@@ -1,4 +1,4 @@
-import { field, fill, h, icon, iconButton, tick } from "../dom.js";
+import { download, field, fill, h, icon, iconButton, tick } from "../dom.js";
 import { t } from "../strings.js";
 
 /** Files in any format, the command and the Python that make the same, the state to share, a batch. */
@@ -12,6 +12,7 @@ export class TakeScreen {
 
   enter(panel) {
     this.panel = panel;
+    if (this.stage.mode === "plane") this.stage.setMode("picture"); // it is no part of the result
     this.stage.setSubject("result");
     this.app.addEventListener("result", this.update);
     this.draw();
@@ -161,9 +162,7 @@ async function saveState(app, recipe) {
     pictures[id] = btoa(text);
   }
   const file = new Blob([JSON.stringify({ weftex: 1, recipe, pictures })], { type: "application/json" });
-  const link = h("a", { href: URL.createObjectURL(file), download: `${app.material.name}.weftex.json` });
-  link.click();
-  setTimeout(() => URL.revokeObjectURL(link.href), 1000);
+  download(file, `${app.material.name}.weftex.json`);
 }
 
 const MOST_IN_FILE = 8e6;

@@ -1,0 +1,103 @@
+"""Tasks by their names, sizes that fit, and a picture that says what it is."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+import weftex
+
+
+def test_a_task_is_chosen_before_the_photo(tab: Any, address: str, photo: Path) -> None:
+    """Each task leads to its screen; focus is never lost to the body of the page."""
+    one = tab()
+    page = one.open(address)
+    for task, heading in [
+        ("tile", "Make"),
+        ("remove", "Paint"),
+        ("blend", "Paint"),
+        ("maps", "Make"),
+    ]:
+        page.click(f"[data-task={task}]")
+        assert page.get_attribute(f"[data-task={task}]", "aria-pressed") == "true"
+        page.set_input_files("input[type=file]", photo)
+        page.wait_for_selector(f".panel h2 >> text={heading}")
+        assert one.probe("focus_is_lost") is False
+        if task == "blend":
+            page.wait_for_selector("input[value=fuse]:checked")
+        if task == "tile":
+            page.click("text=Make it")
+            page.wait_for_selector(".panel >> text=Made by")
+            assert "160 × 128" in page.inner_text(".stage-bar")
+        page.click("[aria-label='Open another picture']")
+    assert one.faults == []
+
+
+def test_maps_of_the_same_photo_are_added(tab: Any, address: str, photo: Path) -> None:
+    height = photo.with_name("wall_height.png")
+    weftex.write_image(height, weftex.read_image(photo).pixels[..., 0])
+    one = tab()
+    page = one.open(address)
+    page.click("[data-task=maps]")
+    page.set_input_files("input[type=file]", photo)
+    page.wait_for_selector("text=Add maps")
+    page.set_input_files(".panel input[type=file]", height)
+    page.wait_for_selector(".panel >> text=maps: color, height")
+    page.select_option("select", "quilting")
+    page.click("text=Make it")
+    page.click("[data-key=maps]")
+    page.wait_for_selector(".cell >> text=Height")
+    assert one.faults == []
+
+
+def test_the_picture_says_what_it_is(tab: Any, address: str, photo: Path) -> None:
+    """Previews are marked on the picture; what was said of another picture goes."""
+    one = tab()
+    page = one.open(address)
+    page.click("[data-task=bigger]")
+    page.set_input_files("input[type=file]", photo)
+    page.wait_for_selector(".panel h2 >> text=Make")
+    assert page.input_value("[aria-label=Width]") == "512"
+    page.select_option("select", "quilting")
+    page.wait_for_selector(".panel >> text=Made by quilting")
+    assert page.is_hidden(".badge")
+    page.select_option("select", "wei-levoy")
+    page.wait_for_selector(".badge >> text=Preview, 192 × 192")
+    assert "Made by quilting" not in page.inner_text(".panel")
+    one.settle()
+    page.select_option("select", "near-regular")  # a part of the picture, at full size
+    one.write("Width", "700")
+    page.wait_for_selector(".badge >> text=a part of the final picture")
+    assert "700 × 512" in page.inner_text(".stage-bar")
+    one.settle()
+
+    page.check("input[value=xy]")
+    page.click("text=the lattice fits")
+    assert int(page.input_value("[aria-label=Height]")) % 41 in (0, 1)
+    one.write("Width", "0")
+    page.wait_for_selector("[role=alert] >> text=size is")
+
+    page.select_option("select", "quilting")
+    one.write("Width", "200")
+    page.click("text=Make it")
+    page.wait_for_selector(".panel >> text=Made by quilting")
+    page.click("[data-screen=take]")
+    assert page.input_value(".field input[type=text]") == "wall_tileable"
+    with page.expect_download():
+        page.click("text=Save >> nth=0")
+    page.click(".strip button >> nth=0")
+    page.click(".strip button >> nth=-1")
+    assert [line for line in one.faults if "422" not in line] == []  # a size that was refused
+
+
+@pytest.mark.parametrize("width", [390, 1280, 2560])
+def test_no_label_of_a_choice_wraps(tab: Any, address: str, width: int) -> None:
+    one = tab(viewport={"width": width, "height": 900})
+    page = one.open(address)
+    page.click(".samples button:has-text('bricks')")
+    page.wait_for_selector(".facts")
+    for screen in ("sample", "make", "paint"):
+        page.click(f"[data-screen={screen}]")
+        assert one.probe("wrapped") == []
