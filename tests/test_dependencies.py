@@ -352,7 +352,8 @@ MODULES = {
     "label_maps": "Gradient",
     "pages": "compare Comparison report Report",
     "planes": "check open_plane PlaneFile repair stream Written",
-    "prepare": "estimate_maps even_light straighten together turned",
+    "prepare": "estimate_maps even_light height_from_normals light_joints normals_from_height "
+    "occlusion_from_height straighten together turned",
     "reference": None,
 }
 

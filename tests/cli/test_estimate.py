@@ -1,6 +1,7 @@
 """weftex estimate."""
 
 import numpy as np
+import pytest
 
 import weftex
 from commands import fails, weft_run
@@ -8,12 +9,42 @@ from weftex.io.pictures import read_image
 
 
 def test_the_command(here, capsys):
-    assert weft_run("estimate", "sample.png", "-o", "out", "--relief", "9") == 0
+    words = ["--relief", 9, "--ao-radius", 5, "--ao-strength", 2]
+    assert weft_run("estimate", "sample.png", "-o", "out", *words) == 0
+    assert "note: roughness is a guess" in capsys.readouterr().err
     found = weftex.load_exemplar("out")
-    assert sorted(found.maps) == ["height", "normal_gl"]
-    expected = weftex.prepare.estimate_maps("sample.png", relief=9)
+    assert sorted(found.maps) == ["ao", "height", "normal_gl", "roughness"]
+    expected = weftex.prepare.estimate_maps("sample.png", relief=9, radius=5, strength=2)
     assert np.array_equal(found.pixels, expected.pixels)
     assert all(np.array_equal(found.maps[k], expected.maps[k]) for k in found.maps)
     assert read_image(here / "out" / "height_estimated.png").pixels.dtype == np.uint16
-    capsys.readouterr()
-    assert "above 0" in fails(capsys, here, "estimate", "sample.png", "-o", "b", "--relief", "-1")
+
+
+def test_sets_and_several_photos(here, capsys):
+    assert weft_run("estimate", "sample.png", "-o", "one", "--maps", "height") == 0
+    assert weft_run("estimate", "one", "photo.png", "-o", "all", "--maps", "normal_dx,ao") == 0
+    assert "roughness" not in capsys.readouterr().err
+    found = weftex.load_exemplar("all/one")
+    assert sorted(found.maps) == ["ao", "height", "normal_dx"]
+    expected = weftex.prepare.estimate_maps("one", maps=["normal_dx"]).maps["normal_dx"]
+    assert np.array_equal(found.maps["normal_dx"], expected)
+    assert sorted(weftex.load_exemplar("all/photo").maps) == ["ao", "normal_dx"]
+
+
+def test_light_joints_are_said(here, capsys):
+    words = ["estimate", "sample:bricks", "--maps", "height", "-o"]
+    assert weft_run(*words, "ridges") == weft_run(*words, "pits", "--invert") == 0
+    assert capsys.readouterr().err.count("use --invert") == 1
+
+
+@pytest.mark.parametrize(
+    "words, message",
+    [
+        (["sample.png", "-o", "b", "--relief", "-1"], "above 0"),
+        (["sample.png", "-o", "foo.png"], "name a folder, such as foo/"),
+        (["sample.png", "-o", "."], "is the folder of the input"),
+        (["sample.png", "photo.png", "-o", "b", "--maps", "rough"], "maps has 'rough'"),
+    ],
+)
+def test_bad_input(here, capsys, words, message):
+    assert message in fails(capsys, here, "estimate", *words)

@@ -29,6 +29,47 @@ def test_brightness_is_height_and_normals_are_its(dtype):
     assert abs(maps["normal_gl"] / 127.5 - 1 - expected).max() < 0.02
 
 
+def test_maps_of_a_set_follow_from_its_height_or_normals():
+    stones = weftex.load_exemplar("sample:stone_wall")
+    few = stones.changed(maps={"height": stones.map("height")})
+    maps = estimate_maps(few, maps=["normal_dx", "ao"], relief=20, radius=9).maps
+    high = stones.maps["height"]
+    high = high if high.ndim == 2 else high[..., 0]
+    normals = weftex.prepare.normals_from_height(high, 20, y_up=False)
+    assert abs(maps["normal_dx"].astype(int) - normals).max() <= 1
+    real = stones.maps["ao"].reshape(*stones.shape, -1)[..., 0]
+    assert np.corrcoef(maps["ao"].ravel(), real.ravel())[0, 1] > 0.9
+    few = stones.changed(maps={"normal_gl": stones.maps["normal"]})
+    made = estimate_maps(few)
+    assert sorted(made.maps) == ["ao", "height", "normal_gl", "roughness"]
+    found = np.corrcoef(made.maps["height"].ravel(), high.ravel())[0, 1]
+    assert (
+        found
+        > 0.7
+        > np.corrcoef(estimate_maps(stones.pixels).maps["height"].ravel(), high.ravel())[0, 1]
+    )
+    single = estimate_maps(stones.map("normal").changed(role="normal_gl"), maps=["height"])
+    assert np.array_equal(single.maps["height"], made.maps["height"])
+
+
+def test_maps_of_a_tile_wrap_around():
+    tile = weftex.Exemplar((hills() * 255 + noise((96, 96)) / 9).astype(np.uint8), tileable=True)
+    moved = tile.changed(pixels=np.roll(tile.pixels, (30, 50), (0, 1)))
+    one, other = estimate_maps(tile).maps, estimate_maps(moved).maps
+    assert sorted(one) == ["ao", "height", "normal_gl", "roughness"]
+    for name, pixels in one.items():
+        there = np.roll(pixels, (30, 50), (0, 1)).astype(int)
+        assert abs(there - other[name]).max() <= (2 if name == "height" else 1), name
+
+
+def test_light_joints_are_noticed():
+    assert weftex.prepare.light_joints("sample:bricks")
+    dark = weftex.load_exemplar("sample:bricks")
+    assert not weftex.prepare.light_joints(dark.changed(pixels=255 - dark.pixels))
+    for name in ("tiles", "weave", "pebbles"):
+        assert not weftex.prepare.light_joints(f"sample:{name}")
+
+
 def test_light_is_no_height():
     lit = hills() + np.linspace(0, 3, 96)
     found, plain = (estimate_maps(pixels).maps["height"] for pixels in (lit, hills()))
@@ -38,6 +79,7 @@ def test_light_is_no_height():
 
 def test_a_flat_photo_is_flat():
     maps = estimate_maps(np.full((20, 30, 3), 90, np.uint8)).maps
+    assert len(np.unique(maps["ao"])) == len(np.unique(maps["roughness"])) == 1
     assert len(np.unique(maps["height"])) == 1
     assert np.unique(maps["normal_gl"].reshape(-1, 3), axis=0).tolist() == [[128, 128, 255]]
 
@@ -55,7 +97,11 @@ def test_small_photos(shape):
         (hills(), {"relief": float("nan")}, "it must be above 0"),
         (hills(), {"relief": "6"}, "it must be above 0"),
         (hills(), {"invert": 1}, "invert is 1; it must be True or False"),
-        ("sample:stone_wall", {}, "has height and normal; nothing"),
+        (hills(), {"maps": ["hight"]}, "maps has 'hight'; did you mean 'height'"),
+        (hills(), {"maps": ["ao"], "radius": 0.5}, "radius is 0.5; it must be 1 or more"),
+        ("sample:stone_wall", {"maps": ["ao"]}, "has ao; leave ao out"),
+        ("sample:stone_wall/normal", {"maps": ["roughness"]}, "no color to estimate roughness"),
+        ("sample:stone_wall", {}, "has color, ao, height, normal, roughness; nothing"),
     ],
 )
 def test_bad_input(sample, how, message):

@@ -30,7 +30,7 @@ _COMMANDS = {
     "check": "check that an image written block by block is complete",
     "analyze": "measure a sample: its scale, its lattice, whether it is tileable",
     "prepare": "straighten a photo and even its lighting, to use it as a sample",
-    "estimate": "estimate height and normals from a photo",
+    "estimate": "estimate the maps that a photo lacks: height, normals, occlusion",
     "pack": "write a map set for an engine: names, packed channels, formats",
     "unpack": "separate the packed maps of an engine",
     "compare": "run every method on one sample: images, scores, times",

@@ -44,10 +44,13 @@ def add_tools(parser: Parser) -> None:
     add("--crop", type=int, metavar="N", help=text)
 
 
-def materials_of(paths: Sequence[str], output: str = "") -> list[tuple[str, str]]:
+def materials_of(
+    paths: Sequence[str], output: str = "", *, folders: bool = False
+) -> list[tuple[str, str]]:
     """Return the materials in paths, and where the output of each goes.
 
-    A folder of separate pictures stands for all of them, and `output` is then a folder.
+    A folder of separate pictures stands for all of them, and `output` is then a folder; all
+    outputs are folders if `folders`.
     """
     from weftex.cli.commands.batch import Entry, entries_of
     from weftex.io.formats import written_as
@@ -68,22 +71,22 @@ def materials_of(paths: Sequence[str], output: str = "") -> list[tuple[str, str]
     for path, name, _ in entries:
         if taken.setdefault(name, path) != path:
             raise InvalidInputError(f"{taken[name]} and {path} would both make {name}; rename one")
-    return [(e.path, os.path.join(output, e.name + e.suffix)) for e in entries]
+    return [(e.path, os.path.join(output, e.name + ("" if folders else e.suffix))) for e in entries]
 
 
 def each_output(
-    paths: Sequence[str], args: argparse.Namespace, outputs: Outputs
+    paths: Sequence[str], args: argparse.Namespace, outputs: Outputs, *, folders: bool = False
 ) -> Iterator[tuple[str, argparse.Namespace]]:
     """Give each material, and the arguments with the output of it, whose folder is made."""
     from weftex.io.pictures import check_output, is_folder, locate
 
-    found = materials_of(paths, args.output)
+    found = materials_of(paths, args.output, folders=folders)
     if len(found) > 1 or found[0][1] != args.output:
         outputs.make_folder(args.output)
     for path, output in found:
         if os.path.exists(output) and os.path.samefile(locate(path)[0], output):
             raise InvalidInputError(f"{output} is an input, which is not replaced; name another")
-        if is_folder(path):
+        if folders or is_folder(path):
             outputs.make_folder(output)
         else:
             check_output(output)

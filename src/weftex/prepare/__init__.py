@@ -1,12 +1,28 @@
 """Samples made ready: photos straightened and evenly lit, maps estimated, samples turned or joined.
 
-Every function takes what `weftex.load_exemplar` takes and returns an `Exemplar`.
+Most functions take what `weftex.load_exemplar` takes and return an `Exemplar`; functions of
+surfaces take and return arrays.
 """
 
 from weftex.exemplar.turns import turned
 from weftex.prepare.combining import together
-from weftex.prepare.estimating import estimate_maps
+from weftex.prepare.estimating import estimate_maps, light_joints
 from weftex.prepare.lighting import even_light
 from weftex.prepare.straightening import straighten
+from weftex.prepare.surfaces import (
+    height_from_normals,
+    normals_from_height,
+    occlusion_from_height,
+)
 
-__all__ = ["estimate_maps", "even_light", "straighten", "together", "turned"]
+__all__ = [
+    "estimate_maps",
+    "even_light",
+    "height_from_normals",
+    "light_joints",
+    "normals_from_height",
+    "occlusion_from_height",
+    "straighten",
+    "together",
+    "turned",
+]

@@ -1,56 +1,88 @@
-"""Estimates of height and normals of a photo by its brightness."""
+"""Maps of a photo that are estimated: height by brightness, and what follows from a height."""
 
 from __future__ import annotations
 
-import numbers
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from weftex.errors import InvalidInputError, shown
+from weftex.analysis.lattice import find_lattice
+from weftex.errors import InvalidInputError, did_you_mean, shown
 from weftex.exemplar import Exemplar, load_exemplar
+from weftex.prepare.surfaces import (
+    check_number,
+    height_from_normals,
+    heights_of,
+    normals_from_height,
+    occlusion_from_height,
+)
 from weftex.raster.levels import tamed
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from numpy.typing import NDArray
 
     from weftex.exemplar import Sample
 
     Floats = NDArray[np.float64]
 
+#: The maps that can be estimated.
+MAPS = ("height", "normal_gl", "normal_dx", "ao", "roughness")
+_USUAL = ("height", "normal_gl", "ao", "roughness")
 _GRAIN = 1.0  # pixels: the standard deviation of the blur that removes noise
 _LIGHT = 8  # structure wider than 1 / 8 of the shorter side counts as light
 _ENDS = (0.01, 0.99)  # quantiles of the height that become black and white
 _MOST = 1000  # pixels
+_ROUGH, _ROUGHER = 0.65, 0.1  # the roughness of weak detail, and how much more strong detail has
+_FINE, _AROUND = 2.0, 6.0  # pixels: what is fine detail, and where its strength is averaged
+_BIN = 2  # pixels of the mean tile of a lattice
+_ALIKE, _SKEWED = 0.4, 0.5  # the tile's share of the variance, and its skewness: joints are light
 
 
-def estimate_maps(sample: Sample, *, relief: float = 6.0, invert: bool = False) -> Exemplar:
-    """Estimate height and normals of a photo, assuming that dark pixels are deep.
+def estimate_maps(
+    sample: Sample,
+    *,
+    maps: Sequence[str] | None = None,
+    relief: float = 6.0,
+    invert: bool = False,
+    radius: int = 16,
+    strength: float = 1.0,
+) -> Exemplar:
+    """Estimate maps that a photo or a map set lacks.
 
-    The height is the brightness without structure finer than a pixel (noise) or wider than an
-    eighth of the photo (light). This is right for pits and dark joints, and wrong for paint,
-    stains, and light joints between dark bricks (use `invert`).
+    The height of a photo is its brightness without structure finer than a pixel (noise) or wider
+    than an eighth of the photo (light): dark pixels are deep. This is right for pits and dark
+    joints, and wrong for paint, stains, and light joints between dark bricks (use `invert`; see
+    `light_joints`). A sample that has a height or normals keeps them, and the other maps are
+    computed from these. The roughness is a guess, as a photo does not show it: 0.65, and up to
+    0.1 more where fine detail is strong.
 
     Parameters
     ----------
     sample : path, array, PIL image or Exemplar
-        A photo without height and normals. If it is tileable, so are the maps.
+        A photo, a map set, or a single height or normal map. If it is tileable, so are the maps.
+    maps : sequence of {"height", "normal_gl", "normal_dx", "ao", "roughness"}, optional
+        The maps to add; by default all that are missing, with normals whose y points up.
     relief : float
-        Height of the surface, from its deepest to its highest pixel, in pixels; up to 1000.
+        Height of the surface, from its deepest to its highest pixel, in pixels; up to 1000. Has
+        no effect if it has normals and no height.
     invert : bool
         Bright pixels are deep.
+    radius, strength
+        Of the ambient occlusion; see `occlusion_from_height`.
 
     Returns
     -------
     Exemplar
-        The same with the maps "height" (uint16, white is high) and "normal_gl" (uint8, y up).
+        The same with more maps: height as uint16 (white is high), all others as uint8.
 
     Raises
     ------
     FileError
         If the photo cannot be read.
     InvalidInputError
-        If it has such a map, or a number is out of range.
+        If it has such a map, or a value is out of range.
 
     Examples
     --------
@@ -60,54 +92,147 @@ def estimate_maps(sample: Sample, *, relief: float = 6.0, invert: bool = False) 
     (True, (32, 32, 3))
     """
     exemplar = load_exemplar(sample)
-    number = isinstance(relief, numbers.Real) and not isinstance(relief, bool)
-    if not number or not 0 < relief <= _MOST:
-        raise InvalidInputError(f"relief is {shown(relief)}; it must be above 0, at most {_MOST}")
+    check_number("relief", relief, 0, _MOST, above=True)
     if not isinstance(invert, bool):
         raise InvalidInputError(f"invert is {shown(invert)}; it must be True or False")
-    there = [name for name, role in exemplar.roles.items() if role.kind in ("height", "normal")]
-    if there:
-        raise InvalidInputError(f"{exemplar.name} has {' and '.join(there)}; nothing to estimate")
+    there = {name: exemplar.map(name) for name in exemplar.maps}
+    known = {exemplar.role.name: exemplar} | there
+    wanted = _wanted(exemplar, maps, list(known))
+    kinds = {one.role.kind: one for one in reversed(known.values())}
+    wraps = exemplar.tileable
+    if "height" in kinds:
+        pixels = kinds["height"].pixels
+        high = heights_of(pixels if pixels.ndim == 2 else pixels[..., 0], relief)
+    elif "normal" in kinds:
+        given = kinds["normal"]
+        y_up = given.role.name != "normal_dx"
+        high = height_from_normals(given.pixels, y_up=y_up, tileable=wraps)
+    else:
+        high = relief * _height(exemplar, invert)
+    top = float(high.max()) or 1.0
+    made: dict[str, NDArray[Any]] = {}
+    for name in wanted:
+        if name == "height":
+            made[name] = np.rint(high / top * 65535).astype(np.uint16)
+        elif name == "ao":
+            how: dict[str, Any] = {"radius": radius, "strength": strength, "tileable": wraps}
+            made[name] = _bytes(occlusion_from_height(high, 1, **how))
+        elif name == "roughness":
+            made[name] = _bytes(_roughness(exemplar))
+        else:
+            made[name] = normals_from_height(high, 1, y_up=name == "normal_gl", tileable=wraps)
+    return exemplar.changed(maps=there | made)
+
+
+def _wanted(exemplar: Exemplar, maps: Sequence[str] | None, known: list[str]) -> list[str]:
+    """Return the maps to estimate: those named, or all usual ones that are missing."""
+    asked = _USUAL if maps is None else [maps] if isinstance(maps, str) else [*maps]
+    normals = [name for name in known if name.startswith("normal")]
+    wanted = []
+    for name in asked:
+        if name not in MAPS:
+            raise InvalidInputError(f"maps has {shown(name)}{did_you_mean(str(name), MAPS)}")
+        there = normals if name.startswith("normal") else [one for one in known if one == name]
+        no_color = name == "roughness" and exemplar.role.kind != "color"
+        if maps is not None and (there or no_color):
+            why = f"has {there[0]}" if there else "has no color to estimate roughness from"
+            raise InvalidInputError(f"{exemplar.name} {why}; leave {name} out")
+        if not there and not no_color:
+            wanted.append(name)
+    if not wanted:
+        raise InvalidInputError(f"{exemplar.name} has {', '.join(known)}; nothing to estimate")
+    return wanted
+
+
+def light_joints(sample: Sample) -> bool:
+    """Return whether thin bright lines divide a regular pattern, as mortar divides bricks.
+
+    If they are joints, `estimate_maps` needs `invert`. Wires of a fence look the same.
+
+    Parameters
+    ----------
+    sample : path, array, PIL image or Exemplar
+        A photo.
+
+    Returns
+    -------
+    bool
+        False for a sample without a lattice.
+
+    Examples
+    --------
+    >>> light_joints("sample:bricks"), light_joints("sample:tiles")
+    (True, False)
+    """
+    exemplar = load_exemplar(sample)
+    lattice = find_lattice(exemplar)
+    if lattice is None or len(lattice.vectors) < 2:
+        return False
+    surface = _surface(exemplar)
+    y, x = np.mgrid[: surface.shape[0], : surface.shape[1]]
+    vectors = np.array(lattice.vectors, np.float64)
+    counts = np.maximum(4, np.hypot(*vectors.T) // _BIN).astype(int)
+    places = np.linalg.solve(vectors.T, np.stack([x.ravel(), y.ravel()])) % 1
+    bins = np.ravel_multi_index(tuple((places * counts[:, None]).astype(int)), counts, mode="clip")
+    total, number = np.bincount(bins, surface.ravel()), np.bincount(bins)
+    tile = total[number > 0] / number[number > 0]
+    tile -= tile.mean()
+    variance = float((tile**2).mean())
+    if variance <= _ALIKE * float(surface.var()):
+        return False
+    return bool((tile**3).mean() > _SKEWED * variance**1.5)
+
+
+def _height(exemplar: Exemplar, invert: bool) -> Floats:
+    """Return a height from 0 to 1 by brightness."""
     surface = _surface(exemplar) * (-1 if invert else 1)
     low, high = np.quantile(surface, _ENDS)
-    # A flat photo is a flat surface.
-    height = (
-        np.clip((surface - low) / (high - low), 0, 1) if high > low else np.full_like(surface, 0.5)
-    )
-    maps: dict[str, Any] = {name: exemplar.map(name) for name in exemplar.maps}
-    maps["height"] = np.rint(height * 65535).astype(np.uint16)
-    maps["normal_gl"] = _normals(relief * height, exemplar.tileable)
-    return exemplar.changed(maps=maps)
+    if not high > low:  # a flat photo is a flat surface
+        return np.full_like(surface, 0.5)
+    height: Floats = np.clip((surface - low) / (high - low), 0, 1)
+    return height
+
+
+def _roughness(exemplar: Exemplar) -> Floats:
+    """Return a guess: more where detail of two pixels is strong."""
+    bright = _brightness(exemplar)
+    detail = abs(bright - _blurred(bright, _FINE, exemplar.tileable))
+    strong = _blurred(detail, _AROUND, exemplar.tileable)
+    low, high = np.quantile(strong, _ENDS)
+    share = np.clip((strong - low) / (high - low), 0, 1) if high > low else 0 * strong
+    found: Floats = _ROUGH + _ROUGHER * share
+    return found
+
+
+def _bytes(values: NDArray[Any]) -> NDArray[np.uint8]:
+    found: NDArray[np.uint8] = np.rint(values * 255).astype(np.uint8)
+    return found
+
+
+def _brightness(exemplar: Exemplar) -> Floats:
+    """Return the mean of the color channels."""
+    colors = exemplar.pixels.reshape(*exemplar.shape, -1)
+    colors = tamed(colors[..., : exemplar.channels - exemplar.alpha])[0].astype(np.float64)
+    mean: Floats = colors.mean(axis=2)
+    return mean
 
 
 def _surface(exemplar: Exemplar) -> Floats:
     """Return brightness without noise and slow light."""
-    colors = exemplar.pixels.reshape(*exemplar.shape, -1)
-    colors = tamed(colors[..., : exemplar.channels - exemplar.alpha])[0].astype(np.float64)
-    bright = colors.mean(axis=2)
+    bright = _brightness(exemplar)
     wide = min(exemplar.shape) / _LIGHT
     return _blurred(bright, _GRAIN, exemplar.tileable) - _blurred(bright, wide, exemplar.tileable)
 
 
 def _blurred(values: Floats, deviation: float, wraps: bool) -> Floats:
     """Return values blurred by a Gaussian, wrapped or mirrored at the borders."""
-    margins = [min(int(3 * deviation) + 1, side) for side in values.shape]
-    pads = [(margin, margin) for margin in margins]
-    padded = np.pad(values, pads, "wrap" if wraps else "symmetric")
+    margins = [0 if wraps else min(int(3 * deviation) + 1, side) for side in values.shape]
+    padded = np.pad(values, [(margin, margin) for margin in margins], "symmetric")
     spectrum = np.fft.rfft2(padded)
     for axis, side in enumerate(padded.shape):
         turns = np.fft.fftfreq(side) if axis == 0 else np.fft.rfftfreq(side)
         weight = np.exp(-2 * (np.pi * deviation * turns) ** 2)
         spectrum *= weight[:, None] if axis == 0 else weight
     found: Floats = np.fft.irfft2(spectrum, padded.shape)
-    return found[margins[0] : -margins[0], margins[1] : -margins[1]]
-
-
-def _normals(height: Floats, wraps: bool) -> NDArray[np.uint8]:
-    """Return the normals of a surface in pixels, y up."""
-    padded = np.pad(height, 1, "wrap" if wraps else "edge")
-    right = (padded[1:-1, 2:] - padded[1:-1, :-2]) / 2
-    down = (padded[2:, 1:-1] - padded[:-2, 1:-1]) / 2
-    vectors = np.dstack([-right, down, np.ones(height.shape)])
-    vectors /= np.linalg.norm(vectors, axis=2, keepdims=True)
-    return np.rint((vectors + 1) * 127.5).astype(np.uint8)
+    (top, left), (height, width) = margins, values.shape
+    return found[top : top + height, left : left + width]

@@ -1,22 +1,32 @@
-"""weftex estimate: estimate height and normals from a photo."""
+"""weftex estimate: estimate the maps that photos and map sets lack."""
 
 from __future__ import annotations
 
 import os
+from dataclasses import replace
+from typing import TYPE_CHECKING
 
-from weftex.cli.files import read_input
 from weftex.cli.parser import Parser
 from weftex.cli.terminal import Bar, Outputs, finish
+from weftex.errors import InvalidInputError
+
+if TYPE_CHECKING:
+    from weftex.exemplar import Exemplar
+    from weftex.exemplar.material import Material
 
 _ABOUT = """\
-Estimate height and normals from the brightness of a photo, and write them as a map set. Dark pixels
-are taken to lie deeper, so stains and paint become relief too. Heights have 16 bits, normals 8.\
+Estimate the maps that a photo lacks, and write them with it as a map set. The height is the
+brightness: dark pixels are taken to lie deeper, so stains and paint become relief too. Normals and
+ambient occlusion follow from the height. Roughness is a guess, as a photo does not show it. A map
+set with a height or normals keeps them, and the other maps follow from these.\
 """
 
 _EXAMPLES = """\
 examples:
   weftex estimate photo.png -o material/
   weftex estimate bricks.png -o material/ --relief 12 --invert      light joints between dark bricks
+  weftex estimate photos/ -o materials/ --maps height,normal_dx     a folder of photos
+  weftex estimate normal.png -o material/ --maps height             height from normals
 """
 
 
@@ -24,31 +34,77 @@ def run(argv: list[str]) -> None:
     """Run the command; `argv` is what follows its name."""
     parser = Parser("estimate", _ABOUT, _EXAMPLES)
     add = parser.add_argument
-    add("photo", metavar="PHOTO", help="image, or sample:NAME")
-    add("-o", "--output", metavar="OUT", required=True, help="folder to write")
-    text = "height of the surface, in pixels; higher makes normals steeper; default: 6"
-    add("--relief", type=float, default=6.0, metavar="PX", help=text)
+    text = "images, folders of maps or of separate images, or sample:NAME"
+    add("photos", metavar="PHOTO", nargs="+", help=text)
+    text = "folder to write; in it one for each photo, if there are several"
+    add("-o", "--output", metavar="OUT", required=True, help=text)
+    text = "maps to estimate: height, normal_gl (y up), normal_dx (y down), ao, roughness; "
+    text += "default: all that are missing, with normal_gl"
+    add("--maps", metavar="NAME,...", help=text)
+    text = "height of the surface, in pixels; higher makes normals steeper and crevices darker; "
+    add("--relief", type=float, default=6.0, metavar="PX", help=text + "default: 6")
     add("--invert", action="store_true", help="bright pixels lie deeper")
+    text = "distance at which a surface still occludes; default: 16"
+    add("--ao-radius", type=int, default=16, metavar="PX", help=text)
+    text = "factor of the ambient occlusion, 0 to 10; default: 1, which is physical"
+    add("--ao-strength", type=float, default=1.0, metavar="N", help=text)
     add("--tileable", action="store_true", help="the photo is tileable, so its maps are too")
-    parser.share("--quiet", "--allow-huge")
+    parser.share("--preset", "--quiet", "--allow-huge")
     args = parser.parse(argv)
+    maps = None if args.maps is None else [name.strip() for name in args.maps.split(",")]
 
     def work(bar: Bar, outputs: Outputs) -> str:
-        from weftex.io.pictures import write_image
-        from weftex.prepare.estimating import estimate_maps
+        from weftex.cli.commands.pack import refuse_own_folder
+        from weftex.cli.files import plan, read_input
+        from weftex.cli.tiling import each_output
+        from weftex.io.formats import FORMATS, suffix_of
+        from weftex.prepare.estimating import estimate_maps, light_joints
 
-        material = read_input(args.photo, args)
-        exemplar = material.exemplar(tileable=args.tileable)
-        made = estimate_maps(exemplar, relief=args.relief, invert=args.invert)
-        outputs.make_folder(args.output)
-        suffix = ".exr" if exemplar.pixels.dtype.kind == "f" else ".png"
-        path = outputs.add(os.path.join(args.output, f"color{suffix}"))
-        write_image(path, made.pixels, alpha=exemplar.alpha, icc=exemplar.icc)
-        for name in ("height", "normal_gl"):
-            path = os.path.join(args.output, f"{name}_estimated.png")
-            write_image(outputs.add(path), made.maps[name])
-        return (
-            f"estimated height and normals of {args.photo}, in {args.output}, in {bar.took:.2f} s"
-        )
+        if suffix_of(args.output) in FORMATS and not os.path.isdir(args.output):
+            raise InvalidInputError(
+                f"-o is {args.output}, and estimate writes a folder of maps; name a folder, such "
+                f"as {os.path.splitext(args.output)[0]}/"
+            )
+        lines = []
+        for path, own in each_output(args.photos, args, outputs, folders=True):
+            material = read_input(path, args)
+            refuse_own_folder([one.path for one in material.pictures.values()], own.output)
+            photo = material.exemplar(tileable=args.tileable)
+            made = estimate_maps(
+                photo, maps=maps, relief=args.relief, invert=args.invert,
+                radius=args.ao_radius, strength=args.ao_strength,
+            )  # fmt: skip
+            whole, new = _with_maps(material, made)
+            plans = plan([whole], whole.exemplar(), own)
+            plans.write(lambda name, plans=plans: plans.pictures[name].pixels, outputs)  # type: ignore[misc]
+            by_color = not {"height", "normal"} & {one.kind for one in material.roles.values()}
+            if by_color and not args.invert and {*new} - {"roughness"} and light_joints(photo):
+                lines.append("note: thin bright lines divide the pattern and became ridges; if "
+                             "they are joints, use --invert")  # fmt: skip
+            if "roughness" in new:
+                lines.append("note: roughness is a guess; a photo does not show it")
+            listed = ", ".join(new)
+            lines.append(f"estimated {listed} of {path}, in {own.output}, in {bar.took:.2f} s")
+        return "\n".join(lines)
 
     finish(work, args.quiet)
+
+
+def _with_maps(material: Material, made: Exemplar) -> tuple[Material, list[str]]:
+    """Return a material as a set with its new maps, and their names."""
+    from weftex.exemplar.material import Material
+    from weftex.io.formats import written_as
+    from weftex.io.pictures import Picture
+
+    pictures, roles = dict(material.pictures), dict(material.roles)
+    if not material.folder:
+        (name, picture), role = next(iter(pictures.items())), roles[material.main]
+        suffix = written_as(picture.path, picture.pixels.dtype.kind == "f")
+        suffix = ".png" if suffix.lower() in (".jpg", ".jpeg") else suffix
+        pictures = {role.name: replace(picture, path=role.name + suffix)}
+        roles = {role.name: role}
+    new = [name for name in made.maps if name not in pictures and name not in material.pictures]
+    for name in new:
+        pictures[name] = Picture(made.maps[name], False, None, f"{name}_estimated.png")
+        roles[name] = made.roles[name]
+    return Material(material.name, pictures, roles, folder=True), new
