@@ -60,7 +60,7 @@ MORE: dict[str, dict[str, tuple[str, dict[str, Any]]]] = {
         "from quilting": ("grass", {"init": "quilting"}),
     },
     "near-regular": {
-        "paper": ("bricks", {"preset": "paper"}),
+        "paper": ("bricks", {"defaults": "paper"}),
         "rows": ("wood", {"lattice": (16, 0, 0, 1)}),
         "straight": ("weave", {"rectify": 0, "variety": 0.0}),
         "gncc": ("bricks", {"match": "gncc"}),

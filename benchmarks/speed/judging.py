@@ -131,7 +131,7 @@ SETTINGS = (
     Setting("graphcut", {"candidates": 1, "refinements": 0}),
     Setting("graphcut", {"candidates": 12}),
     Setting("near-regular"),
-    Setting("near-regular", {"preset": "paper"}),
+    Setting("near-regular", {"defaults": "paper"}),
     Setting("best-tile"),
     Setting("refinement"),
     Setting("refinement", {"iterations": 2}),

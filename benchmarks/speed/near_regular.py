@@ -58,7 +58,7 @@ def windows(model: weftex.NearRegularModel) -> Work:
 def near_regular() -> Table:
     """Lattice, correlation, synthesis and windows beside targets."""
     small, large = bricks(256), bricks(512)
-    crop = weftex.NearRegular(preset="paper", lattice=find_vectors(small))
+    crop = weftex.NearRegular(defaults="paper", lattice=find_vectors(small))
     blocks = crop.fit(weftex.Exemplar(bricks(128)))
     own = weftex.NearRegular().fit(weftex.Exemplar(small))
     seeds = iter(range(10**9))

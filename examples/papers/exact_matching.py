@@ -267,7 +267,7 @@ def fig12(folder: Path, suffix: str) -> None:
     rivals = {
         "patch-sampling": weftex.PatchSampling(),
         "graphcut": weftex.GraphCut(),
-        "near-regular": weftex.NearRegular(preset="paper"),
+        "near-regular": weftex.NearRegular(defaults="paper"),
     }
     cases = [(crop("bricks", 192), 61), (crop("tiles", 192), 61)]
     beside(folder / f"fig12_exact_matching{suffix}", cases, rivals)

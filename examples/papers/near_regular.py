@@ -59,7 +59,7 @@ def make(pixels: np.ndarray, size: int = 256, **parameters: Any) -> np.ndarray:
 
 
 def paper(pixels: np.ndarray, **parameters: Any) -> np.ndarray:
-    return make(pixels, preset="paper", **parameters)
+    return make(pixels, defaults="paper", **parameters)
 
 
 def rows(path: Path, labels: str, lines: list[list[np.ndarray]]) -> None:
@@ -233,7 +233,7 @@ def fig411(folder: Path, suffix: str) -> None:
 def fig413(folder: Path, suffix: str) -> None:
     """Without and with blending; and cut, with and without rectifying the sample."""
     samples = [small(name) for name in some(REGULAR)]
-    ways = [{"preset": "paper", "blend": "none"}, {"preset": "paper"}, {"rectify": 0}, {}]
+    ways = [{"defaults": "paper", "blend": "none"}, {"defaults": "paper"}, {"rectify": 0}, {}]
     rows(
         folder / f"fig413{suffix}",
         "sample, pasted, blended, cut, cut and rectified",
@@ -248,12 +248,12 @@ QUILTING: dict[str, dict[str, Any]] = {
 }
 WAYS: dict[str, dict[str, Any]] = {
     "best-tile": {"method": "best-tile"},
-    "thesis": {"preset": "paper"},
+    "thesis": {"defaults": "paper"},
     "near-regular": {},
     **QUILTING,
 }
 FREE: dict[str, dict[str, Any]] = {
-    "thesis": {"preset": "paper", "lattice": (1, 0, 0, 1)},
+    "thesis": {"defaults": "paper", "lattice": (1, 0, 0, 1)},
     "near-regular": {"lattice": (1, 0, 0, 1)},
     **QUILTING,
 }
@@ -282,7 +282,7 @@ def fig52(folder: Path, suffix: str) -> None:
 def fig510(folder: Path, suffix: str) -> None:
     """Joints that do not meet: as in the thesis, with shifts, and on a rectified sample."""
     s = load("bricks")[:256, :256]
-    ways = [{"preset": "paper", "block_size": 80}, {"rectify": 0}, {}]
+    ways = [{"defaults": "paper", "block_size": 80}, {"rectify": 0}, {}]
     rows(
         folder / f"fig510{suffix}",
         "sample, thesis, cut, cut and rectified",
@@ -316,7 +316,7 @@ def fig512(folder: Path, suffix: str) -> None:
 
 
 def fig513(folder: Path, suffix: str) -> None:
-    """Every other sample, unconstrained: the thesis's preset, weftex's defaults, and quilting."""
+    """Every other sample, unconstrained: the thesis's values, weftex's defaults, and quilting."""
     lines = [list(compared(small(name), FREE).values()) for name in some(IRREGULAR)]
     rows(folder / f"fig513{suffix}", ", ".join(["sample", *FREE]), lines)
 

@@ -29,7 +29,7 @@ def test_a_gap_gets_the_piece_that_fits_its_border_best(rng):
     vectors = np.array([[rng.integers(7, 12), rng.integers(4)], [rng.integers(4), -9]])
     block, border, tolerance = (int(k) for k in (rng.integers(6, 9), 2 * rng.integers(1, 3), 2))
     method = weftex.NearRegular(
-        preset="paper", lattice=tuple(vectors[:, ::-1].ravel().tolist()), block_size=block,
+        defaults="paper", lattice=tuple(vectors[:, ::-1].ravel().tolist()), block_size=block,
         border_width=border, tolerance=tolerance, match=str(rng.choice(["difference", "gncc"])),
         blend="none",
     )  # fmt: skip

@@ -106,15 +106,15 @@ def test_strain_is_refused_and_a_good_size_named():
         ({"block_size": 40, "border_width": 22}, "room for 60 together"),
         ({"blend_width": 4}, "blend_width has no effect unless blend is 'feather'; here .*'cut'"),
         (
-            {"preset": "paper", "seam_cost": "difference"},
+            {"defaults": "paper", "seam_cost": "difference"},
             "seam_cost has no effect unless blend is 'auto' or 'cut'; here it is 'feather'",
         ),
         ({"blend": "none", "seam_cost": "difference"}, "seam_cost has no effect unless"),
         ({"border_width": 0, "seam_cost": "difference"}, "seam_cost has no effect without borders"),
         ({"border_width": 0, "match": "gncc"}, "match has no effect without borders"),
-        ({"preset": "paper", "blend_width": 20}, "blend_width is 20; it must be less than"),
+        ({"defaults": "paper", "blend_width": 20}, "blend_width is 20; it must be less than"),
         (
-            {"preset": "paper", "block_size": 40, "blend_width": 21},
+            {"defaults": "paper", "block_size": 40, "blend_width": 21},
             "block_size is 40 and blend_width 22; .* room for 60 together",
         ),
     ],
@@ -127,8 +127,8 @@ def test_bad_parameters_are_refused(parameters, message):
             weftex.BestTile(**parameters).fit(weftex.Exemplar(wall(60, 60)))
 
 
-def test_the_papers_preset():
-    model = model_of(wall(128, 128), lattice=LATTICE, preset="paper")
+def test_the_papers_defaults():
+    model = model_of(wall(128, 128), lattice=LATTICE, defaults="paper")
     m = model.method
     assert (m.block_size, m.border_width, m.blend, m.blend_width) == (40, 10, "feather", 4)
     assert (m.tolerance, m.rectify, m.variety, m.candidates) == (3, 0, 0.0, 512)
@@ -166,11 +166,11 @@ def test_the_resolved_method_says_what_is_done(case):
 
 
 def test_blends_are_as_wide_as_asked():
-    """With the paper's preset, which feathers, too."""
+    """With the paper's defaults, which feathers, too."""
     pixels = wall(128, 128)
     images = []
     for width in (None, 0, 4, 10):
-        model = model_of(pixels, lattice=LATTICE, preset="paper", blend_width=width)
+        model = model_of(pixels, lattice=LATTICE, defaults="paper", blend_width=width)
         assert model.method.blend_width == (4 if width is None else width)
         images.append(model.sample(150, seed=1).image)
     assert np.array_equal(images[0], images[2])
@@ -191,7 +191,7 @@ def test_a_blend_wider_than_the_border():
     steps = {}
     for width in (4, 28):
         model = model_of(
-            np.clip(light, 0, 255).astype(np.uint8), lattice=LATTICE, preset="paper",
+            np.clip(light, 0, 255).astype(np.uint8), lattice=LATTICE, defaults="paper",
             blend_width=width,
         )  # fmt: skip
         assert (model.method.block_size, model.method.border_width) == (40, 10)

@@ -38,7 +38,7 @@ def test_near_regular(blend, match, seed):
     expected = reference.near_regular(sample, (17, 19), BOND, 8, 4, blend, 2, match, seed)
     joints = {"blend": "feather", "blend_width": blend} if blend else {"blend": "none"}
     method = weftex.NearRegular(
-        preset="paper", lattice=(*BOND[0], *BOND[1]), block_size=8, border_width=4, tolerance=2,
+        defaults="paper", lattice=(*BOND[0], *BOND[1]), block_size=8, border_width=4, tolerance=2,
         match=match, **joints,
     )  # fmt: skip
     result = method.fit(weftex.Exemplar(sample)).sample(Canvas(17, 19), seed=seed)

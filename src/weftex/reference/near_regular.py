@@ -1,9 +1,9 @@
 """Constrained random sampling and gap filling (López Recas, 2011, section 4.2).
 
 The random draws are those of `weftex.random.draw`. The picture is that of the method `near-regular`
-with `preset="paper"` where the method's drawn blocks repeat nothing, which it avoids: byte by byte
-without blending, and to rounding with it. The method's default, `blend="cut"` (chapter 6 suggests
-it), is not here.
+with `defaults="paper"` where the method's drawn blocks repeat nothing, which it avoids: byte by
+byte without blending, and to rounding with it. The method's default, `blend="cut"` (chapter 6
+suggests it), is not here.
 """
 
 from __future__ import annotations

@@ -55,7 +55,7 @@ class NearRegular(Method):
         unit="px",
         default_text="found in the sample",
     )
-    preset: str = parameter(
+    defaults: str = parameter(
         "weftex",
         "defaults of the other parameters: chosen for the sample, or the paper's",
         choices=("weftex", "paper"),
@@ -77,7 +77,7 @@ class NearRegular(Method):
     )
     blend: str = parameter(
         "auto",
-        "how blocks are joined; auto: cut along the least error, or feather in the paper's preset",
+        "how blocks are joined; auto: cut along the least error, or feather with defaults=paper",
         choices=("auto", "cut", "feather", "none"),
     )
     seam_cost: str = parameter(
@@ -152,7 +152,7 @@ class NearRegular(Method):
         return self.lattice is not None and is_rows(self.lattice)
 
     def meant(self, name: str) -> Any:
-        """What `blend` is, if that is left to the preset."""
+        """What `blend` is, if that is "auto"."""
         return blend_of(self) if name == "blend" else super().meant(name)
 
     def fit_exemplar(self, exemplar: Exemplar) -> NearRegularModel:

@@ -41,7 +41,7 @@ def resolve(method: Any, exemplar: Exemplar) -> Any:
     Raises `InvalidInputError` without a lattice, if vectors or blocks do not fit the sample, or if
     a parameter has no effect.
     """
-    paper = method.preset == "paper"
+    paper = method.defaults == "paper"
     if method.lattice is not None:
         check_lattice(method.lattice, exemplar)
     vectors = _rows_first(method.lattice or _found(exemplar))
@@ -84,10 +84,10 @@ def resolve(method: Any, exemplar: Exemplar) -> Any:
 
 
 def blend_of(method: Any) -> str:
-    """How a method joins blocks; the preset decides where `blend` is "auto"."""
+    """How a method joins blocks; `defaults` decides where `blend` is "auto"."""
     if method.blend != "auto":
         return str(method.blend)
-    return "feather" if method.preset == "paper" else "cut"
+    return "feather" if method.defaults == "paper" else "cut"
 
 
 def is_rows(vectors: Vectors) -> bool:
@@ -143,7 +143,7 @@ def _block(
     method: Any, exemplar: Exemplar, vectors: Vectors, by_rows: bool
 ) -> tuple[int, int, int | None]:
     """The side of blocks, the width of borders, and of blends if there are any; checked."""
-    paper, shorter = method.preset == "paper", min(exemplar.shape)
+    paper, shorter = method.defaults == "paper", min(exemplar.shape)
     size, border, blend = method.block_size, method.border_width, method.blend_width
     if size is None and paper:
         size = max(1, int(_PAPERS_BLOCK * shorter))
