@@ -59,25 +59,23 @@ def plain(method: str, side: int) -> float:
 
 
 def speed(args: argparse.Namespace, folder: Path) -> None:
-    """Megapixels a second to TIFF and Zarr, by one process, one worker and two."""
+    """Megapixels a second, by one process, one worker and two."""
     for method in args.methods:
         alone = plain(method, args.side)
-        for suffix in args.formats:
-            for workers in args.workers:
-                target = folder / f"p{suffix}"
-                words = ["--method", method, *(("--workers", workers) if workers else ())]
-                words += ["--block", 2048, *(["--threads", 1] * (not workers))]
-                code, took, busy, memory = measured(command(target, args.side, *words))
-                assert code == 0
-                size = used(target) / 1e6
-                print(
-                    f"{method} {args.side} {suffix} workers {workers}: "
-                    f"{args.side**2 / took / 1e6:.3g} MP/s, {args.side**2 / busy / 1e6:.3g} MP a "
-                    f"processor second, {busy / alone:.2f} times the method, {memory:.0f} MB, "
-                    f"{size:.0f} MB on disk",
-                    flush=True,
-                )
-                clean(folder)
+        for workers in args.workers:
+            target = folder / "p.tif"
+            words = ["--method", method, *(("--workers", workers) if workers else ())]
+            words += ["--block", 2048, *(["--threads", 1] * (not workers))]
+            code, took, busy, memory = measured(command(target, args.side, *words))
+            assert code == 0
+            print(
+                f"{method} {args.side} workers {workers}: "
+                f"{args.side**2 / took / 1e6:.3g} MP/s, {args.side**2 / busy / 1e6:.3g} MP a "
+                f"processor second, {busy / alone:.2f} times the method, {memory:.0f} MB, "
+                f"{target.stat().st_size / 1e6:.0f} MB on disk",
+                flush=True,
+            )
+            clean(folder)
 
 
 def growth(args: argparse.Namespace, folder: Path) -> None:
@@ -100,50 +98,45 @@ def growth(args: argparse.Namespace, folder: Path) -> None:
 def kills(args: argparse.Namespace, folder: Path) -> None:
     """A run that is killed at random moments, again and again, beside one that is not."""
     moments = random.Random(1)
-    for suffix in args.formats:
-        side = args.side
-        words = ["--method", "near-regular", "--block", 64, "--threads", 1]
-        subprocess.run(command(folder / f"whole{suffix}", side, *words), check=True)
-        killed, blocks = 0, []
-        for _ in range(args.times):
-            run = subprocess.Popen(command(folder / f"p{suffix}", side, *words), **QUIET)
-            record = folder / f"p{suffix}.run"
-            before = lines(record)
-            while lines(record) == before and run.poll() is None:
-                time.sleep(0.002)
-            time.sleep(moments.uniform(0, 0.4))
-            run.send_signal(moments.choice([signal.SIGKILL, signal.SIGKILL, signal.SIGTERM]))
-            run.wait()
-            killed += run.returncode != 0
-            blocks.append(lines(record) - before)
-        subprocess.run(command(folder / f"p{suffix}", side, *words), check=True)
-        equal = contents(folder, "p") == contents(folder, "whole")
-        print(f"{suffix}: killed {killed} times, after {blocks} blocks; equal bytes: {equal}")
-        clean(folder)
+    words = ["--method", "near-regular", "--block", 64, "--threads", 1]
+    target, whole, record = (folder / name for name in ("p.tif", "whole.tif", "p.tif.run"))
+    subprocess.run(command(whole, args.side, *words), check=True)
+    killed, blocks = 0, []
+    for _ in range(args.times):
+        run = subprocess.Popen(command(target, args.side, *words), **QUIET)
+        before = lines(record)
+        while lines(record) == before and run.poll() is None:
+            time.sleep(0.002)
+        time.sleep(moments.uniform(0, 0.4))
+        run.send_signal(moments.choice([signal.SIGKILL, signal.SIGKILL, signal.SIGTERM]))
+        run.wait()
+        killed += run.returncode != 0
+        blocks.append(lines(record) - before)
+    subprocess.run(command(target, args.side, *words), check=True)
+    equal = target.read_bytes() == whole.read_bytes()
+    print(f"killed {killed} times, after {blocks} blocks; equal bytes: {equal}")
+    clean(folder)
 
 
 def disk(args: argparse.Namespace, folder: Path) -> None:
     """A small disk that others fill while a plane is written; needs the right to mount one."""
     subprocess.run(["mount", "-t", "tmpfs", "-o", "size=40m", "tmpfs", folder], check=True)
     try:
-        for suffix in (".tif", ".zarr"):
-            words = [*command(folder / f"p{suffix}", 2048), "--method", "near-regular"]
-            words += ["--block", "256"]
-            run = subprocess.Popen(words, stderr=subprocess.PIPE, text=True)
-            while lines(folder / f"p{suffix}.run") < 5:
-                time.sleep(0.002)
-            with contextlib.suppress(OSError), open(folder / "other", "wb", 0) as other:
-                while True:
-                    other.write(bytes(2**16))
-            said = run.communicate()[1].strip()
-            (folder / "other").unlink()
-            again = subprocess.run(words, check=False)
-            check = [sys.executable, "-m", "weftex", "check", str(folder / f"p{suffix}"), "--read"]
-            whole = subprocess.run(check, check=False, capture_output=True).returncode == 0
-            print(
-                f"{suffix}: exit code {run.returncode}: {said}; again {again.returncode}: {whole}"
-            )
-            clean(folder)
+        target = folder / "p.tif"
+        words = [*command(target, 2048), "--method", "near-regular", "--block", "256"]
+        run = subprocess.Popen(words, stderr=subprocess.PIPE, text=True)
+        while lines(folder / "p.tif.run") < 5:
+            time.sleep(0.002)
+        with contextlib.suppress(OSError), open(folder / "other", "wb", 0) as other:
+            while True:
+                other.write(bytes(2**16))
+        said = run.communicate()[1].strip()
+        (folder / "other").unlink()
+        again = subprocess.run(words, check=False)
+        check = [sys.executable, "-m", "weftex", "check", str(target), "--read"]
+        whole = subprocess.run(check, check=False, capture_output=True).returncode == 0
+        print(f"exit code {run.returncode}: {said}; again {again.returncode}: {whole}")
+        clean(folder)
     finally:
         subprocess.run(["umount", folder], check=True)
 
@@ -153,25 +146,6 @@ def lines(record: Path) -> int:
     with contextlib.suppress(OSError):
         return sum(path.read_bytes().count(b"\n") for path in record.glob("*.txt"))
     return 0
-
-
-def used(target: Path) -> int:
-    """Bytes on the disk."""
-    found = [target] if target.is_file() else target.rglob("*")
-    return sum(path.stat().st_size for path in found if path.is_file())
-
-
-def contents(folder: Path, stem: str) -> dict[str, bytes]:
-    """All files of a plane; the name in a Zarr is that of its file."""
-    return {
-        path.relative_to(folder).as_posix().removeprefix(stem): path.read_bytes().replace(
-            f'"name": "{stem}"'.encode(), b""
-        )
-        for path in folder.rglob("*")
-        if path.is_file()
-        and path.relative_to(folder).parts[0].startswith((f"{stem}.", f"{stem}_"))
-        and ".run" not in path.as_posix()
-    }
 
 
 def clean(folder: Path) -> None:
@@ -192,7 +166,6 @@ def main(words: list[str] | None = None) -> None:
     parser.add_argument(
         "--workers", nargs="+", type=int, default=[0, 1, 2], help="0: this process alone"
     )
-    parser.add_argument("--formats", nargs="+", default=[".tif", ".zarr"])
     parser.add_argument("--rest", type=float, default=0, help="seconds between runs of growth")
     parser.add_argument("--slice", type=float, default=3600, help="seconds of a run of growth")
     parser.add_argument("--times", type=int, default=20)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import sys
 
 import numpy as np
 import pytest
@@ -11,12 +10,12 @@ import tifffile
 
 from families import noise
 from weftex.cli.planes import parse_part
-from weftex.errors import FileError, InvalidInputError, UnsupportedError
+from weftex.errors import FileError, InvalidInputError
 from weftex.io.pictures import read_image
-from weftex.planes.files import open_stores, remove
 from weftex.planes.layout import Layout
 from weftex.planes.locks import locked
 from weftex.planes.record import Record, Run
+from weftex.planes.tiff import TiffStore
 from weftex.raster.mixing import Kind, Mixing
 
 KINDS = [("uint8", 3, False), ("uint16", 4, True), ("float32", 0, False), ("uint8", 0, False)]
@@ -25,10 +24,10 @@ KINDS = [("uint8", 3, False), ("uint16", 4, True), ("float32", 0, False), ("uint
 def written(path, shape, dtype, channels, alpha, block=64):
     """A store whose blocks were written from the last to the first, and the pixels of level 0."""
     layout = Layout(*shape, block, dtype, channels, alpha, Mixing(Kind.MEAN), b"profile" * 3)
-    (store,) = open_stores(str(path), {"color": layout}, {}, {}).values()
+    store = TiffStore(str(path), layout)
     pixels = noise((*shape, *[channels] * (channels > 0)), dtype=np.dtype(dtype).type)
     store.create()
-    assert not store.flaws()
+    assert store.is_sound()
     whole = {0: pixels}
     for level in range(1, store.levels):
         whole[level] = layout.mixing.halved(whole[level - 1])
@@ -42,24 +41,19 @@ def written(path, shape, dtype, channels, alpha, block=64):
     return store, whole
 
 
-@pytest.mark.parametrize("suffix", [".tif", ".zarr"])
 @pytest.mark.parametrize("kind", KINDS, ids=lambda kind: kind[0])
-def test_what_was_written_is_read(tmp_path, suffix, kind):
-    if suffix == ".zarr":
-        pytest.importorskip("zarr")
-    store, whole = written(tmp_path / f"a{suffix}", (201, 330), *kind)
+def test_what_was_written_is_read(tmp_path, kind):
+    store, whole = written(tmp_path / "a.tif", (201, 330), *kind)
     for level, pixels in whole.items():
         assert (store.read(level, (0, 0, *pixels.shape[:2])) == pixels).all()
     assert (store.read(0, (63, 100, 70, 101)) == whole[0][63:133, 100:201]).all()
-    remove(store.path, store.grid)
-    assert list(tmp_path.iterdir()) == []
 
 
 @pytest.mark.parametrize(
     "kind", [*KINDS, ("uint16", 5, False)], ids=lambda kind: f"{kind[0]}-{kind[1]}"
 )
 def test_other_readers_of_tiff(tmp_path, kind, monkeypatch):
-    monkeypatch.setattr("weftex.planes.store.Store.smallest", 100)
+    monkeypatch.setattr(TiffStore, "smallest", 100)
     store, whole = written(tmp_path / "a.tif", (201, 330), *kind)
     with tifffile.TiffFile(tmp_path / "a.tif") as file:
         assert file.is_bigtiff and len(file.pages) == len(whole) == store.levels == 3
@@ -69,33 +63,6 @@ def test_other_readers_of_tiff(tmp_path, kind, monkeypatch):
         assert file.pages[0].tags[34675].value == b"profile" * 3
     picture = read_image(tmp_path / "a.tif")
     assert (picture.pixels == whole[0]).all() and picture.alpha == kind[2]
-
-
-def test_other_readers_of_zarr(tmp_path, monkeypatch):
-    zarr = pytest.importorskip("zarr")
-    monkeypatch.setattr("weftex.planes.store.Store.smallest", 100)
-    _, whole = written(tmp_path / "a.zarr", (201, 330), "uint8", 3, False)
-    group = zarr.open_group(tmp_path / "a.zarr", mode="r")
-    about = group.attrs["ome"]
-    (pyramid,) = about["multiscales"]
-    assert about["version"] == "0.5"
-    assert [axis["name"] for axis in pyramid["axes"]] == ["c", "y", "x"]
-    assert [level["path"] for level in pyramid["datasets"]] == ["0", "1", "2"]
-    assert len(about["omero"]["channels"]) == 3
-    for level, pixels in whole.items():
-        array = group[str(level)]
-        assert (np.moveaxis(array[:], 0, -1) == pixels).all() and array.shards == (3, 64, 64)
-        scale, moved = pyramid["datasets"][level]["coordinateTransformations"]
-        assert scale["scale"] == [1, 2**level, 2**level]
-        assert moved["translation"] == [0, (2**level - 1) / 2, (2**level - 1) / 2]
-
-
-def test_black_blocks_are_written_too(tmp_path):
-    pytest.importorskip("zarr")
-    (store,) = open_stores(str(tmp_path / "a.zarr"), {"a": Layout(64, 64, 64)}, {}, {}).values()
-    store.create()
-    store.write((0, 0, 0), np.zeros((64, 64), np.uint8))
-    assert (tmp_path / "a.zarr" / "0" / "c" / "0" / "0").exists()
 
 
 def test_halved():
@@ -137,14 +104,13 @@ def begun(folder, run):
 
 @pytest.mark.parametrize(
     "change",
-    [{"files": ["../a"]}, {"files": ["/etc/a"]}, {"files": "a"}, {"files": ["a/b/c"]}, {"more": 1}]
+    [{"files": ["../a"]}, {"files": ["/etc/a"]}, {"files": "a"}, {"files": ["a/b"]}, {"more": 1}]
     + [
         {"files": [7]},
         {"files": [".."]},
         {"name": 7},
         {"about": 7},
         {"begun": "no"},
-        {"grids": {"a.tif": [1, 2, 3]}},
     ],
 )
 def test_runs_that_are_none(tmp_path, change):
@@ -161,9 +127,3 @@ def test_locks_of_one_process(tmp_path):
         assert got and not again
     with locked(path, 3) as got:
         assert got
-
-
-def test_a_missing_library(tmp_path, monkeypatch):
-    monkeypatch.setitem(sys.modules, "zarr", None)
-    with pytest.raises(UnsupportedError, match=r"pip install 'zarr>="):
-        open_stores(str(tmp_path / "a.zarr"), {"a": Layout(64, 64, 64)}, {}, {})

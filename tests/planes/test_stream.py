@@ -108,13 +108,11 @@ def test_other_runs_are_refused(sample, tmp_path):
 
 def test_other_files_are_kept(sample, tmp_path):
     (tmp_path / "p.tif").write_bytes(b"mine")
-    (tmp_path / "p.zarr").mkdir()
-    (tmp_path / "p.zarr" / "mine").write_bytes(b"mine")
     before = listing(tmp_path)
     one = weftex.Exemplar(sample.pixels)
-    for name, restart in [("p.tif", False), ("p.tif", True), ("p.zarr", True)]:
+    for restart in (False, True):
         with pytest.raises(FileError, match="is there already"):
-            weftex.planes.stream(one, tmp_path / name, 100, restart=restart, **HOW)
+            weftex.planes.stream(one, tmp_path / "p.tif", 100, restart=restart, **HOW)
     assert listing(tmp_path) == before
     (tmp_path / "p.tif").unlink()
     weftex.planes.stream(one, tmp_path / "p.tif", 100, restart=True, **HOW)

@@ -45,11 +45,10 @@ def read_input(path: str, args: argparse.Namespace, maps: dict[str, str] | None 
 
 def _refuse_plane(path: str) -> None:
     """Raise `InvalidInputError` where a picture is read whole, and a plane is given."""
-    if path.endswith(".zarr") or os.path.lexists(f"{path}.run"):
-        from weftex.planes.files import ALWAYS
+    if os.path.lexists(f"{path}.run"):
         from weftex.planes.record import Record
 
-        if Record(path).begun() or path.endswith(ALWAYS):
+        if Record(path).begun():
             raise InvalidInputError(
                 f"{path} is written block by block, and may be larger than memory: only "
                 "check works on it. Use a window of it: weftex synth --window"

@@ -143,9 +143,9 @@ def check_size(size: tuple[int, int], args: argparse.Namespace) -> None:
     """Raise `InvalidInputError` for an output that is large by mistake."""
     height, width = size
     suffix = os.path.splitext(args.output or "")[1].lower()
-    any_size = args.allow_huge or suffix in (".tif", ".tiff", ".zarr")
+    any_size = args.allow_huge or suffix in (".tif", ".tiff")
     if height * width > HUGE and not any_size:
         raise InvalidInputError(
             f"--size is '{SIZE.text(size)}', more than {HUGE // 10**6} megapixels; --allow-huge "
-            "makes it anyway, and OUT.tif and OUT.zarr take any size"
+            "makes it anyway, and OUT.tif takes up to 2**20 pixels a side"
         )

@@ -46,7 +46,7 @@ BLOCKS = ("--part", "--workers", "--restart", "--block")
 SHORT = {"--output": "-o", "--verbose": "-v"}
 #: Below headings of the help.
 ABOUT = {
-    _LARGE: "OUT.zarr, and OUT.tif of more than 268 megapixels, are written block by block.\n"
+    _LARGE: "OUT.tif of more than 268 megapixels, or with --block, is written block by block.\n"
     " The same command resumes an interrupted run."
 }
 

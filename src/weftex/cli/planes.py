@@ -13,7 +13,7 @@ from weftex.cli.parser import HUGE
 from weftex.cli.terminal import Bar, Outputs, finish, say
 from weftex.errors import InvalidInputError
 from weftex.io.formats import suffix_of
-from weftex.planes.files import ALWAYS, SUFFIXES, check_target
+from weftex.planes.files import SUFFIXES, check_target
 
 if TYPE_CHECKING:
     import argparse
@@ -37,7 +37,7 @@ def is_plane(recipe: Recipe, args: argparse.Namespace) -> bool:
     if recipe.options["window"] is None and suffix in SUFFIXES:
         pixels = size[0] * size[1] if size else 0
         large = pixels > (MAX_PIXELS if args.allow_huge else HUGE)
-        return suffix in ALWAYS or large or bool(given_blocks(args))
+        return large or bool(given_blocks(args))
     for name in given_blocks(args):
         raise InvalidInputError(
             f"--{name} has no effect: only planes are written block by block, to "
@@ -93,8 +93,6 @@ def stems_of(args: argparse.Namespace, material: Material) -> dict[str, str]:
         return {}
     if not material.folder:
         raise InvalidInputError(f"--preset has no effect: {material.name} is no folder")
-    if suffix_of(args.output) == ".zarr":
-        raise InvalidInputError("--preset has no effect: maps of a .zarr are groups of it")
     from weftex.io.presets import read_preset
 
     preset = read_preset(args.preset)

@@ -44,7 +44,7 @@ examples:
   weftex synth brick.png -o wall.png --best-of quilting,graphcut,near-regular
   weftex synth photo.jpg -o wall.png --straighten --even-light
   weftex synth brick.png -o part.png --window 10000,-500,512,512 --seed 7    of an endless plane
-  weftex synth brick.png -o wall.zarr --size 100000x100000 --workers 4
+  weftex synth brick.png -o wall.tif --size 100000x100000 --workers 4
   weftex synth moss.png -o face.png --method ashikhmin --guide face.png
   weftex synth photo.png -o new.png --method refinement --sample-guide painted.png --guide other.png
 """,

@@ -8,10 +8,9 @@ from contextlib import contextmanager, suppress
 from typing import TYPE_CHECKING
 
 from weftex.errors import FileError, InvalidInputError, shown
-from weftex.io.formats import suffix_of
-from weftex.planes.files import remove, sweep
+from weftex.planes.files import remove, synced
 from weftex.planes.record import Record, Run
-from weftex.planes.store import REPAIR, synced
+from weftex.planes.tiff import REPAIR
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
@@ -54,8 +53,10 @@ def _continued(plane: PlaneFile, record: Record, restart: bool, repair: bool) ->
     """The run that is continued; None if one begins."""
     # Looked for before the run is read: a file that a run has made since is known to be its own.
     there = [path for path in dict.fromkeys((plane.path, *_roots(plane))) if os.path.lexists(path)]
-    for path in filter(os.path.islink, there):
-        raise FileError(f"{path} is a link; remove it, or name another file")
+    for path in there:
+        if os.path.islink(path) or not os.path.isfile(path):
+            what = "a link" if os.path.islink(path) else "no file"
+            raise FileError(f"{path} is {what}; remove it, or name another file")
     record.check_folder()
     run = record.current()
     if run is not None and run.begun and not restart:
@@ -95,43 +96,37 @@ def _begin(plane: PlaneFile, record: Record, restart: bool, repair: bool) -> Non
         record.run = run.name
         if plane.part is None:
             with record.alone():
-                for path in (record.folder, *(_path(plane, name) for name in run.files)):
-                    sweep(path)
+                record.sweep()
                 if repair and plane.flaws():
                     _create(plane)
         return
     old = record.current()
-    roots, grids = [_name(plane, path) for path in _roots(plane)], _grids(plane)
-    # The list of files may be a stranger's: only what this run writes, or its folder, is removed.
-    own = os.path.basename(plane.path)
-    past = [name for name in (old.files if old else ()) if name.partition("/")[0] == own]
-    with _taken(plane, record, {*roots, *past}, old.grids if old else {}) as name:
+    names = [os.path.basename(path) for path in _roots(plane)]
+    # The list of files may be a stranger's: only what this run writes, or its target, is removed.
+    past = {os.path.basename(plane.path)}.intersection(old.files if old else ())
+    with _taken(plane, record, {*names, *past}) as name:
         record.clear()
-        record.begin(Run(name, False, roots, grids=grids))  # what was there before is gone
+        record.begin(Run(name, False, names))  # what was there before is gone
         _create(plane)
         plane.definition.save(record.definition, name)
         synced(record.definition)
-        record.begin(Run(name, True, roots, plane.definition.about, grids))
+        record.begin(Run(name, True, names, plane.definition.about))
 
 
 @contextmanager
-def _taken(
-    plane: PlaneFile, record: Record, owned: Iterable[str], grids: dict[str, list[int]]
-) -> Iterator[str]:
+def _taken(plane: PlaneFile, record: Record, owned: Iterable[str]) -> Iterator[str]:
     """Give the name of a new run, which owns these files and has removed them; nobody writes."""
-    run = Run(secrets.token_hex(16), False, sorted(owned, reverse=True), grids=grids)
+    run = Run(secrets.token_hex(16), False, sorted(owned))
     record.begin(run)
     with record.alone():
-        for name in run.files:  # groups, then their Zarr
-            remove(_path(plane, name), grids.get(name))
+        for name in run.files:
+            remove(_path(plane, name))
         yield run.name
 
 
 def _create(plane: PlaneFile) -> None:
     for store in plane.stores.values():
         store.create()
-    for root in filter(os.path.exists, _roots(plane)):
-        synced(root)
 
 
 def _forget(plane: PlaneFile, record: Record) -> None:
@@ -139,28 +134,15 @@ def _forget(plane: PlaneFile, record: Record) -> None:
     with record.beginning():
         if (run := record.current()) is None or run.name != record.run:
             return  # somebody removed the plane, and another run may have begun it since
-        roots = [_name(plane, path) for path in _roots(plane)]
-        with _taken(plane, record, roots, _grids(plane)):
+        with _taken(plane, record, map(os.path.basename, _roots(plane))):
             pass
         record.remove()
 
 
 def _roots(plane: PlaneFile) -> list[str]:
-    """Files and folders of a plane; maps of a Zarr are groups in one."""
-    roots = [store.path for store in plane.stores.values()]
-    groups = suffix_of(plane.path) == ".zarr" and len(roots) > 1
-    return [*roots, plane.path] if groups else roots
-
-
-def _grids(plane: PlaneFile) -> dict[str, list[int]]:
-    """Return the grid of each store's files, by its name."""
-    return {_name(plane, store.path): store.grid for store in plane.stores.values()}
-
-
-def _name(plane: PlaneFile, path: str) -> str:
-    folder = os.path.dirname(plane.path) or "."
-    return os.path.relpath(path, folder).replace(os.sep, "/")
+    """The files of a plane, all in one folder."""
+    return [store.path for store in plane.stores.values()]
 
 
 def _path(plane: PlaneFile, name: str) -> str:
-    return os.path.join(os.path.dirname(plane.path), *name.split("/"))
+    return os.path.join(os.path.dirname(plane.path), name)

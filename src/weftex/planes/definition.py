@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 import numbers
+import os
 from dataclasses import dataclass, field, fields, replace
 from fractions import Fraction
 from functools import cached_property
@@ -17,8 +18,8 @@ from weftex import Exemplar, Method
 from weftex.errors import FileError, InvalidInputError, shown
 from weftex.io.npz import open_npz
 from weftex.io.pictures import atomic
-from weftex.planes.files import open_stores
 from weftex.planes.layout import Layout, check_block
+from weftex.planes.tiff import TiffStore
 from weftex.random import seed_number
 from weftex.raster.turning import gap_of
 from weftex.roles import Role
@@ -31,7 +32,6 @@ if TYPE_CHECKING:
 
     from weftex.method import Model
     from weftex.planes.layout import Window
-    from weftex.planes.store import Store
 
 BLOCK = 2048
 _MOST_SIDE = 2**40
@@ -103,7 +103,7 @@ def load(path: str) -> tuple[dict[str, Any], dict[str, NDArray[Any]]]:
 class Definition:
     """All that the pixels of a plane depend on, and the blocks that its files are made of.
 
-    `stems` are the names of files of maps, see `open_stores`. `reason` says why "auto" chose the
+    `stems` are the names of files of maps, see `stores`. `reason` says why "auto" chose the
     method.
     """
 
@@ -178,10 +178,16 @@ class Definition:
                 found[name] = pixels.astype(self.layouts[name].dtype, copy=False)
         return found
 
-    def stores(self, target: str) -> dict[str, Store]:
-        """Return where each picture goes."""
-        about = {"seed": self.seed, "method": self.method.describe()}
-        return open_stores(target, self.layouts, self.stems, about)
+    def stores(self, target: str) -> dict[str, TiffStore]:
+        """Return the file of each picture: the target, or beside it, named by `stems`."""
+        if len(self.layouts) == 1:
+            return {name: TiffStore(target, layout) for name, layout in self.layouts.items()}
+        (folder, own), found = os.path.split(target), {}
+        stem, suffix = os.path.splitext(own)
+        for name, layout in self.layouts.items():
+            file = self.stems.get(name) or f"{stem}_{name}"
+            found[name] = TiffStore(os.path.join(folder, file + suffix), layout)
+        return found
 
     def _packed(self) -> tuple[dict[str, Any], dict[str, NDArray[Any]]]:
         """Plain values and arrays of the samples and the method."""

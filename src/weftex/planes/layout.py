@@ -53,11 +53,6 @@ class Layout:
         """Bytes of a pixel."""
         return np.dtype(self.dtype).itemsize * max(self.channels, 1)
 
-    @property
-    def axes(self) -> tuple[int, ...]:
-        """The third axis of arrays of pixels, if there is one."""
-        return (self.channels,) * (self.channels > 0)
-
     def shape(self, level: int) -> tuple[int, int]:
         """Height and width of a level."""
         return -(-self.height >> level), -(-self.width >> level)

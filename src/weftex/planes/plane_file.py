@@ -10,13 +10,14 @@ from typing import TYPE_CHECKING, Any
 from weftex.errors import FileError
 from weftex.planes.definition import Definition
 from weftex.planes.record import Record
-from weftex.planes.store import Store, check_sum
+from weftex.planes.tiff import check_sum
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterator, Mapping
 
     from weftex import Exemplar
     from weftex.planes.layout import Place, Window
+    from weftex.planes.tiff import TiffStore
 
     Sums = Mapping[Place, tuple[int, ...]]
 
@@ -30,7 +31,7 @@ class PlaneFile:
     definition : Definition
         Sample, method, size, seed and blocks.
     path : str
-        The file or folder.
+        The file.
     part : (int, int), optional
         Number and count, if a process makes only a part of the full-resolution blocks.
     """
@@ -44,8 +45,8 @@ class PlaneFile:
         return {name: getattr(self, name) for name in ("definition", "path", "part")}
 
     @cached_property
-    def stores(self) -> dict[str, Store]:
-        """The file or group of each map."""
+    def stores(self) -> dict[str, TiffStore]:
+        """The file of each map."""
         return self.definition.stores(self.path)
 
     @property
@@ -113,17 +114,11 @@ class PlaneFile:
                 found[place] = done[place]
         return found
 
-    def lost(self, done: Collection[Place]) -> Iterator[Place]:
-        """Yield the blocks that were written, but whose file is missing."""
-        for place in filter(self.has, done):
-            if any(store.lacks(place) for store in self._stores(place[0]).values()):
-                yield place
-
     def flaws(self) -> list[str]:
         """Return the files that are missing, or damaged beside their pixels."""
-        return [path for store in self.stores.values() for path in store.flaws()]
+        return [store.path for store in self.stores.values() if not store.is_sound()]
 
-    def _stores(self, level: int) -> dict[str, Store]:
+    def _stores(self, level: int) -> dict[str, TiffStore]:
         """The stores that have a level."""
         return {name: store for name, store in self.stores.items() if level < store.levels}
 
@@ -162,7 +157,7 @@ def open_plane(path: str | os.PathLike[str]) -> PlaneFile:
     Parameters
     ----------
     path : path
-        The file or folder.
+        The file.
 
     Raises
     ------

@@ -26,10 +26,9 @@ from weftex.errors import FileError
 from weftex.io.formats import suffix_of
 from weftex.io.npz import open_regular
 from weftex.io.pictures import write_text
-from weftex.planes.files import is_stale, sweep
+from weftex.planes.files import is_stale, synced
 from weftex.planes.layout import named
 from weftex.planes.locks import COUNT, locked, shared
-from weftex.planes.store import synced
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -48,29 +47,23 @@ MOST_PARTS = 2**16
 class Run:
     """The run that a plane belongs to; each start that creates files has a new random `name`.
 
-    `files` and folders were created by weftex, or are about to be; they are relative to the plane's
-    folder, and `grids` are by file. `about` is `Definition.about`.
+    `files`, in the plane's folder, were created by weftex, or are about to be. `about` is
+    `Definition.about`.
     """
 
     name: str
     begun: bool
     files: list[str]
     about: dict[str, Any] = field(default_factory=dict)
-    grids: dict[str, list[int]] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         """Raise ValueError, LookupError or TypeError if this is no run."""
-        for path in self.files:
-            names = path.split("/")
-            plain = all(n not in ("", ".", "..") and "\\" not in n for n in names)
-            if not plain or len(names) > 2:
+        for name in self.files:
+            if name in ("", ".", "..") or "/" in name or "\\" in name:
                 raise ValueError("a file lies elsewhere")
         types = [type(self.name), type(self.begun), type(self.files), type(self.about)]
         if types != [str, bool, list, dict]:
             raise TypeError("it is no run")
-        for grid in self.grids.values():
-            if [*map(type, grid)] != [int] * 4 or min(grid) < 1:
-                raise ValueError("a grid is none")
 
 
 class Record:
@@ -99,20 +92,12 @@ class Record:
                 f"{path} is damaged; remove {self.folder} and the plane, and make it again"
             ) from None
         for name in run.files:
-            if not self._can_have(name):
+            if suffix_of(name) != suffix_of(self.target):
                 raise FileError(
                     f"{path} lists {name}, which no plane {self.target} has; remove the folder and "
                     "the plane, and make it again"
                 )
         return run
-
-    def _can_have(self, name: str) -> bool:
-        """Whether a file may be of a store of this target, by its name."""
-        suffix = suffix_of(self.target)
-        first, *inner = name.split("/")
-        if suffix == ".zarr" or inner:
-            return suffix == ".zarr" and first == os.path.basename(self.target)
-        return suffix_of(first) == suffix
 
     def begun(self) -> Run | None:
         """Return the run if it has made its files."""
@@ -228,7 +213,14 @@ class Record:
             for name in (_DEFINITION, *self._journals()):
                 with suppress(FileNotFoundError):
                     os.unlink(self._path(name))
-            sweep(self.folder)
+        self.sweep()
+
+    def sweep(self) -> None:
+        """Remove temporary files that nobody writes any more."""
+        with self._our_errors():
+            for name in filter(is_stale, self._names()):
+                with suppress(FileNotFoundError):
+                    os.unlink(self._path(name))
 
     def remove(self) -> None:
         """Remove the folder, unless others have files in it; call it while the plane is held."""

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 from weftex.errors import FileError
 from weftex.planes.record import Record
-from weftex.planes.store import KEPT
+from weftex.planes.tiff import KEPT
 from weftex.processes import LostError, Workers
 from weftex.threads import in_turn, thread_count
 

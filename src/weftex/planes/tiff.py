@@ -10,20 +10,23 @@ from __future__ import annotations
 
 import os
 import struct
+import zlib
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import IO, TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
-from weftex.errors import InvalidInputError
-from weftex.planes.store import FilePart, Store
+from weftex.errors import FileError, InvalidInputError
+from weftex.io.npz import open_regular
+from weftex.planes.files import synced
+from weftex.planes.layout import named
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterator, Mapping
 
     from numpy.typing import NDArray
 
-    from weftex.planes.layout import Place, Window
+    from weftex.planes.layout import Layout, Place, Window
 
 _MOST_SIDE = 2**20
 _MOST_TILES = 2**22  # tables of tiles, of 12 bytes each, are made in memory
@@ -31,37 +34,110 @@ _PAGE = 2**16  # tiles begin at pages, which no two writers share
 _ASCII, _SHORT, _LONG, _UNDEFINED, _LONG8 = 2, 3, 4, 7, 16
 _CODES = {_ASCII: "u1", _SHORT: "<u2", _LONG: "<u4", _UNDEFINED: "u1", _LONG8: "<u8"}
 _RGB = 3
+KEPT = "blocks that are done are kept, and the same command continues"
+REPAIR = "'weftex check --repair' makes it again"
 
 
-class TiffStore(Store):
-    """A picture as a tiled BigTIFF with overviews."""
+class TiffStore:
+    """A tiled BigTIFF with overviews; its blocks are written in any order, each by one writer."""
 
-    def check(self) -> None:
+    smallest: ClassVar[int] = 512  #: The last level has at most this number of pixels a side.
+
+    def __init__(self, path: str, layout: Layout) -> None:
+        self.path, self.layout = path, layout
+        self.levels = layout.levels(self.smallest)
+        self._check_size()
+
+    def _check_size(self) -> None:
         """Refuse what is larger than tables of tiles should be."""
         longest = max(self.layout.height, self.layout.width)
         if longest > _MOST_SIDE:
             raise InvalidInputError(
-                f"{self.path}: '.tif' holds at most {_MOST_SIDE} pixels a side, not {longest}; "
-                "use .zarr"
+                f"{self.path}: '.tif' holds at most {_MOST_SIDE} pixels a side, not {longest}"
             )
         rows, columns = self._tiles(0)
         if rows * columns > _MOST_TILES:
             raise InvalidInputError(
                 f"{self.path}: '.tif' holds at most {_MOST_TILES} tiles, not {rows * columns} of "
-                f"{self.layout.tile} pixels a side; use a larger --block, or .zarr"
+                f"{self.layout.tile} pixels a side; use a larger --block"
             )
 
-    def frame(self) -> Iterator[FilePart]:
-        """Give the header and the directories; the rest of the file is a hole that blocks fill."""
-        # Little-endian, version 43, offsets of 8 bytes.
-        header = struct.pack("<2sHHHQ", b"II", 43, 8, 0, 16)
-        yield FilePart(self.path, 0, header, self.most_bytes)
-        for level in range(self.levels):
-            yield FilePart(self.path, self._heads[level], self._directory(level), self.most_bytes)
+    @property
+    def size(self) -> int:
+        """Bytes of the file."""
+        return self._starts[-1]
 
-    def files(self, place: Place) -> list[str]:
-        """Give the file."""
-        return [self.path]
+    def create(self) -> None:
+        """Write everything but the pixels, also where it is damaged; blocks stay as they are."""
+        flags = os.O_RDWR | os.O_CREAT | getattr(os, "O_BINARY", 0)
+        with open(os.open(self.path, flags, 0o666), "r+b") as file:
+            for start, data in self._frame():
+                file.seek(start)
+                file.write(data)
+            file.truncate(self.size)
+        synced(self.path)
+
+    def is_sound(self) -> bool:
+        """Whether the file has its size, and is undamaged beside its pixels."""
+        try:
+            with self._opened() as file:
+                for start, data in self._frame():
+                    file.seek(start)
+                    if file.read(len(data)) != data:
+                        return False
+        except OSError:
+            return False
+        return True
+
+    def write(self, place: Place, pixels: NDArray[Any]) -> None:
+        """Write a block; when this returns it is on the disk."""
+        try:
+            self.put(place, pixels)
+        except OSError as error:
+            why = error.strerror or error
+            raise FileError(f"{self.path}: cannot write: {why}; {KEPT}") from None
+
+    def read(self, level: int, window: Window) -> NDArray[Any]:
+        """Return the pixels of a window, or raise `FileError` if the file is damaged."""
+        try:
+            return self.get(level, window)
+        except (OSError, ValueError) as error:  # NumPy raises those where data are missing
+            why = " ".join(str(error).split())
+            raise FileError(f"{self.path}: level {level} is damaged: {why}; {REPAIR}") from None
+
+    def reduced(self, place: Place, sums: Mapping[Place, int]) -> NDArray[Any]:
+        """Return a block of a level above 0, made of blocks that must have these check sums."""
+        window = self.layout.window_below(place)
+        pixels = self.read(place[0] - 1, window)
+        for below in self.layout.below(place):
+            top, left, height, width = self.layout.window(below)
+            y, x = top - window[0], left - window[1]
+            if check_sum(pixels[y : y + height, x : x + width]) != sums[below]:
+                raise FileError(f"{self.path}: {named(below)} is damaged; {REPAIR}")
+        halved: NDArray[Any] = self.layout.mixing.halved(pixels)
+        return halved
+
+    def sum_of(self, place: Place) -> int:
+        """Return the check sum of a block as it is on the disk; -1 if it cannot be read."""
+        try:
+            return check_sum(self.read(place[0], self.layout.window(place)))
+        except FileError:
+            return -1
+
+    def _opened(self) -> IO[bytes]:
+        """Return the open file; OSError unless it is a regular one of its size."""
+        file = open_regular(self.path, self.size)
+        if os.fstat(file.fileno()).st_size < self.size:
+            file.close()
+            raise OSError("it was cut off")
+        return file
+
+    def _frame(self) -> Iterator[tuple[int, bytes]]:
+        """Give the places and bytes of header and directories; blocks fill the rest."""
+        # Little-endian, version 43, offsets of 8 bytes.
+        yield 0, struct.pack("<2sHHHQ", b"II", 43, 8, 0, 16)
+        for level in range(self.levels):
+            yield self._heads[level], self._directory(level)
 
     def put(self, place: Place, pixels: NDArray[Any]) -> None:
         """Write the tiles of a block, a row of them at a time."""
@@ -86,7 +162,7 @@ class TiffStore(Store):
         out = np.empty((height, width, bands), self.layout.dtype)
         first = left // tile
         across = -(-(left + width) // tile) - first
-        with open(self.path, "rb") as file:
+        with self._opened() as file:
             for line in range(top // tile * tile, top + height, tile):
                 file.seek(self._offset(level, line, first * tile))
                 data = np.frombuffer(file.read(across * self._tile_bytes), self._dtype)
@@ -95,16 +171,6 @@ class TiffStore(Store):
                 start, end = max(line, top), min(line + tile, top + height)
                 out[start - top : end - top] = strip[start - line : end - line]
         return out if self.layout.channels else out[..., 0]
-
-    @property
-    def most_bytes(self) -> int:
-        """The size of the file."""
-        return self._starts[-1]
-
-    @property
-    def most_of_file(self) -> int:
-        """The size of the file, which has all blocks."""
-        return self.most_bytes
 
     @property
     def _dtype(self) -> np.dtype[Any]:
@@ -194,3 +260,8 @@ class TiffStore(Store):
                 entries += struct.pack("<Q", place + len(values))
                 values += padded
         return entries + struct.pack("<Q", 0 if last else self._heads[level + 1]) + values
+
+
+def check_sum(pixels: NDArray[Any]) -> int:
+    """Return the check sum of pixels that journals have."""
+    return zlib.crc32(np.ascontiguousarray(pixels).data)

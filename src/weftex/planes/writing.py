@@ -72,10 +72,10 @@ def stream(
     sample : path, array, PIL image or Exemplar
         The material; see `weftex.load_exemplar`.
     path : path
-        ``.tif`` for a tiled BigTIFF or ``.zarr`` (extra ``zarr``), both with smaller versions.
-        Maps become groups of a Zarr, or files beside it such as ``plane_normal.tif``.
+        ``.tif``: a tiled BigTIFF with smaller versions. Maps become files beside each other, such
+        as ``plane_normal.tif``.
     size : int or (int, int)
-        Height and width, up to 2**40 each (2**20 in a ``.tif``).
+        Height and width, up to 2**20 each.
     method, tileable
         As for `weftex.synthesize`.
     seed : int, numpy Generator or None
@@ -95,8 +95,6 @@ def stream(
     ------
     InvalidInputError
         If an argument is out of range, or a run with other arguments began the file.
-    UnsupportedError
-        If a package is missing.
     FileError
         If the file cannot be written, or the disk is too small.
 
@@ -169,7 +167,7 @@ def most_bytes(plane: PlaneFile, left: int) -> int:
     """Return what a number of blocks may take on the disk."""
     stores = plane.stores.values()
     blocks = plane.definition.base.count(max(store.levels for store in stores))
-    return min(left, blocks) * sum(store.most_bytes for store in stores) // blocks
+    return min(left, blocks) * sum(store.size for store in stores) // blocks
 
 
 def in_words(count: float) -> str:
@@ -191,7 +189,7 @@ def check(path: str | os.PathLike[str], *, read: bool = False) -> PlaneFile:
     Parameters
     ----------
     path : path
-        The file or folder.
+        The file.
     read : bool
         Also read all pixels and compare them with their check sums.
 
@@ -209,15 +207,11 @@ def check(path: str | os.PathLike[str], *, read: bool = False) -> PlaneFile:
         )
     if plane.missing(done):
         raise FileError(f"{plane.path} is not whole: {_what_is_missing(plane, done)}")
-    for places, what in (
-        (plane.lost(done), "have no file, or one that is too long"),
-        (plane.damaged(done) if read else (), "are not what was written"),
-    ):
-        if wrong := [*places]:
-            raise FileError(
-                f"{plane.path}: {len(wrong)} blocks {what}, the first at level, row, column "
-                f"{min(wrong)}; {_REPAIR}"
-            )
+    if wrong := [*plane.damaged(done)] if read else []:
+        raise FileError(
+            f"{plane.path}: {len(wrong)} blocks are not what was written, the first at level, row, "
+            f"column {min(wrong)}; {_REPAIR}"
+        )
     return plane
 
 

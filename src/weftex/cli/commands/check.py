@@ -11,7 +11,7 @@ exit code is 2 if anything is missing or damaged.\
 
 _EXAMPLES = """\
 examples:
-  weftex check plane.zarr
+  weftex check plane.tif
   weftex check plane.tif --read
   weftex check plane.tif --repair
 """
