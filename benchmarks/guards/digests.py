@@ -66,7 +66,7 @@ MORE: dict[str, dict[str, tuple[str, dict[str, Any]]]] = {
         "gncc": ("bricks", {"match": "gncc"}),
         "feathered": ("tiles", {"blend": "feather", "blend_width": 8}),
     },
-    "best-tile": {"bricks": ("bricks", {})},
+    "best-tile": {"bricks": ("bricks", {"lattice": (63, 42, 63, -42)})},
 }
 
 
@@ -151,7 +151,8 @@ def material_cases(slug: str, threads: int) -> Iterator[Case]:
     """Defaults, and ways of its own, on materials of a real size."""
     regular = slug in ("near-regular", "best-tile")
     side = 192 if regular else 48 if slug == "efros-leung" else 128
-    ways: dict[str, Any] = {"default": ("bricks" if regular else "pebbles", {})}
+    usual = {"near-regular": "bricks", "best-tile": "tiles"}.get(slug, "pebbles")
+    ways: dict[str, Any] = {"default": (usual, {})}
     for way, (name, parameters) in (ways | MORE.get(slug, {})).items():
         exemplar = weftex.Exemplar(sample(name, side))
         size = (72, 70) if slug == "efros-leung" else SIZES.get(name, (150, 161))
@@ -184,15 +185,17 @@ def patch_cases(threads: int) -> Iterator[Case]:
 
 def window_cases(threads: int) -> Iterator[Case]:
     """Windows of an endless plane."""
-    exemplar = weftex.Exemplar(sample("bricks"))
-    for slug in ("near-regular", "best-tile"):
+    for slug, name in (("near-regular", "bricks"), ("best-tile", "tiles")):
         for y, x in ((0, 0), (-70, 1000), (2**33, -(2**35) - 3)):
             yield (
-                f"{slug}/default/window {y} {x}/bricks",
-                lambda s=slug, y=y, x=x: digest(
-                    weftex.METHODS[s]().fit(exemplar).window(y, x, 90, 110, seed=5)
+                f"{slug}/default/window {y} {x}/{name}",
+                lambda s=slug, n=name, y=y, x=x: digest(
+                    weftex.METHODS[s]()
+                    .fit(weftex.Exemplar(sample(n)))
+                    .window(y, x, 90, 110, seed=5)
                 ),
             )
+    exemplar = weftex.Exemplar(sample("bricks"))
     for slug in ("patch-sampling", "quilting", "graphcut", "refinement"):
         for period in (None, (1000, 1030)):
             yield (
