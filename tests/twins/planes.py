@@ -10,9 +10,6 @@ import numpy as np
 import weftex
 from weftex.endless.boxes import Box, PlaneRequest, Span
 from weftex.endless.plane import kept_of
-from weftex.methods.refinement.output import Output
-from weftex.methods.refinement.start import start_window
-from weftex.methods.refinement.sweeps import BlockSweep
 from weftex.random import draw
 
 
@@ -111,66 +108,3 @@ def whole_plane(model, seed, nodes, period=None):
             seen, free = (gap(i, grown), gap(j, grown)), (gap(i, loose), gap(j, loose))
             made(edges, whole, (3, i, j), (gap(i), gap(j)), seen, free)
     return whole
-
-
-def refined_plane(model, window, seed):
-    """A window, from all blocks in a wide belt around it: level by level, four kinds of blocks.
-
-    What is not so at the belt's border does not come as far as the window.
-    """
-    prepared, wide = model.prepared, 512
-    top, left = (-(-at // 64) * 64 - wide for at in window[:2])
-    side = 2 * wide + 128
-    flat = start_window(
-        prepared.starts,
-        Box(Span(top, top + side), Span(left, left + side)),
-        PlaneRequest(seed, None),
-    )
-    source = np.stack(np.divmod(flat, model.exemplar.shape[1]), axis=-1)
-    y, x = source[..., 0], source[..., 1]
-    shown = None
-    for number in (3, 2, 1, 0):
-        level, step = prepared.levels[number], 2**number
-        if number == 3:
-            begun = level.at(y[::8, ::8], x[::8, ::8])
-        else:  # where the parent goes on
-            v, u = np.divmod(shown.repeat(2, 0).repeat(2, 1), model.exemplar.shape[1])
-            odd_y, odd_x = (np.arange(n) % 2 * step for n in v.shape)
-            begun = level.at(v + odd_y[:, None], u + odd_x)
-        pixels = level.pixels.reshape(-1, level.pixels.shape[2])[begun]
-        output = Output(number, pixels, begun.copy(), np.ones(begun.shape, bool), (False, False))
-        near = 16 if number == 3 else 0
-        sweep = BlockSweep(prepared, number, begun, near)
-        pitch = (64, 48, 32, 24)[number]
-        at_node, between = (-pitch // 4, pitch // 4), (pitch // 4, pitch - pitch // 4)
-        corners = None
-        for rows, columns in (
-            (at_node, at_node),
-            (at_node, between),
-            (between, at_node),
-            (between, between),
-        ):
-            now = output
-            if rows == at_node and columns == between:
-                corners = output.copy()
-            if rows == between and columns == at_node:
-                now = corners
-            parts = [
-                (y, x)
-                for y in _spans(rows, pitch, top // step, len(begun), near + 2)
-                for x in _spans(columns, pitch, left // step, len(begun), near + 2)
-            ]
-            for part in parts:
-                sweep.refine(now, part)
-            if now is corners:
-                output.take(corners, parts)
-        shown = level.places.ravel()[output.source]
-    y, x = window[0] - top, window[1] - left
-    return shown[y : y + window[2], x : x + window[3]]
-
-
-def _spans(line, pitch, first, length, border):
-    """Slices of all blocks of a kind along an axis that begins at pixel `first` of a level."""
-    nodes = range(first // pitch - 1, (first + length) // pitch + 2)
-    spans = [slice(n * pitch + line[0] - first, n * pitch + line[1] - first) for n in nodes]
-    return [one for one in spans if one.start >= border and one.stop <= length - border]

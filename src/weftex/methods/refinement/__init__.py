@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, ClassVar, Self
 
-from weftex.endless.boxes import canvas_of
 from weftex.endless.grid import Sizes
 from weftex.errors import InvalidInputError
 from weftex.method import Method
@@ -26,7 +25,6 @@ from weftex.methods.refinement.output import (
     sources_of_children,
     sources_shown,
 )
-from weftex.methods.refinement.plane import goes_around, refined_window
 from weftex.methods.refinement.seeds import seed_sources
 from weftex.methods.refinement.start import (
     fitted_starts,
@@ -36,7 +34,6 @@ from weftex.methods.refinement.start import (
 )
 from weftex.methods.refinement.sweeps import Convergence, refine_texture, sweep_of
 from weftex.parameters import parameter
-from weftex.results.pixels import PixelSynthesis
 
 if TYPE_CHECKING:
     import numpy as np
@@ -46,8 +43,6 @@ if TYPE_CHECKING:
     from weftex.endless.boxes import Box, PlaneRequest
     from weftex.exemplar import Exemplar
     from weftex.methods.pixels.growth import Growth
-    from weftex.progress import ProgressCallback
-    from weftex.results.synthesis import Synthesis
 
 _PITCH = 384  # pixels, at least, from one node of a plane to the next
 
@@ -231,24 +226,6 @@ class Refinement(WindowedMethod):
 
 class RefinementModel(PixelModel):
     """A sample prepared for iterative refinement."""
-
-    def make_window(
-        self, box: Box, asked: PlaneRequest, progress: ProgressCallback | None = None
-    ) -> Synthesis:
-        """See `Model.make_window`: a plane of the start is refined level by level, where it may."""
-        prepared: Prepared = self.prepared
-        coherent = prepared.method.search == "coherent" and not prepared.belt and prepared.starts
-        if not coherent or not goes_around(prepared.levels, asked.period):
-            return super().make_window(box, asked, progress)
-        index = refined_window(prepared, self.exemplar, box, asked, progress)
-        return PixelSynthesis(
-            canvas_of(box),
-            index,
-            sample_shape=self.exemplar.shape,
-            exemplar=self.exemplar,
-            is_window=True,
-            provenance=self.method.describe() | asked.told,
-        )
 
     def block_sizes(self) -> Sizes:
         """See `Model.block_sizes`; blocks begin with a plane of the start."""

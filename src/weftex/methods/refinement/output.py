@@ -43,17 +43,6 @@ class Output:
         self.wanted = ~known
         self.count = int(self.wanted.sum())
 
-    def copy(self) -> Output:
-        """The same, to be refined on its own."""
-        other = Output(self.number, self.pixels.copy(), self.source.copy(), self.known, self.wrap)
-        other.done[:] = self.done
-        return other
-
-    def take(self, other: Output, parts: list[tuple[slice, slice]]) -> None:
-        """Show there what another one does."""
-        for part in parts:
-            self.pixels[part], self.source[part] = other.pixels[part], other.source[part]
-
     def begin(self, level: Level, source: NDArray[np.int32]) -> None:
         """Show the sources of the pixels that are to be made; -1 leaves one to be made later."""
         made = self.wanted & (source >= 0)
@@ -149,20 +138,12 @@ def sources_shown(sources: NDArray[np.int32], number: int, level: Level) -> NDAr
 
 
 def sources_of_children(
-    coarser: Output,
-    coarser_level: Level,
-    shape: tuple[int, ...],
-    level: Level,
-    corners: tuple[tuple[int, int], tuple[int, int]] = ((0, 0), (0, 0)),
+    coarser: Output, coarser_level: Level, shape: tuple[int, ...], level: Level
 ) -> NDArray[np.int32]:
-    """Return (H, W) source of each pixel of a level: the one that continues its parent's.
-
-    `corners` are the first pixels of the level and of the coarser one, each in pixels of its level.
-    """
+    """Return (H, W) source of each pixel of a level: the one that continues its parent's."""
     step = 2 ** (coarser.number - 1)
-    y, x = (np.arange(n) + at for n, at in zip(shape, corners[0], strict=True))
-    y, above = y[:, None], corners[1]
-    parents = coarser_level.places.ravel()[coarser.source[y // 2 - above[0], x // 2 - above[1]]]
+    y, x = np.ogrid[: shape[0], : shape[1]]
+    parents = coarser_level.places.ravel()[coarser.source[y // 2, x // 2]]
     v, u = np.divmod(parents, level.nearest.shape[1])
     return level.at(v + y % 2 * step, u + x % 2 * step)
 

@@ -106,25 +106,18 @@ def hole_start(name: str, hole: NDArray[np.bool_], exemplar: Exemplar) -> Model:
 
 
 def start_window(
-    starts: dict[str, Model], box: Box, asked: PlaneRequest, step: int = 1
+    starts: dict[str, Model], box: Box, asked: PlaneRequest
 ) -> NDArray[np.int32] | None:
     """Return flat indices of the sources of a box of the start's plane, None without a start.
 
-    `step` takes every `step`-th row and column. The next start serves planes whose period would
-    strain the first one's lattice visibly.
+    The next start serves planes whose period would strain the first one's lattice visibly.
     """
     if not starts:
         return None
     start, *others = starts.values()
     if others and asked.period is not None and is_strained(start, Around(*asked.period)):
         start = others[0]
-    made = start.make_window(box, asked)
-    if step == 1:
-        source = made.source
-    else:
-        width = box.shape[1]
-        rows = [made.layers((y, 0, 1, width))[0][0] for y in range(0, box.shape[0], step)]
-        source = np.stack([row[::step, 0] for row in rows])
+    source = start.make_window(box, asked).source
     return source[..., 0] * np.int32(start.exemplar.shape[1]) + source[..., 1]
 
 

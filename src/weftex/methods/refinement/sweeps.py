@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 
 from weftex.methods.refinement import sweep_kernels as kernels
 from weftex.methods.refinement.levels import ONE, CoherentLevel, NearestLevel
-from weftex.methods.refinement.output import NO_GUIDE
 from weftex.random import draw
-from weftex.search.picture_kernels import Picture, Query, Sample
+from weftex.search.picture_kernels import Picture, Sample
 from weftex.search.windows import new_query
 
 if TYPE_CHECKING:
@@ -20,11 +19,8 @@ if TYPE_CHECKING:
     from weftex.methods.refinement.output import Guide, Output
     from weftex.progress import Progress
 
-    Floats = NDArray[np.float64]
     #: The cell of each place, how often each cell is used, how often it may be, and the weight.
     Usage = tuple[NDArray[np.int32], NDArray[np.int32], NDArray[np.int32], int]
-    #: The arguments of `sweep_kernels.refine_coherently` that stay for a whole sweep.
-    Bundles = tuple[Picture, Sample, kernels.Sources, kernels.GuidePair, Query, NDArray[np.int32]]
 
 _TRIED_IN_ALL = 2**23  # comparisons of the first sweep with places of the whole sample
 _TRIED_AT_LEAST = 64  # of these, at each pixel
@@ -54,21 +50,6 @@ def sweep_of(prepared: Prepared, output: Output, guide: Guide, seed: int, cyclic
     if isinstance(level, CoherentLevel):
         return CoherentSweep(prepared, level, output, guide, seed, cyclic)
     raise TypeError(f"no sweep for {type(level).__name__}")
-
-
-def coherent_bundles(
-    prepared: Prepared, level: CoherentLevel, output: Output, guide: Guide, usage: Usage
-) -> Bundles:
-    """Return what a sweep of the coherent search looks at."""
-    everywhere = np.ones(guide.output.shape[:2], np.uint8)
-    return (
-        _picture(output, output.wrap),
-        _sample(level),
-        kernels.Sources(level, prepared.margin, usage),
-        kernels.GuidePair(guide, everywhere, new_query(level.reach, guide.output.shape[2])),
-        new_query(level.reach, output.pixels.shape[2]),
-        np.zeros(_BESIDE * (1 + level.similar.shape[1]), np.int32),
-    )
 
 
 def refine_texture(sweep: Sweep, iteration: int, progress: Progress) -> int:
@@ -106,7 +87,15 @@ class CoherentSweep:
         self._tried_count = 0 if whole else min(tried, len(level.centers))
         evenness = round(_EVENNESS * prepared.method.evenness / 2**coarser)
         usage = _usage_on(level, output, guide, evenness)
-        self._bundles = coherent_bundles(prepared, level, output, guide, usage)
+        everywhere = np.ones(guide.output.shape[:2], np.uint8)
+        self._bundles = (
+            _picture(output, output.wrap),
+            _sample(level),
+            kernels.Sources(level, prepared.margin, usage),
+            kernels.GuidePair(guide, everywhere, new_query(level.reach, guide.output.shape[2])),
+            new_query(level.reach, output.pixels.shape[2]),
+            np.zeros(_BESIDE * (1 + level.similar.shape[1]), np.int32),
+        )
 
     def lines(self, iteration: int) -> list[NDArray[np.int32]]:
         """The scans of a sweep: in alternating directions, or from all four sides."""
@@ -160,51 +149,6 @@ class NearestSweep:
         return int(kernels.refine_to_nearest(output, *self._bundles, line))
 
 
-class BlockSweep:
-    """Refines blocks of a plane at one level, each with all its sweeps.
-
-    `begun` (H, W) are the level's first sources. `near` is the distance in pixels around a block
-    within which the use of the sample is counted.
-    """
-
-    def __init__(
-        self,
-        prepared: Prepared,
-        number: int,
-        begun: NDArray[np.int32],
-        near: int,
-    ) -> None:
-        coarser = len(prepared.rounds) - 1 - number
-        level = prepared.levels[number]
-        assert isinstance(level, CoherentLevel)
-        self._level, self._number, self._begun, self._near = level, number, begun, near
-        self._prepared, self._threshold = prepared, prepared.method.threshold
-        self._weight = round(_EVENNESS * prepared.method.evenness / 2**coarser)
-
-    def refine(self, output: Output, place: tuple[slice, slice]) -> None:
-        """Refine the pixels of a block in alternating directions until they change too little."""
-        rows, columns = place
-        y, x = (np.arange(line.start, line.stop, dtype=np.int32) for line in place)
-        line = (y[:, None] * np.int32(output.known.shape[1]) + x).ravel()
-        lines = line, line[::-1].copy()
-        near = [slice(max(0, k.start - self._near), k.stop + self._near) for k in place]
-        level, channels = self._level, output.pixels.shape[2]
-        shown = level.places.ravel()[self._begun[near[0], near[1]].ravel()]
-        usage = usage_of(level, self._number, shown, len(shown), self._weight)
-        bundles = coherent_bundles(self._prepared, level, output, NO_GUIDE, usage)
-        pixels, nothing = output.pixels[rows, columns], np.zeros(0, np.int32)
-        for iteration in range(self._prepared.rounds[self._number]):
-            old = pixels.copy()
-            changed = int(kernels.refine_coherently(*bundles, lines[iteration % 2], nothing))
-            if not changed:
-                break
-            # What changes is seldom less than an eighth brighter or darker.
-            if iteration and changed < 8 * self._threshold * len(line):
-                ratio = changes(pixels.reshape(-1, channels), old.reshape(-1, channels))[1]
-                if _sum(ratio) < self._threshold * len(line):
-                    break
-
-
 class Convergence:
     """The differences between iterations (eq. 1), and whether they are below the threshold.
 
@@ -227,9 +171,12 @@ class Convergence:
 
     def reached(self, output: Output, iteration: int, changed: int) -> bool:
         """Compare with the picture before; return whether to stop."""
-        step, ratio = changes(output.pixels[output.wanted], self._before)
+        old = self._before.astype(np.float64)
+        step = ((output.pixels[output.wanted].astype(np.float64) - old) ** 2).sum(axis=1)
+        ratio = np.sqrt(step / np.maximum((old**2).sum(axis=1), 1))
         ratio[~self._there] = 1
-        total = _sum(ratio)
+        # Summed as integers, so that every machine stops at the same iteration.
+        total = int(np.rint(ratio * 2**20).astype(np.int64).sum()) / 2**20
         self.curve.append(
             {
                 "level": output.number,
@@ -242,18 +189,6 @@ class Convergence:
         return iteration + 1 >= self._at_least and total / output.count < self._threshold
 
 
-def changes(now: NDArray[np.uint8], before: NDArray[np.uint8]) -> tuple[Floats, Floats]:
-    """Squared differences of pixels (N, K), and what of eq. (1) each adds: both (N,)."""
-    old = before.astype(np.float64)
-    step = ((now.astype(np.float64) - old) ** 2).sum(axis=1)
-    return step, np.sqrt(step / np.maximum((old**2).sum(axis=1), 1))
-
-
-def _sum(ratio: Floats) -> float:
-    """Summed as integers, so that every machine stops at the same iteration."""
-    return int(np.rint(ratio * 2**20).astype(np.int64).sum()) / 2**20
-
-
 def _picture(output: Output, wrap: tuple[bool, bool]) -> Picture:
     return Picture(output.pixels, output.done, output.source, wrap)
 
@@ -263,33 +198,20 @@ def _sample(level: Level) -> Sample:
     return Sample(level.pixels, level.usable, np.zeros(4, np.int32))
 
 
-def usage_of(
-    level: CoherentLevel, number: int, made: NDArray[np.int32], count: int, weight: int
-) -> Usage:
-    """How often cells of the sample are used by what shows places so far, of `count` in all."""
-    # As often as all others, or once: on a coarse level for all that a pixel stands for.
-    least = len(level.centers) >> 2 * number
-    room = _ROOM * level.centers_in_cells * max(count, least) // len(level.centers)
-    return _usage(level, made, room, weight)
-
-
-def _usage(level: CoherentLevel, made: NDArray[np.int32], room: NDArray[Any], weight: int) -> Usage:
-    used = np.bincount(level.cells[made], minlength=len(room)).astype(np.int32)
-    return level.cells, used, np.maximum(room, 1).astype(np.int32), weight
-
-
 def _usage_on(level: CoherentLevel, output: Output, guide: Guide, weight: int) -> Usage:
     """How often each cell of the sample is used by the start, and may be."""
     places = level.places.ravel()
     made = places[output.source[output.wanted & (output.done > 0)]]
-    if not guide.weight:
-        return usage_of(level, output.number, made, output.count, weight)
-    least = max(ONE >> 2 * output.number, 1)
-    demand = guide.demand(output.wanted, level.centers, least)
-    cells = level.cells[places[level.centers]]
-    return _usage(
-        level, made, _ROOM * np.bincount(cells, demand, len(level.centers_in_cells)) // ONE, weight
-    )
+    if guide.weight:
+        least = max(ONE >> 2 * output.number, 1)
+        demand = guide.demand(output.wanted, level.centers, least)
+        cells = level.cells[places[level.centers]]
+        room = _ROOM * np.bincount(cells, demand, len(level.centers_in_cells)) // ONE
+    else:  # as often as all others, or once: on a coarse level for all that a pixel stands for
+        count = max(output.count, len(level.centers) >> 2 * output.number)
+        room = _ROOM * level.centers_in_cells * count // len(level.centers)
+    used = np.bincount(level.cells[made], minlength=len(room)).astype(np.int32)
+    return level.cells, used, np.maximum(room, 1).astype(np.int32), weight
 
 
 def rows_of(wanted: NDArray[np.bool_]) -> list[NDArray[np.int32]]:
