@@ -11,11 +11,14 @@ import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from weftex.errors import FileError, InvalidInputError, did_you_mean, shown
 from weftex.io.formats import FORMATS, file_error, path_text
 from weftex.roles import ROLES, Role
+
+if TYPE_CHECKING:
+    from weftex.io.formats import StrPath
 
 __all__ = ["Preset", "PresetFile", "presets", "read_preset"]
 
@@ -63,13 +66,9 @@ class Preset:
         for one in self.files:
             if one.roles == (role.name,):
                 return one.name.replace("{name}", material)
-        words = role.name.split("_")
-        ways = {
-            "role": role.name,
-            "Role": "".join(map(str.capitalize, words)),
-            "name": material,
-        }
-        return re.sub(r"\{(\w+)\}", lambda found: ways[found[1]], self.others)
+        joined = "".join(map(str.capitalize, role.name.split("_")))
+        stem = self.others.replace("{role}", role.name).replace("{Role}", joined)
+        return stem.replace("{name}", material)
 
 
 def width_of(role: str) -> int:
@@ -85,29 +84,30 @@ def presets() -> dict[str, str]:
     >>> presets()["terrain3d"]
     'Terrain3D for Godot: albedo with height, normals with roughness'
     """
-    names = sorted(file.stem for file in _FOLDER.glob(f"*{_SUFFIX}"))
-    return {name: read_preset(name).about for name in names}
+    return {name: read_preset(name).about for name in _names()}
 
 
-def read_preset(preset: str | os.PathLike[str] | Preset) -> Preset:
+def _names() -> list[str]:
+    return sorted(file.stem for file in _FOLDER.glob(f"*{_SUFFIX}"))
+
+
+def read_preset(preset: StrPath) -> Preset:
     """Read a preset by its name, or from a TOML file.
 
     Raises
     ------
     InvalidInputError
-        If no preset has this name, or a key or value of the file is wrong.
+        If no preset has this name.
     FileError
-        If the file cannot be read.
+        If the file cannot be read, or a key or value in it is wrong.
     """
-    if isinstance(preset, Preset):
-        return preset
     given = path_text(preset)
     path = Path(given)
     if path.suffix != _SUFFIX:
-        known = [file.stem for file in _FOLDER.glob(f"*{_SUFFIX}")]
-        if given not in known:
-            own = "" if not path.suffix else f"; a preset of your own is a {_SUFFIX} file"
-            raise InvalidInputError(f"preset is {shown(given)}{did_you_mean(given, known)}{own}")
+        if given not in _names():
+            own = f"; a preset of your own is a {_SUFFIX} file" if path.suffix else ""
+            near = did_you_mean(given, _names())
+            raise InvalidInputError(f"preset is {shown(given)}{near}{own}")
         path = _FOLDER / f"{given}{_SUFFIX}"
     try:
         text = path.read_text("utf-8")
@@ -166,6 +166,10 @@ def _check_whole(preset: Preset) -> None:
         for one in preset.files:
             if one.format != ".png":
                 raise InvalidInputError(f'{one.name} must have format = "png", for glTF')
+            if ("roughness" in one.roles) != ("metallic" in one.roles):
+                raise InvalidInputError(
+                    f"{one.name} must hold both roughness and metallic, for glTF"
+                )
             for place, role in enumerate(one.roles):
                 if _GLTF.get(role, place) != place:
                     raise InvalidInputError(
