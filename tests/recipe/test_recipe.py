@@ -138,12 +138,13 @@ MADE = {
               "tileable": True, **QUILTING},
     "fit": {"materials": [SAMPLE], "size": [40, 50], "tileable": True, "fit": True,
             "method": "near-regular", "parameters": {"lattice": [9.0, 0.0, 0.0, 11.0]}},
-    "guide": {"materials": [SAMPLE | {"turn": "half"}], "guide": "photo.png",
+    "guide": {"materials": [SAMPLE | {"turn": "half", "sample_width": 0.5}], "guide": "photo.png",
               "sample_guide": "second.png", "method": "ashikhmin"},
     "window": {"materials": [SAMPLE], "window": [60, 50, 30, 40], "period": [200, 300],
                **QUILTING},
     "landmarks": {"materials": [SAMPLE], "landmarks": "thin", "method": "graphcut"},
-    "tile": {"task": "tile", "materials": [PHOTO | {"even_light": 1}], "axes": "y", "border": 8},
+    "tile": {"task": "tile", "materials": [PHOTO | {"even_light": 1, "sample_width": 0.3}],
+             "axes": "y", "border": 8},
     "fill": {"task": "fill", "materials": [PHOTO, SAMPLE | {"repeats": True}], "mask": "hole.png",
              "overlap": 2, "method": "patch-sampling", "parameters": {"epsilon": 0.1}},
     "merged": {"task": "fuse", "materials": [SAMPLE, {"path": "second.png"}], "map": "map.png",
@@ -185,7 +186,7 @@ TRIED = {
     "half.png", "--straighten": "8,8,40,8,40,50,8,50", "--even-light": "3", "--turn": "half",
     "--tileable-sample": "", "--map-weights": "height=2", "--seed": "8", "--direction": "0",
     "--center": "0,0", "--radii": "0.5", "--width": "0.5", "--circles": "0.1",
-    "--landmarks": "remove", "--fit": "",
+    "--landmarks": "remove", "--fit": "", "--sample-width": "7cm",
 }  # fmt: skip
 
 

@@ -6,10 +6,12 @@ import os
 from typing import TYPE_CHECKING, Any
 
 from weftex.cli.parser import BLOCKS, HUGE, Parser
+from weftex.cli.terminal import say
 from weftex.errors import InvalidInputError
 from weftex.recipe import TASKS, Recipe
-from weftex.recipe.command_line import json_of
-from weftex.recipe.options import SIZE, Option
+from weftex.recipe.command_line import json_of, value_of
+from weftex.recipe.declared import MATERIAL
+from weftex.recipe.options import SIZE, Option, read_length
 
 if TYPE_CHECKING:
     import argparse
@@ -54,12 +56,41 @@ def parse_task(
     paths = paths[:1] if task == "tile" else paths  # each photo is a recipe of its own
     if given.get("sample") is not None:
         paths = [*paths, args.sample]
+    if isinstance(given.get("--size"), str):
+        given["--size"] = _in_pixels(given["--size"], paths[0], args, parser.command)
     chosen = method or None if args.method in (None, "auto") else args.method
     recipe = Recipe.from_json(json_of(task, paths, given, chosen, parameters), local=True)
     size = recipe.options.get("size")
     if size is not None:
         check_size(size, args)
     return args, recipe
+
+
+def _in_pixels(text: str, path: str, args: argparse.Namespace, command: str) -> str:
+    """Return a size; one in meters, such as 2m or 2mx1.5m, in pixels by the sample's density."""
+    try:
+        sides = [read_length(side) for side in text.split("x")]
+    except ValueError:
+        return text  # of pixels, or wrong
+    if command == "batch":
+        raise InvalidInputError(f"--size is '{text}'; batch takes pixels, as samples may differ")
+    from weftex.cli.files import read_input
+    from weftex.recipe.opening import measured
+
+    given = vars(args)
+    spec = {"sample_width": value_of(MATERIAL["sample_width"], given)}
+    material = measured(read_input(path, args, value_of(MATERIAL["maps"], given)), spec)
+    picture = material.pictures[material.main]
+    if picture.density is None:
+        fix = "weftex prepare sets it" if command == "fuse" else "give the width of what it shows"
+        raise InvalidInputError(
+            f"--size is '{text}', and {path} states no density; {fix}: --sample-width 0.6m"
+        )
+    if spec["sample_width"] is None and not args.quiet:
+        width = picture.pixels.shape[1] / picture.density
+        say(f"note: {path} states {picture.density:.5g} pixels per meter, so it is {width:.3g} m "
+            "wide; --sample-width corrects it")  # fmt: skip
+    return "x".join(str(max(1, round(side * picture.density))) for side in sides)
 
 
 def _named(argv: list[str]) -> str:

@@ -115,6 +115,8 @@ def synthesize(recipe: Recipe, args: argparse.Namespace) -> None:
         from weftex.planes.writing import seed_of_run
 
         job, seed = open_materials(recipe, args), recipe.seed
+        if getattr(args, "--sample-width") is not None and not args.quiet:
+            say("note: images written block by block store no density")
         if getattr(args, "--seed") is None and not args.restart:
             begun = seed_of_run(args.output)
             seed = seed if begun is None else begun

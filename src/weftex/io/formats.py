@@ -247,6 +247,15 @@ def check_fit(given: str, form: Format, pixels: NDArray[Any], alpha: bool) -> No
     raise InvalidInputError(f"{given}: {problem}")
 
 
+def density_of(spec: Any) -> float | None:
+    """Return the pixels per meter that a header states; None if it does not, or two of them."""
+    across, down = (spec.getattribute(f"{axis}Resolution") for axis in "XY")
+    unit = {"in": 0.0254, "cm": 0.01, "m": 1.0}.get(str(spec.getattribute("ResolutionUnit")))
+    if unit is None or not isinstance(across, float) or not 0 < across < np.inf:
+        return None
+    return across / unit if isinstance(down, float) and abs(down / across - 1) < 0.01 else None
+
+
 def fits(icc: bytes | None, colors: int) -> bool:
     """Return whether this is a whole profile for this number of channels."""
     space = {1: b"GRAY", 3: b"RGB "}.get(colors)
@@ -263,7 +272,13 @@ def reserve(path: str, size: int) -> None:
 
 
 def encode(
-    path: str, form: Format, pixels: NDArray[Any], alpha: bool, icc: bytes | None, half: bool
+    path: str,
+    form: Format,
+    pixels: NDArray[Any],
+    alpha: bool,
+    icc: bytes | None,
+    half: bool,
+    density: float | None = None,
 ) -> str:
     """Write with OpenImageIO and return what went wrong, or nothing."""
     oiio = image_library()
@@ -278,6 +293,16 @@ def encode(
     spec.alpha_channel = colors if alpha else -1
     for key, value in (("oiio:UnassociatedAlpha", 1), *form.options):
         spec[key] = value
+    if density is not None:
+        sizes = {"in": density * 0.0254, "cm": density / 100}
+        unit = "in"
+        if form.name == "png":
+            sizes, unit = {"m": float(round(density))}, "m"
+        elif form.name == "jpeg":  # it has whole numbers
+            unit = min(sizes, key=lambda unit: abs(sizes[unit] - round(sizes[unit])))
+            sizes[unit] = float(max(1, round(sizes[unit])))
+        spec["ResolutionUnit"] = unit
+        spec["XResolution"] = spec["YResolution"] = sizes[unit]
     if icc is not None:
         bytes_of = oiio.TypeDesc(oiio.UINT8, oiio.SCALAR, oiio.NOSEMANTICS, len(icc))
         spec.attribute("ICCProfile", bytes_of, np.frombuffer(icc, np.uint8))

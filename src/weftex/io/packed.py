@@ -48,6 +48,7 @@ class PackedFile:
     alpha: bool = False
     icc: bytes | None = None
     half: bool = False
+    density: float | None = None
 
     def pixels(self, pixels_of: PixelsOf) -> Pixels:
         """Return the pixels of the file, from those of the maps."""
@@ -154,7 +155,8 @@ class PackedSet:
 def kept_file(stem: str, key: str, like: Picture, role: str = "color") -> PackedFile:
     """Return a file that holds one map as it is, in the format that it came in."""
     name = stem + written_as(like.path, like.pixels.dtype.kind == "f")
-    return PackedFile(name, (Part(role, key),), like.pixels.dtype, like.alpha, like.icc, like.half)
+    how = like.alpha, like.icc, like.half, like.density
+    return PackedFile(name, (Part(role, key),), like.pixels.dtype, *how)
 
 
 def check_set(planned: PackedSet, folder: str, pixels_of: PixelsOf) -> None:
@@ -188,7 +190,7 @@ def write_set(
     def write_one(number: int) -> None:
         one = files[number]
         how: dict[str, Any] = {"alpha": one.alpha, "icc": one.icc, "half": one.half}
-        how["threads"] = max(1, at_once // len(files))
+        how |= {"density": one.density, "threads": max(1, at_once // len(files))}
         write_image(temporary[one.name], one.pixels(pixels_of), **how)
 
     for _ in in_turn(write_one, range(len(files)), min(at_once, len(files))):

@@ -161,7 +161,8 @@ class _Packer:
         icc = first.icc if parts[0].role == "color" else None
         four = len(parts) > 1 and sum(width_of(part.role) for part in parts) in (2, 4)
         half = first.half and dtype.kind == "f"
-        return PackedFile(stem + suffix, tuple(parts), dtype, kept or four, icc, half)
+        how = kept or four, icc, half, first.density
+        return PackedFile(stem + suffix, tuple(parts), dtype, *how)
 
     def _dtype(
         self, wanted: PresetFile, suffix: str, given: Mapping[str, Picture], parts: list[Part]

@@ -37,6 +37,7 @@ from weftex.io.formats import (
     check_fit,
     check_spec,
     complaint,
+    density_of,
     encode,
     file_error,
     fits,
@@ -50,7 +51,7 @@ from weftex.io.formats import (
     upright,
     varies,
 )
-from weftex.io.png import write_png
+from weftex.io.png import read_density, write_png
 from weftex.raster.arrays import as_array
 from weftex.threads import thread_count
 
@@ -94,6 +95,8 @@ class Picture:
         The path that it was read from, as given.
     half : bool
         Whether its floats have 16 bits there.
+    density : float or None
+        Pixels per meter, if the file states the same number for both axes.
     """
 
     pixels: NDArray[Any] = field(repr=False)
@@ -101,6 +104,7 @@ class Picture:
     icc: bytes | None = field(repr=False)
     path: str
     half: bool = field(default=False, repr=False)
+    density: float | None = field(default=None, repr=False)
 
 
 def read_image(path: StrPath, *, max_pixels: int | None = MAX_PIXELS) -> Picture:
@@ -162,7 +166,8 @@ def read_image(path: StrPath, *, max_pixels: int | None = MAX_PIXELS) -> Picture
     icc = spec.getattribute("ICCProfile")
     profile = None if icc is None else bytes(icc)
     half = str(spec.format) == "half"
-    return Picture(np.ascontiguousarray(pixels), alpha, profile, given, half)
+    density = read_density(name) if kind == "png" else density_of(spec)
+    return Picture(np.ascontiguousarray(pixels), alpha, profile, given, half, density)
 
 
 def write_image(
@@ -172,6 +177,7 @@ def write_image(
     alpha: bool = False,
     icc: bytes | None = None,
     half: bool = False,
+    density: float | None = None,
     threads: int | None = None,
 ) -> None:
     """Write a picture; the file appears whole or not at all.
@@ -193,6 +199,8 @@ def write_image(
         broken or made for another number of channels, such as an RGB profile for a gray picture.
     half : bool
         Round floats to 16 bits, in EXR only.
+    density : float, optional
+        Pixels per meter, stored in PNG and JPEG (rounded), TIFF and EXR.
     threads : int, optional
         Maximum number of threads that compress a large PNG; one for each processor by default.
 
@@ -207,6 +215,9 @@ def write_image(
     check_output(path, pixels, alpha=alpha)
     if icc is not None and not isinstance(icc, bytes):
         raise InvalidInputError(f"icc is {shown(icc)}; it must be bytes")
+    number = isinstance(density, numbers.Real) and not isinstance(density, bool)
+    if density is not None and not (number and 0 < density < 2**31):
+        raise InvalidInputError(f"density is {shown(density)}; it must be above 0, below 2**31")
     form = FORMATS[suffix_of(path_text(path))]
     native = np.float32 if pixels.dtype.kind == "f" else pixels.dtype.newbyteorder("=")
     with np.errstate(all="ignore"):  # infinities are as good as any other value
@@ -219,14 +230,14 @@ def write_image(
     with atomic(path) as temporary:
         if form.name == "png" and profile is None:
             with open(temporary, "wb") as file:
-                write_png(file, pixels, at_once)
+                write_png(file, pixels, at_once, density=density)
             return
         # On a full disk PNG reports success, JPEG ends the process and WebP crashes, so room is
         # made sure of first. Noise can grow by an eighth.
         reserve(temporary, pixels.nbytes * 5 // 4 + len(icc or b"") + 2**16)
-        problem = encode(temporary, form, pixels, alpha, profile, half)
+        problem = encode(temporary, form, pixels, alpha, profile, half, density)
         if problem and profile is not None:  # libpng is stricter about them than we are
-            problem = encode(temporary, form, pixels, alpha, None, half)
+            problem = encode(temporary, form, pixels, alpha, None, half, density)
         if problem:
             raise file_error(path, "cannot write", problem)
 

@@ -31,7 +31,13 @@ _TRIED = 2**16  # bytes of a band by which its strategy is chosen
 _COLOR_TYPES = {1: 0, 2: 4, 3: 2, 4: 6}  # by channels; even ones have alpha
 
 
-def write_png(file: IO[bytes], pixels: NDArray[Any], threads: int = 1, level: int = _LEVEL) -> None:
+def write_png(
+    file: IO[bytes],
+    pixels: NDArray[Any],
+    threads: int = 1,
+    level: int = _LEVEL,
+    density: float | None = None,
+) -> None:
     """Write uint8 or uint16 pixels (H, W, 1 to 4) as PNG; the bytes do not depend on `threads`."""
     height, width, channels = pixels.shape
     kind = 8 * pixels.itemsize, _COLOR_TYPES[channels]
@@ -47,6 +53,8 @@ def write_png(file: IO[bytes], pixels: NDArray[Any], threads: int = 1, level: in
 
     file.write(SIGNATURE)
     _write_chunk(file, b"IHDR", struct.pack(">IIBBBBB", width, height, *kind, 0, 0, 0))
+    if density is not None:
+        _write_chunk(file, b"pHYs", struct.pack(">IIB", round(density), round(density), 1))
     check, done = 1, in_turn(band, range(len(starts)), min(threads, len(starts)))
     for k, (lines, packed) in enumerate(done):
         check = zlib.adler32(lines, check)
@@ -54,6 +62,18 @@ def write_png(file: IO[bytes], pixels: NDArray[Any], threads: int = 1, level: in
         tail = b"" if k + 1 < len(starts) else struct.pack(">I", check)
         _write_chunk(file, b"IDAT", head + packed + tail)
     _write_chunk(file, b"IEND", b"")
+
+
+def read_density(path: str) -> float | None:
+    """Return the pixels per meter that a whole PNG file states; OpenImageIO rounds them."""
+    with open(path, "rb") as file:
+        file.seek(len(SIGNATURE))
+        while (head := file.read(8))[4:] not in (b"IDAT", b"IEND", b""):
+            body = file.read(int.from_bytes(head[:4], "big") + 4)
+            if head[4:] == b"pHYs" and len(body) == 13:
+                across, down, unit = struct.unpack(">IIB", body[:9])
+                return float(across) if unit == 1 and across == down > 0 else None
+    return None
 
 
 def _packer(data: memoryview, level: int) -> Any:

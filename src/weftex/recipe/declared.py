@@ -10,6 +10,7 @@ from weftex.recipe.options import (
     DEGREE,
     FILES,
     FLAG,
+    LENGTH,
     LEVELS,
     MIXED,
     NUMBER,
@@ -66,13 +67,17 @@ MATERIAL = _by_name(
         heading=_PREPARATION,
     ),
     Option(
+        "sample_width", LENGTH, "width of the photo as in its file; outputs store the density",
+        default_text="the density that the file states", metavar="0.6m", heading=_PREPARATION,
+    ),
+    Option(
         "turn", TEXT, "also use copies of the sample: mirrored (flip), rotated by 180 degrees "
         "(half), by quarter turns (4), or mirrored and rotated by quarter turns (8)",
         choices=("flip", "half", "4", "8"), metavar="flip|half|4|8", heading=_QUALITY,
     ),
 )  # fmt: skip
 #: Those of `MATERIAL` that `weftex prepare` does, too.
-PREPARATION = ("straighten", "even_light")
+PREPARATION = ("straighten", "even_light", "sample_width")
 
 SEED = Option(
     "seed", WHOLE, "random seed; the same seed gives the same output", low=0, high=2**64 - 1,
@@ -144,7 +149,8 @@ class Task(NamedTuple):
 TASKS = {
     "synth": Task(
         _by_name(
-            Option("size", SIZE, "output size in pixels, such as 1024x768, or 2k for 2048x2048",
+            Option("size", SIZE, "output size in pixels, such as 1024x768 or 2k (2048x2048), or in "
+                   "meters, such as 2m or 90cmx60cm",
                    default_text="the size of --guide, or twice the sample's", metavar="WxH|N"),
             Option("guide", PICTURE, "image that the output follows; as large as the output",
                    metavar="FILE"),

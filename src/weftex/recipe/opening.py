@@ -72,7 +72,19 @@ def prepare_material(
         exemplar = exemplar.changed(weights=spec["map_weights"])
     if "mask" in spec:
         exemplar = exemplar.changed(mask=_usable(exemplar, spec["mask"], open_picture))
-    return PreparedMaterial(spec, material, prepared(exemplar, spec))
+    return PreparedMaterial(spec, measured(material, spec), prepared(exemplar, spec))
+
+
+def measured(material: Material, spec: Mapping[str, Any]) -> Material:
+    """Return a material whose pictures have the density that its description gives them."""
+    width = spec.get("sample_width")
+    if width is None:
+        return material
+    pictures = {
+        name: replace(one, density=one.pixels.shape[1] / width)
+        for name, one in material.pictures.items()
+    }
+    return replace(material, pictures=pictures)
 
 
 def prepared(exemplar: Exemplar, spec: Mapping[str, Any]) -> Exemplar:

@@ -189,6 +189,27 @@ def _number_text(value: float) -> str:
 WHOLE = Kind("int", "an integer", int, _whole)
 NUMBER = Kind("float", "a number", float, _number, _number_text)
 TEXT = Kind("text", "a text", str, _word)
+_METERS = {"m": 1.0, "cm": 0.01, "mm": 0.001}
+
+
+def read_length(text: str) -> float:
+    """Return the meters of a length such as 0.6m, 60cm or 600mm; raises ValueError."""
+    found = re.fullmatch(r"(\d*\.?\d+) ?(m|cm|mm)", text.strip().lower())
+    if found is None:
+        raise ValueError
+    return float(found[1]) * _METERS[found[2]]
+
+
+def _length(value: Any) -> float:
+    if not 0 < _number(value) < 1e6:
+        raise ValueError
+    return float(value)
+
+
+LENGTH = Kind(
+    "float", "a length above 0, such as 0.6m, 60cm or 600mm", read_length, _length,
+    lambda value: f"{_number_text(value)}m", in_json="a number of meters above 0",
+)  # fmt: skip
 FLAG = Kind("bool", "true or false", str, _a(bool))
 PICTURE = Kind("picture", "a picture", str, _word)
 DEGREE = WHOLE._replace(bare="2", values=r"[-+]?\d+")
@@ -225,7 +246,8 @@ def _size_text(size: tuple[int, int]) -> str:
 
 
 SIZE = Kind(
-    "size", "WxH or N, 1 or more, such as 640x480 or 2k", _read_size, _size, _size_text,
+    "size", "WxH or N, 1 or more, such as 640x480, 2k or 2mx1.5m (meters)", _read_size, _size,
+    _size_text,
     in_json="[height, width], 1 or more",
 )  # fmt: skip
 

@@ -36,8 +36,9 @@ def python_of(recipe: Fields, output: str, names: Names) -> str:
             lines.append(f"{variable} = weftex.prepare.turned({variable}, {spec['turn']!r})")
     lines += _SCRIPTS[recipe.task](recipe, variables, names)
     suffix = os.path.splitext(output)[1] or ".png"
+    density = ", density=density" if any("sample_width" in one for one in recipe.materials) else ""
     lines.append(f'{_PACKAGE}.write_image("out{suffix}", made.image, alpha=made.sample.alpha, '
-                 "icc=made.sample.icc)")  # fmt: skip
+                 f"icc=made.sample.icc{density})")  # fmt: skip
     if output.endswith("/"):
         lines.append(_MAPS)
     imports = ["import weftex", ""]
@@ -55,6 +56,8 @@ def _load_lines(variable: str, spec: Mapping[str, Any], names: Names) -> list[st
     lines = [f"{variable} = weftex.load_exemplar({path_of(spec, names)!r}{how})"]
     if "map_weights" in spec:
         lines.append(f"{variable} = {variable}.changed(weights={spec['map_weights']!r})")
+    if "sample_width" in spec:
+        lines.append(f"density = {variable}.shape[1] / {spec['sample_width']}")
     if "mask" in spec:
         file = names.get(spec["mask"], spec["mask"])
         mask = f"~hole_of(None, {variable})" if file == "alpha" else f"read_mask({file!r})"

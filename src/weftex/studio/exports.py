@@ -87,6 +87,7 @@ def write(made: Result, wanted: ExportOptions, folder: Path) -> list[Path]:
     for name, file in written.items():
         like = made.pictures[name]
         how: dict[str, Any] = {"alpha": like.alpha, "icc": like.icc, "half": like.half}
+        how["density"] = like.density
         weftex.write_image(folder / file, made.pixels(name), **how)
         files.append(folder / file)
     if "mtlx" in wanted.beside:
@@ -113,6 +114,7 @@ def as_sample(made: Result, downloads: Downloads, session: Session) -> dict[str,
             suffix = next(one for one in (".png", ".exr", ".tif") if one in able)
             file = Path(folder) / f"{stem if len(made.pictures) == 1 else name}{suffix}"
             how: dict[str, Any] = {"alpha": like.alpha, "icc": like.icc, "half": like.half}
+            how["density"] = like.density
             weftex.write_image(file, made.pixels(name), **how)
             maps[name] = file_in(file, session)["id"]
     spec: dict[str, Any] = {"maps": maps} if len(maps) == 1 else {"name": stem, "maps": maps}

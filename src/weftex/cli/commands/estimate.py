@@ -103,8 +103,11 @@ def _with_maps(material: Material, made: Exemplar) -> tuple[Material, list[str]]
         suffix = ".png" if suffix.lower() in (".jpg", ".jpeg") else suffix
         pictures = {role.name: replace(picture, path=role.name + suffix)}
         roles = {role.name: role}
+    main = material.pictures[material.main]
     new = [name for name in made.maps if name not in pictures and name not in material.pictures]
     for name in new:
-        pictures[name] = Picture(made.maps[name], False, None, f"{name}_estimated.png")
+        pixels, path = made.maps[name], f"{name}_estimated.png"
+        density = main.density and main.density * pixels.shape[1] / main.pixels.shape[1]
+        pictures[name] = Picture(pixels, False, None, path, density=density)
         roles[name] = made.roles[name]
     return Material(material.name, pictures, roles, folder=True), new

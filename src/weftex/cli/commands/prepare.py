@@ -41,14 +41,16 @@ def run(argv: list[str]) -> None:
     spec = described_material(args.sample, vars(args), names)
     remove = value_of(_LANDMARKS, vars(args)) == "remove"
     if not remove and not spec.keys() & PREPARATION:
-        raise InvalidInputError("nothing to do; give --straighten, --even-light, or --landmarks")
+        raise InvalidInputError(
+            "nothing to do; give --straighten, --even-light, --landmarks or --sample-width"
+        )
 
     def work(bar: Bar, outputs: Outputs) -> str:
         from weftex.cli.files import make_room, plan, read_input
-        from weftex.recipe.opening import prepared
+        from weftex.recipe.opening import measured, prepared
 
         make_room([args.sample], args, outputs)
-        material = read_input(args.sample, args, spec.get("maps"))
+        material = measured(read_input(args.sample, args, spec.get("maps")), spec)
         made = prepared(material.exemplar(), spec)
         if remove:
             from weftex.tasks.landmarks import remove_landmarks

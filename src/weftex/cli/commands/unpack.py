@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from typing import Any
 
 from weftex.cli.commands.pack import refuse_own_folder
 from weftex.cli.parser import Parser
@@ -49,7 +50,13 @@ def run(argv: list[str]) -> None:
         for role, one in maps.items():
             suffix = ".exr" if one.pixels.dtype.kind == "f" else ".png"
             path = outputs.add(os.path.join(args.output, role + suffix))
-            write_image(path, one.pixels, alpha=one.alpha, icc=one.icc, half=one.half)
+            how: dict[str, Any] = {
+                "alpha": one.alpha,
+                "icc": one.icc,
+                "half": one.half,
+                "density": one.density,
+            }
+            write_image(path, one.pixels, **how)
         told = "".join(f"map: {note}\n" for note in (*notes, *more))
         found = ", ".join(maps)
         return f"{told}unpacked {found} of {args.preset} to {args.output} in {bar.took:.2f} s"

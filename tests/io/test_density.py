@@ -1,0 +1,106 @@
+"""Pixels per meter in files, as other readers see them."""
+
+import struct
+
+import numpy as np
+import pytest
+
+import weftex
+from commands import fails, weft_run
+from families import noise
+from weftex.io.pictures import read_image, write_image
+
+Image = pytest.importorskip("PIL.Image")
+
+
+def stated(path):
+    """Pixels per meter, by Pillow or by the attribute in the header of an EXR file."""
+    if str(path).endswith(".exr"):
+        data = path.read_bytes()
+        name = b"xDensity\0float\0\4\0\0\0"
+        start = data.index(name) + len(name)
+        return struct.unpack("<f", data[start : start + 4])[0] / 0.0254
+    with Image.open(path) as picture:
+        across, down = picture.info["dpi"]
+    assert across == down
+    return across / 0.0254
+
+
+@pytest.mark.parametrize(
+    "suffix, error", [(".png", 0.5), (".tif", 0.01), (".exr", 0.01), (".jpg", 20)]
+)
+@pytest.mark.parametrize("density", [853.3333, 1000.0, 12345.6, 72 / 0.0254])
+def test_formats_keep_the_density(tmp_path, suffix, error, density):
+    pixels = noise((9, 8, 3), "float32" if suffix == ".exr" else "uint8")
+    path = tmp_path / f"a{suffix}"
+    write_image(path, pixels, density=density)
+    assert stated(path) == pytest.approx(density, abs=error)
+    found = read_image(path).density
+    assert found == pytest.approx(stated(path), rel=1e-5)
+    write_image(path, pixels, density=found)
+    assert read_image(path).density == found  # it does not drift
+    write_image(path, pixels)
+    assert read_image(path).density is None
+
+
+def test_pngs_with_a_profile_and_axes_that_differ(tmp_path):
+    from PIL import ImageCms
+
+    profile = ImageCms.ImageCmsProfile(ImageCms.createProfile("sRGB")).tobytes()
+    write_image(tmp_path / "a.png", noise((9, 8, 3)), icc=profile, density=853.3)
+    assert (read_image(tmp_path / "a.png").icc is not None) and stated(tmp_path / "a.png") == 853
+    for suffix in ("png", "tif", "jpg"):
+        Image.fromarray(noise((9, 8, 3))).save(tmp_path / f"b.{suffix}", dpi=(100, 200))
+        assert read_image(tmp_path / f"b.{suffix}").density is None
+    for file, dpi in (("c.png", 300), ("c.tif", 300), ("c.jpg", 300)):
+        Image.fromarray(noise((9, 8, 3))).save(tmp_path / file, dpi=(dpi, dpi))
+        assert read_image(tmp_path / file).density == pytest.approx(dpi / 0.0254, rel=1e-4)
+    with pytest.raises(weftex.InvalidInputError, match="density is 0"):
+        write_image(tmp_path / "a.png", noise((4, 4)), density=0)
+
+
+@pytest.mark.parametrize("suffix", ["png", "tif", "jpg"])
+def test_commands_keep_it_and_sizes_are_in_meters(tmp_path, monkeypatch, capsys, suffix):
+    monkeypatch.chdir(tmp_path)
+    write_image("a.png", noise((40, 50, 3)))
+    assert weft_run("prepare", "a.png", "-o", f"b.{suffix}", "--sample-width", "5cm") == 0
+    quick = ["--method", "quilting", "--patch-size", 12, "--seed", 1, "--quiet"]
+    assert weft_run("synth", f"b.{suffix}", "-o", f"c.{suffix}", "--size", "8cmx60mm", *quick) == 0
+    assert read_image(f"c.{suffix}").pixels.shape == (60, 80, 3)
+    assert weft_run("tile", f"c.{suffix}", "-o", f"d.{suffix}", *quick) == 0
+    assert weft_run("estimate", f"d.{suffix}", "-o", "set", "--quiet") == 0
+    assert weft_run("pack", "set", "-o", "packed", "--preset", "gltf", "--quiet") == 0
+    written = [tmp_path / f"{name}.{suffix}" for name in "bcd"]
+    written += [*(tmp_path / "set").iterdir(), *(tmp_path / "packed").glob("*.png")]
+    assert len(written) > 9 and {round(stated(path)) for path in written} == {1000}
+    capsys.readouterr()
+    assert weft_run("synth", f"b.{suffix}", "-o", "e.png", "--size", "0.05m", *quick[:-1]) == 0
+    assert "states 1000 pixels per meter, so it is 0.05 m wide" in capsys.readouterr().err
+
+
+def test_maps_of_other_sizes_have_other_densities(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "set").mkdir()
+    write_image("set/color.png", noise((40, 50, 3)))
+    write_image("set/height.png", noise((80, 100)))
+    words = ["--sample-width", "0.1m", "--size", "0.1mx0.08m", "--method", "quilting"]
+    assert weft_run("synth", "set", "-o", "out", *words, "--quiet") == 0
+    assert [stated(tmp_path / "out" / f"{k}.png") for k in ("color", "height")] == [500, 1000]
+
+
+@pytest.mark.parametrize(
+    "words, message",
+    [
+        (["synth", "a.png", "-o", "b.png", "--size", "2m"], "a.png states no density; give the"),
+        (["fuse", "a.png", "a.png", "--map", "gradient", "-o", "b.png", "--size", "2m"],
+         "weftex prepare sets it: --sample-width 0.6m"),
+        (["synth", "a.png", "-o", "b.png", "--size", "2mx3"], "2k or 2mx1.5m (meters)"),
+        (["synth", "a.png", "-o", "b.png", "--sample-width", "2k"], "0.6m, 60cm or 600mm"),
+        (["synth", "a.png", "-o", "b.png", "--sample-width", "0m"], "a length above 0"),
+        (["batch", ".", "out", "--size", "2m"], "batch takes pixels, as samples may differ"),
+    ],
+)  # fmt: skip
+def test_bad_input(tmp_path, monkeypatch, capsys, words, message):
+    monkeypatch.chdir(tmp_path)
+    write_image("a.png", np.zeros((40, 50, 3), np.uint8))
+    assert message in fails(capsys, tmp_path, *words)
