@@ -137,8 +137,17 @@ def method(data: bytes, folder: Path) -> None:
     assert method_of(text_of(found)) == found
 
 
+def preset(data: bytes, folder: Path) -> None:
+    """A preset of a user."""
+    from weftex.io.presets import read_preset
+
+    file = folder / "mine.toml"
+    file.write_bytes(data)
+    read_preset(file)
+
+
 TARGETS: dict[str, Callable[[bytes, Path], None]] = {
-    one.__name__: one for one in (picture, saved, plane, journal, manifest, studio, method)
+    one.__name__: one for one in (picture, saved, plane, journal, manifest, studio, method, preset)
 }
 
 
@@ -249,6 +258,12 @@ def seeds() -> dict[str, dict[str, bytes]]:
     found["studio"] = {name: json.dumps(one).encode() for name, one in recipes.items()}
     texts = ("auto", "graphcut placement=entire tolerance=0.5", "quilting 'patch_size=9'")
     found["method"] = {text.split()[0]: text.encode() for text in texts}
+    found["preset"] = {
+        "packed": b'bits = 8\n[missing]\nao = 1\n[[file]]\nname = "{name}_a"\nformat = "png"\n'
+        b'channels = ["ao", "roughness", "opacity?"]',
+        "names": b'about = "x"\nothers = "{name}-{Role}"\n[[file]]\nname = "{name}-c"\n'
+        b'channels = ["color"]',
+    }
     # And what was once a mistake.
     found["saved"]["hidden"] = found["saved"]["efros-leung"] + BETWEEN + b"x\nno array"
     stems = b'"stems": {', b'"stems": {"color": "../a"'
@@ -257,6 +272,7 @@ def seeds() -> dict[str, dict[str, bytes]]:
     found["manifest"]["bytes"] = b'{"output": "\xff"}\n'
     found["manifest"]["half"] = b'{"output": "a.png", "sample": "\\ud83d"}\n'
     found["studio"]["other"] = b'[{"recipe": 7}, 7]'
+    found["preset"]["deep"] = b"a = " + b"[" * 5000
     found["method"]["control"] = b"graphcut placemen\x0bt=1"
     return found
 

@@ -117,8 +117,8 @@ def read_preset(preset: StrPath) -> Preset:
         raise file_error(given, "is no text in UTF-8") from None
     try:
         return _preset(path.stem, tomllib.loads(text))
-    except tomllib.TOMLDecodeError as error:
-        raise file_error(given, f"is not TOML: {error}") from None
+    except (tomllib.TOMLDecodeError, RecursionError) as error:
+        raise file_error(given, "is not TOML", error) from None
     except InvalidInputError as error:
         raise FileError(f"{given}: {error}") from None
 
