@@ -1,9 +1,6 @@
 """From a color to the places that have it: the tree against looking at every color."""
 
-import itertools
-
 import numpy as np
-import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -41,18 +38,6 @@ def test_each_color_is_there_once(pixels):
     assert sorted(found) == [c for _, c in sorted(zip(index.rank.tolist(), found, strict=True))]
 
 
-@given(pixels=samples(), radius=st.sampled_from([0, 1, 3, 50, 4000, 10**6]))
-def test_near_colors_are_those_of_looking_at_every_one(pixels, radius):
-    _, index = index_of(pixels)
-    for number in range(0, len(index.colors), 7):
-        intervals = index.near(number, radius)
-        flat = [n for first, last in intervals.tolist() for n in range(first, last)]
-        wanted = np.flatnonzero(distances(index, index.colors[number]) <= radius)
-        assert flat == wanted.tolist()
-        gaps = [b[0] - a[1] for a, b in itertools.pairwise(intervals.tolist())]
-        assert all(gap > 0 for gap in gaps)
-
-
 @given(pixels=samples(), count=st.sampled_from([1, 2, 5, 1000]))
 def test_reach_is_the_distance_of_the_nth(pixels, count):
     _, index = index_of(pixels)
@@ -74,25 +59,6 @@ def test_the_nearest_color_is_the_first_of_equally_near_ones(pixels, seed):
             for d, c in zip(distances(index, query), index.colors.tolist(), strict=True)
         )
         assert wanted == (distances(index, query)[found], tuple(index.colors[found].tolist()))
-
-
-@pytest.mark.parametrize("tiles", [False, True])
-def test_centers_are_listed_by_the_color_beside_them(tiles):
-    pixels = np.random.default_rng(3).integers(0, 4, (9, 11)).astype(np.uint8)
-    windows, index = index_of(pixels, reach=2, tileable=tiles)
-    offsets = np.array([(0, -1), (-1, 1), (1, 0)], np.int32)
-    starts, places = index.centers_beside(offsets)
-    for d, (dy, dx) in enumerate(offsets.tolist()):
-        for number in range(len(index.colors)):
-            listed = places[starts[d, number] : starts[d, number + 1]].tolist()
-            wanted = [
-                y * windows.usable.shape[1] + x
-                for y, x in np.argwhere(windows.usable).tolist()
-                if index.number[y + dy, x + dx] == number
-            ]
-            assert listed == wanted
-    # Positions too near to the border for a whole window are left out.
-    assert len(places) == 3 * windows.usable.sum()
 
 
 def test_colors_that_no_window_touches_do_not_count():

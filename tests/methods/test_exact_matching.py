@@ -36,16 +36,6 @@ def test_levels_keep_what_is_larger_than_the_window():
     assert order(3) > 40 > 20 > order(1)
 
 
-@pytest.mark.parametrize("parameters", [{}, {"passes": 0}, {"window_width": 5}], ids=str)
-def test_a_hole_of_a_texture_that_repeats_is_filled_with_it(parameters):
-    photo = np.tile(noise((8, 9, 3)), (8, 8, 1))
-    hole = np.zeros(photo.shape[:2], bool)
-    hole[20:40, 25:44] = True
-    damaged = np.where(hole[..., None], 0, photo).astype(np.uint8)
-    filled = weftex.fill(damaged, hole, method="exact-matching", seed=1, **parameters)
-    assert np.array_equal(filled.image, photo)
-
-
 def test_a_larger_tolerance_tests_more():
     """Figure 9; everything is a candidate at 100 %."""
     exemplar = pebbles(48)
@@ -108,8 +98,6 @@ def test_a_tolerance_is_proposed_where_colors_hardly_occur_twice():
     "parameters, message",
     [
         ({"tolerance": 0.1, "nearest_colors": 2}, "give one of them"),
-        ({"tolerance": 1.5}, "tolerance is 1.5; it must be from 0 to 1"),
-        ({"window_width": 8}, "window_width is 8; it must be odd"),
         ({"window_width": 41}, "window_width is 41; sample is 40x30, which has room for 29"),
         ({"levels": 9}, "levels is 9; sample is 40x30, which is enough for 3"),
     ],

@@ -28,19 +28,6 @@ def nearest(tree, queries, leaves=1, spans=None):
     return tree.places[rows]
 
 
-def as_dicts(tree):
-    """The twin's nodes; rows of a node that is split are those of its children."""
-    nodes = []
-    for number, (child, start, stop) in enumerate(tree.nodes.tolist()):
-        node = {"members": sorted(tree.places[start:stop].tolist())}
-        if child >= 0:
-            node["children"] = (child, child + 1)
-        if number:
-            node["centroid"] = tree.centroids[number].tolist()
-        nodes.append(node)
-    return nodes
-
-
 CASES = {
     "count": st.integers(1, 90),
     "size": st.integers(1, 12),
@@ -48,24 +35,6 @@ CASES = {
     "tree_size": st.sampled_from([0, 1, 2, 7, 1000]),
     "seed": st.integers(0, 2**32 - 1),
 }
-
-
-@given(**CASES)
-def test_it_is_the_slow_tree(count, size, values, tree_size, seed):
-    vectors = vectors_of(count, size, values, seed)
-    tree = build_tsvq(vectors, np.arange(count, dtype=np.int32), tree_size)
-    slow = reference.vector_tree(vectors, tree_size or None)
-    assert len(slow) == len(tree.nodes)
-    for fast, node in zip(as_dicts(tree), slow, strict=True):
-        assert fast.get("children") == node.get("children")
-        if "centroid" in node:
-            assert fast["centroid"] == node["centroid"].tolist()
-        members = vectors[node["members"]]
-        if "children" in node or (members != members[0]).any():
-            assert fast["members"] == sorted(node["members"].tolist())
-        else:  # the first of equal vectors stands for all
-            assert fast["members"] == [min(node["members"].tolist())]
-    assert np.array_equal(tree.rows, vectors[tree.places])
 
 
 @given(**CASES, leaves=st.integers(1, 9), data=st.data())

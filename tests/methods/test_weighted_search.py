@@ -1,15 +1,13 @@
 """The exact search: the distances of the definition, and every window within the tolerance."""
 
 import numpy as np
-import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 import families
 import weftex
 from materials import made_up, states
-from twins import exhaustive as reference
-from twins.exhaustive import choice_of_all as slow
+from random_cases import centers_of, distances, known_steps
 from weftex.methods.efros_leung.weighted_search import ExhaustiveSearch, gaussian_weights
 from weftex.search.windows import windows_of
 
@@ -22,10 +20,8 @@ def test_it_finds_what_comparing_everything_finds(data):
     rng = np.random.default_rng(draw(st.integers(0, 10**6)))
     kind = draw(st.sampled_from(["noise", "few", "extreme", "smooth"]))
     pixels = made_up(rng, (rng.integers(12, 24), rng.integers(12, 90)), kind, rng.integers(1, 6))
-    mask = None
-    if draw(st.booleans()):
-        mask = np.ones(pixels.shape[:2], bool)
-        mask[3, 2] = False
+    mask = np.ones(pixels.shape[:2], bool)
+    mask[3, 2] = draw(st.booleans())
     exemplar = weftex.Exemplar(pixels, mask=mask, tileable=draw(st.booleans()), alpha=False)
     reach = draw(st.integers(0, 3))
     windows = windows_of(exemplar, (reach,) * 4)
@@ -37,9 +33,17 @@ def test_it_finds_what_comparing_everything_finds(data):
     bits = rng.integers(0, 2**64, len(places), dtype=np.uint64)
     tolerance = draw(st.sampled_from([0.0, 0.1, 3.0]))
     found = search.on(levels, done, source, wrap, tolerance)(places, bits)
-    for n, place in enumerate(places):
-        expected = slow(search, exemplar, levels, done, wrap, place, bits[n], tolerance)
-        assert tuple(int(part[n]) for part in found) == expected
+    centers, weights = centers_of(exemplar, reach), search.weights.astype(int)
+    for place, drawn, chosen, distance, total in zip(places, bits, *found, strict=True):
+        pixel = np.array(divmod(int(place), shape[1]))
+        steps = known_steps(done, pixel, reach, wrap)
+        known = weights[tuple((steps + reach).T)]
+        apart = distances(exemplar, centers, levels, pixel, steps, known)
+        within = np.flatnonzero(apart <= apart.min() * (1 + tolerance))
+        expected = within[(int(drawn) >> 32) * len(within) >> 32]
+        (made,) = windows.to_sample(np.array([chosen], np.int32))
+        assert divmod(int(made), pixels.shape[1]) == tuple(centers[expected])
+        assert distance == apart[expected] and total == known.sum()
 
 
 def test_long_sums_do_not_overflow(rng):
@@ -54,8 +58,3 @@ def test_long_sums_do_not_overflow(rng):
     found = search.on(levels, done, source, (False, False), 0.1)(place, bits)
     known = 61 * 61 - 1
     assert found[1][0] == known * 8 * 127 * 255**2 and found[2][0] == known * 127
-
-
-@pytest.mark.parametrize("width", [1, 3, 9, 15, 23])
-def test_weights_are_the_papers(width):
-    assert gaussian_weights(width, width / 6.4).tolist() == reference.bell_weights(width)

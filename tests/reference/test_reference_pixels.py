@@ -15,34 +15,6 @@ def crop(name, height, width):
     return weftex.load_exemplar(f"sample:{name}").pixels[:height, :width]
 
 
-def check(method, sample, size, expected, seed):
-    result = method.fit(weftex.Exemplar(sample)).sample(Canvas(*size), seed=seed)
-    assert np.array_equal(result.image, expected.image)
-    assert np.array_equal(result.source, expected.sources)
-
-
-@pytest.mark.parametrize("seed", SEEDS)
-@pytest.mark.parametrize(
-    ("name", "parameters"),
-    [("pebbles", {}), ("grass", {"seed_size": 4}), ("pebbles", {"tolerance": 0.0, "seed_size": 1})],
-)
-def test_efros_leung(name, parameters, seed):
-    sample, size = crop(name, 24, 26), (13, 15)
-    expected = reference.efros_leung(sample, size, window=7, seed=seed, **parameters)
-    check(weftex.EfrosLeung(window_width=7, **parameters), sample, size, expected, seed)
-
-
-@pytest.mark.parametrize("seed", SEEDS)
-@pytest.mark.parametrize(("levels", "tree_size"), [(1, 0), (3, 0), (1, 5), (2, 9)])
-def test_wei_levoy(levels, tree_size, seed):
-    sample, size = crop("pebbles", 36, 32), (15, 14)
-    expected = reference.wei_levoy(sample, size, 5, levels, 3, tree_size, seed)
-    several = {"start": "noise", "parent_width": 3} if levels > 1 else {}
-    search = {"tree_size": tree_size, "leaves": 1} if tree_size else {"search": "full"}
-    method = weftex.WeiLevoy(window_width=5, levels=levels, most_windows=0, **several, **search)
-    check(method, sample, size, expected, seed)
-
-
 @pytest.mark.parametrize("seed", SEEDS)
 @pytest.mark.parametrize("structured", [False, True])
 @pytest.mark.parametrize("tolerance", [0.0, 0.05])

@@ -8,9 +8,6 @@ import numpy as np
 
 from weftex.reference.image_quilting import minimum_error_boundary
 
-#: What a step of a path costs where the patch cannot show: more than any path where it can.
-OUTSIDE = 2**44
-
 
 def path_by_exhaustion(cost):
     """The cheapest path from the first row to the last, one step aside a row at most.
@@ -37,62 +34,6 @@ def path_around(cost, closed):
     for row in (0, -1):
         held[row] = [cost[0][k] if k == start else 10**15 for k in range(cost.shape[1])]
     return minimum_error_boundary(held)[:-1].tolist()
-
-
-def box_of(weights):
-    """(top, left, bottom, right) of where a patch can show; all of the window if it cannot."""
-    shown = np.argwhere(weights > 0)
-    if not len(shown):
-        return (0, 0, *weights.shape)
-    return (*shown.min(axis=0).tolist(), *(shown.max(axis=0) + 1).tolist())
-
-
-def band_depth(weights, width, hole=False):
-    """How far bands reach into the box: the zone's width, or in a hole half of the shorter side."""
-    top, left, bottom, right = box_of(weights)
-    shorter = min(bottom - top, right - left)
-    return max(min(width, shorter), shorter // 2) if hole else min(width, shorter)
-
-
-def cut_sides(canvas_window, new_window, weights, zone, width, hole=False):
-    """{side: {line: position}}: for each row or column of the box where the older pixels end.
-
-    A side of the box has a band if the zone is all along it; of a hole, if any of it is there. A
-    step of its path costs the squared
-    difference where pixels are blended, nothing where none was known, and as good as never goes
-    where the canvas stays.
-    """
-    top, left, bottom, right = box_of(weights)
-    depth = band_depth(weights, width, hole)
-    cost = ((canvas_window.astype(int) - new_window.astype(int)) ** 2).sum(axis=2)
-    cost[weights == 0] = OUTSIDE
-    cost[weights == 256] = 0
-    cost, there = cost[top:bottom, left:right], zone[top:bottom, left:right]
-    turned = {  # so that each border lies to the left
-        "left": (cost, there, top, lambda k: left + k),
-        "top": (cost.T, there.T, left, lambda k: top + k),
-        "right": (cost[:, ::-1], there[:, ::-1], top, lambda k: right - k),
-        "bottom": (cost[::-1].T, there[::-1].T, left, lambda k: bottom - k),
-    }
-    return {
-        side: {first + i: at(k) for i, k in enumerate(minimum_error_boundary(c[:, :depth]))}
-        for side, (c, z, first, at) in turned.items()
-        if (z[:, :depth].any() if hole else z[:, :depth].any(axis=1).all())
-    }
-
-
-def cut_row(paths, rows, columns):
-    """The paths as `Synthesis.cuts` stores them: first and past-the-last own columns and rows."""
-    lines = {
-        "left": [0] * rows,
-        "right": [columns] * rows,
-        "top": [0] * columns,
-        "bottom": [rows] * columns,
-    }
-    for side, path in paths.items():
-        for i, k in path.items():
-            lines[side][i] = k
-    return np.concatenate([*lines.values()]).astype(np.uint16)
 
 
 def cut_weights(weights, cut):

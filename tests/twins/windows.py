@@ -22,29 +22,6 @@ def rectangle(pixels, corner, size):
     return pixels[np.ix_(rows % pixels.shape[0], columns % pixels.shape[1])]
 
 
-def beside(at, step, shape, wrap):
-    """The pixel of a canvas a step away, around wrapped borders; None beyond others."""
-    y, x = (
-        (k + d) % n if wraps else k + d
-        for k, d, n, wraps in zip(at, step, shape, wrap, strict=True)
-    )
-    return (y, x) if 0 <= y < shape[0] and 0 <= x < shape[1] else None
-
-
-def inwards(known, wrap):
-    """Layers of unknown pixels, those next to known ones first; all at once where none is known."""
-    left, layers = {tuple(at) for at in np.argwhere(~known).tolist()}, []
-    while left:
-        layer = [
-            at
-            for at in sorted(left)
-            if any(beside(at, step, known.shape, wrap) not in left | {None} for step in ARCS)
-        ]
-        layers.append(layer or sorted(left))
-        left -= set(layers[-1])
-    return layers
-
-
 def window_centers(mask, reach, tileable):
     """Pixels of a sample around which a whole window is usable, in scan order."""
     up, down, left, right = reach

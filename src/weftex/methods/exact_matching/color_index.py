@@ -80,12 +80,6 @@ class ColorIndex:
         low, high = self.low[1].astype(np.int64), self.high[1].astype(np.int64)
         return int(((high - low) ** 2).sum())
 
-    def near(self, number: int, radius: int) -> NDArray[np.int32]:
-        """Return the numbers of the colors within a squared distance, as intervals (n, 2)."""
-        room = np.empty((1, len(self.colors) + 2), np.int32)
-        count = kernels.near_colors(self.tree(), number, radius, room, 0)
-        return room[0, : 2 * count].reshape(-1, 2)
-
     def centers_beside(
         self, offsets: NDArray[np.int32]
     ) -> tuple[NDArray[np.int32], NDArray[np.int32]]:

@@ -1,7 +1,8 @@
-"""Models that fill holes; see `brute_force` for each patch."""
+"""What fills holes; see `brute_force` for each patch and pixel."""
 
 import pickle
 
+import numpy as np
 import pytest
 
 import weftex
@@ -22,3 +23,23 @@ def test_structures_for_holes_are_not_kept(rng, search):
         canvas = weftex.Canvas(40, 41, known=noise((40, 41), rng=rng), hole=hole)
         model.sample(canvas, seed=seed)
     assert len(model.analysis._searches) == kept
+
+
+@pytest.mark.parametrize(
+    ("method", "parameters"),
+    [
+        ("exact-matching", {}),
+        ("exact-matching", {"passes": 0}),
+        ("exact-matching", {"window_width": 5}),
+        ("refinement", {"window_width": 13}),
+        ("refinement", {"window_width": 13, "init": "seeds"}),
+        ("refinement", {"window_width": 13, "search": "nearest"}),
+        ("wei-levoy", {}),
+    ],
+)
+def test_a_texture_that_repeats_goes_on_in_a_hole(method, parameters):
+    photo = np.tile(noise((8, 9, 3)), (8, 8, 1))
+    hole = np.zeros(photo.shape[:2], bool)
+    hole[20:40, 25:44] = True
+    broken = np.where(hole[..., None], 0, photo).astype(np.uint8)
+    assert (weftex.fill(broken, hole, method=method, seed=1, **parameters).image == photo).all()
