@@ -5,7 +5,6 @@ import numpy as np
 import weftex
 
 SAMPLE = np.random.default_rng(5).integers(0, 256, (30, 34, 3)).astype(np.uint8)
-BLENDS = ("feather", "feather-at-end", "cut", "none")
 
 
 def make(blend="feather", wrap=(False, False), patch_size=10, sample=SAMPLE, **more):

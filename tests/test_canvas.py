@@ -29,16 +29,6 @@ def test_wrapping(tileable, wrap):
     assert as_canvas((4, 6), tileable).wrap == wrap
 
 
-@pytest.mark.parametrize(
-    "size",
-    [0, -1, (0, 5), (5, -2), (4.0, 6), 3.5, "12", (1, 2, 3), (1,), (), None, "ab", (True, 5), True,
-     float("nan"), MAX_PIXELS + 1, (2**20, 2**20), 10**40],
-)  # fmt: skip
-def test_bad_sizes_are_refused(size):
-    with pytest.raises(InvalidInputError):
-        as_canvas(size)
-
-
 def test_tileable_beside_a_canvas_is_refused():
     with pytest.raises(InvalidInputError, match="give wrap to the Canvas"):
         as_canvas(Canvas(4, 6), True)

@@ -38,7 +38,9 @@ WITHOUT_EFFECT = {
 
 @pytest.mark.parametrize("slug", METHODS)
 def test_a_result_says_all_that_was_settled(slug):
-    model = method_of(slug).fit(weftex.Exemplar(noise((30, 31, 3))))
+    exemplar = weftex.Exemplar(noise((30, 31, 3)))
+    model = method_of(slug).fit(exemplar)
+    assert method_of(slug).resolved(exemplar) == model.method
     said = model.sample((24, 25), seed=3).provenance
     assert [name for name, value in said.items() if value is None] == []
     settled = dataclasses.asdict(model.method)

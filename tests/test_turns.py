@@ -19,20 +19,6 @@ def copies(shape, turn):
     return np.where(found.mask, found.pixels, -1).astype(int)
 
 
-@pytest.mark.parametrize("turn", TURNS)
-@pytest.mark.parametrize("shape", [(9, 9), (7, 12), (12, 5)])
-def test_every_copy_is_there_once(turn, shape):
-    found = copies(shape, turn)
-    count = sum(len(row) for row in TURNS[turn])
-    assert (np.bincount(found[found >= 0]) == count).all()
-    # Neighbors in the picture of copies are neighbors in the sample: none lies across two copies.
-    for axis in (0, 1):
-        ends = [np.delete(found, at, axis) for at in (-1, 0)]
-        both = (ends[0] >= 0) & (ends[1] >= 0)
-        (y, x), (v, u) = (np.divmod(end[both], shape[1]) for end in ends)
-        assert (abs(y - v) + abs(x - u) == 1).all()
-
-
 @pytest.mark.parametrize("name", ["normal", "normal_dx"])
 @pytest.mark.parametrize("dtype", [np.uint8, np.uint16, np.float32])
 def test_vectors_are_turned_with_their_pixels(name, dtype):

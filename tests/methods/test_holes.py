@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 import weftex
-from families import noise
+from families import SEARCHES, noise
 
 
-@pytest.mark.parametrize("search", ["exhaustive", "quadtree", "pca", "kdtree", "kdtree-pca"])
+@pytest.mark.parametrize("search", SEARCHES)
 def test_structures_for_holes_are_not_kept(rng, search):
     """Each hole has its own; a model that fills many must not grow."""
     exemplar = weftex.Exemplar(noise((24, 25), rng=rng))

@@ -2,11 +2,8 @@
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
 
 import weftex
-from families import noise
 from weftex.exemplar import Exemplar
 from weftex.methods.refinement import nearest_kernels as kernels
 from weftex.methods.refinement.nearest import nearest_search
@@ -61,46 +58,3 @@ def test_a_half_known_window_finds_its_true_nearest_as_a_whole_one_does(name, kn
             search, pixels[y : y + 17, x : x + 17], KNOWN[known](*away), [-1]
         )
         assert place == expected
-
-
-@given(st.integers(0, 10**6), st.booleans())
-def test_it_is_exhaustive_search(seed, tileable):
-    """Few colors, so that many windows are equally near; and windows unlike all of the sample."""
-    rng = np.random.default_rng(seed)
-    channels, reach = int(rng.integers(1, 4)), int(rng.integers(0, 3))
-    pixels = noise((9, 11, channels), seed=seed) // int(rng.choice([1, 100]))
-    exemplar = Exemplar(pixels, alpha=False, tileable=tileable)
-    search = nearest_search(windows_of(exemplar, (reach,) * 4), reach)
-    side = 2 * reach + 1
-    window = (rng.integers(0, 256, (side, side, channels)) // rng.choice([1, 100])).astype(np.uint8)
-    there = rng.random((side, side)) < rng.choice([0.0, 0.5, 1.1])
-    near = rng.choice(search.windows.centers, 3)
-    place, expected = found_and_expected(search, window, there, near)
-    assert place == expected
-
-
-@given(st.integers(0, 10**6))
-def test_components_bound_the_distance(seed):
-    """No window is farther in coordinates than its distance allows; so none is left out wrongly."""
-    rng = np.random.default_rng(seed)
-    pixels = noise((20, 21, 3), seed=seed)
-    pixels[:, 8:] //= int(rng.choice([1, 8, 255]))
-    windows = windows_of(Exemplar(pixels), (2,) * 4)
-    search = nearest_search(windows, 2)
-    every = all_windows(windows, 2).reshape(len(windows.centers), -1, 3).astype(int)
-    one = seed % len(every)
-    for bound, part in ((search.whole, np.arange(25) != 12), (search.above, np.arange(25) < 12)):
-        away = ((every - every[one])[:, part] ** 2).sum(axis=(1, 2))
-        features = bound.components.features.astype(int)
-        apart = ((features - features[:, [one]]) ** 2).sum(axis=0)
-        assert (np.sqrt(apart) <= bound.length * np.sqrt(away) + np.sqrt(len(features))).all()
-        # The bound is worth something: most of the distance is along the components.
-        assert apart.sum() > 0.5 * (bound.length**2 * away).sum()
-
-
-def test_a_constant_sample_has_a_nearest_window_too():
-    windows = windows_of(Exemplar(np.full((9, 9, 3), 200, np.uint8)), (2,) * 4)
-    search = nearest_search(windows, 2)
-    window = noise((5, 5, 3))
-    place, expected = found_and_expected(search, window, np.ones((5, 5), bool))
-    assert place == expected == windows.centers[0]

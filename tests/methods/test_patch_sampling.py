@@ -1,18 +1,13 @@
 """Patch-based sampling beside `brute_force`: zones, searches and what they lose."""
 
-import itertools
-
 import numpy as np
 import pytest
 
 import weftex
-from families import noise
-
-BLENDS = ("feather", "feather-at-end", "cut", "none")
-WRAPS = list(itertools.product([False, True], repeat=2))
+from families import BLENDS, SEARCHES, WRAPS, noise
 
 
-@pytest.mark.parametrize("wrap", WRAPS)
+@pytest.mark.parametrize("wrap", WRAPS.values(), ids=WRAPS)
 @pytest.mark.parametrize(
     "size, width", [(8, 4), (9, 4), (12, 6), (24, 12), (24, 5), (4, 2), (3, 1)]
 )
@@ -35,7 +30,7 @@ def test_zones_on_either_side_of_a_patch_do_not_meet(rng, size, width, wrap):
             assert new[rows[0] : rows[-1] + 1, columns[0] : columns[-1] + 1].all()
 
 
-@pytest.mark.parametrize("search", ["quadtree", "pca", "kdtree", "kdtree-pca"])
+@pytest.mark.parametrize("search", SEARCHES[1:])
 @pytest.mark.parametrize("blend", BLENDS)
 def test_other_searches_only_choose_what_exhaustive_search_may(rng, search, blend):
     """With epsilon 0 and all windows as candidates they all take the nearest."""
@@ -55,7 +50,7 @@ def mismatch(result):
     return ((found - usual) ** 2).mean()
 
 
-@pytest.mark.parametrize("search", ["quadtree", "pca", "kdtree", "kdtree-pca"])
+@pytest.mark.parametrize("search", SEARCHES[1:])
 def test_other_searches_on_real_samples_lose_little(search):
     """Boundaries match nearly as well as exhaustive search makes them."""
     exemplar = weftex.Exemplar(weftex.load_exemplar("sample:pebbles").pixels[:96, :96])

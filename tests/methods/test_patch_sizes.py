@@ -137,13 +137,6 @@ def test_results_say_which_sizes_were_used(method):
         assert again.fit(exemplar).method == model.method
 
 
-@pytest.mark.parametrize("threads", [0, -1, 1.0, "2", True, float("nan")])
-def test_bad_thread_counts_are_refused(threads):
-    model = weftex.PatchSampling().fit(weftex.Exemplar(np.zeros((20, 20), np.uint8)))
-    with pytest.raises(weftex.InvalidInputError, match="threads is"):
-        model.sample((30, 30), seed=1, threads=threads)
-
-
 def test_samples_that_tile_must_hold_a_window_too():
     exemplar = weftex.Exemplar(np.zeros((9, 20), np.uint8), tileable=True)
     assert weftex.PatchSampling(patch_size=9).fit(exemplar).sample(30, seed=1).shape == (30, 30)

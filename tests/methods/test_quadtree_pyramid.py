@@ -3,7 +3,6 @@
 import itertools
 
 import numpy as np
-import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -11,23 +10,6 @@ from twins import quadtree_pyramid as reference
 from weftex.methods.patches import zone_kernels as _kernels
 from weftex.methods.patches.boundary_zone import boundary_zone
 from weftex.methods.patches.zone_search import QuadtreePyramid
-
-
-@pytest.mark.parametrize("level, side", [(1, 1), (2, 2), (3, 4)])
-@pytest.mark.parametrize("shape", [(8, 8), (11, 14), (4, 9)])
-def test_nodes_are_the_papers_levels(rng, level, side, shape):
-    pixels = rng.integers(0, 256, (*shape, 2), np.uint8)
-    nodes = QuadtreePyramid(pixels).nodes(side, side)
-    assert nodes.shape[1:3] == (side, side)  # 1, 4 and 16 small pictures
-    seen = 0
-    for channel in range(2):
-        for (v, u), node in reference.quadtree_level(pixels[..., channel], level).items():
-            rounded = np.floor(node + 0.5)  # documented: means are rounded
-            rows, columns = node.shape
-            assert np.array_equal(nodes[channel, v, u, :rows, :columns], rounded)
-            seen += node.size
-    # Nothing but padding is left over.
-    assert seen == 2 * (shape[0] - side + 1) * (shape[1] - side + 1)
 
 
 def test_every_patch_has_a_counterpart(rng):

@@ -40,7 +40,7 @@ def check_twin(method, exemplar, canvas, seed):
 @settings(max_examples=40)
 @given(st.data())
 def test_it_is_the_slow_twin(data):
-    """Small samples on every kind of canvas, one resolution."""
+    """Small samples on every kind of canvas, one resolution; `brute_force` has the other search."""
     draw = data.draw
     rng = np.random.default_rng(draw(st.integers(0, 10**6)))
     shape = draw(st.integers(5, 9)), draw(st.integers(5, 9))
@@ -68,10 +68,7 @@ def test_it_is_the_slow_twin(data):
         if draw(st.booleans()):
             exemplar, more["guide"] = with_guides(exemplar, size, rng)
         parameters["guide_weight"] = draw(st.sampled_from([0.01, 0.3, 3.0]))
-    if draw(st.booleans()) and "guide" not in more:
-        parameters |= {"search": "nearest"}
-    else:
-        parameters |= {"similar": draw(st.integers(0, 2)), "evenness": draw(st.just(2.0))}
+    parameters |= {"similar": draw(st.integers(0, 2)), "evenness": draw(st.just(2.0))}
     if parameters["init"] != "seeds" and "guide" not in more and draw(st.booleans()):
         parameters["joints"] = draw(st.sampled_from([2, 4, 6]))
     method = weftex.Refinement(
@@ -147,34 +144,6 @@ def test_what_it_starts_from():
     )
     with pytest.raises(weftex.InvalidInputError):
         weftex.Refinement(init="quilting").fit(weftex.Exemplar(noise((2, 40))))
-
-
-def test_parameters_are_resolved_and_reported():
-    """Also where a guide makes it plant seeds."""
-    exemplar = weftex.Exemplar(noise((60, 60)))
-    for method in (weftex.Refinement(), weftex.Refinement(search="nearest", window_width=5)):
-        model = method.fit(exemplar)
-        assert model.prepared.method is model.method
-        about = model.sample(20, seed=1).provenance
-        assert about["init"] == model.method.init and about["levels"] == len(model.prepared.levels)
-        assert about["window_width"] == model.method.window_width > 0
-    guide = noise((20, 20))
-    about = weftex.Refinement().fit(exemplar).sample(Canvas(20, 20, guide=guide), seed=1).provenance
-    assert about["init"] == "seeds"
-
-
-@pytest.mark.parametrize(
-    "parameters",
-    [
-        {"seed_density": 2.0},
-        {"matches": 3},
-        {"search": "nearest", "similar": 1},
-        {"search": "nearest", "evenness": 0.0},
-    ],
-)
-def test_what_has_no_effect_is_refused(parameters):
-    with pytest.raises(weftex.InvalidInputError, match="has no effect unless"):
-        weftex.Refinement(**parameters)
 
 
 def test_what_follows_no_guide_is_refused():
@@ -300,20 +269,6 @@ def test_holes_are_swept_from_four_sides():
     expected = [[[1, 2, 3], [10]], [[1], [2, 10], [3]], [[10], [3, 2, 1]], [[3], [10, 2], [1]]]
     for turn in range(8):
         assert [k.tolist() for k in cyclic_lines(lines, turn, hole.shape)] == expected[turn % 4]
-
-
-def test_a_hole_of_a_texture_that_repeats_is_filled_with_it():
-    tile = noise((8, 9, 3))
-    photo = np.tile(tile, (8, 8, 1))
-    hole = np.zeros(photo.shape[:2], bool)
-    hole[20:40, 25:44] = True
-    damaged = photo.copy()
-    damaged[hole] = 0
-    for parameters in ({}, {"init": "seeds"}, {"search": "nearest"}):
-        filled = weftex.fill(
-            damaged, hole, method="refinement", window_width=13, **parameters, seed=1
-        )
-        assert np.array_equal(filled.image, photo)
 
 
 def test_it_starts_from_a_method_with_parameters(tmp_path):

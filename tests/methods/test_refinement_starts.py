@@ -125,12 +125,6 @@ def test_cells_of_a_grid_are_filled_from():
         assert made.provenance["window_width"] == 2 * ((side - 1) // 2) + 1
 
 
-def test_belts_of_joints_are_as_wide_as_they_say():
-    """A seam lies between two pixels, so a belt along it has an even width."""
-    with pytest.raises(weftex.InvalidInputError, match="joints is 5; it must be even"):
-        weftex.Refinement(joints=5)
-
-
 def test_it_starts_from_methods_that_are_added_later(monkeypatch):
     with pytest.raises(weftex.InvalidInputError, match="init is 'mine'; known: ashik.*wei-levoy"):
         weftex.Refinement(init="mine")
@@ -212,13 +206,6 @@ def test_a_guide_takes_the_parameters_of_seeds_where_these_are_named():
         return weftex.synthesize(pixels, 48, method=method, guide=guide, seed=1).source.tolist()
 
     assert made() == made(init="seeds") != made(init="seeds", matches=40)
-
-
-def test_settling_is_what_fitting_does():
-    for shape in ((2, 40), (40, 41)):
-        for search in ("coherent", "nearest"):
-            method, exemplar = weftex.Refinement(search=search), weftex.Exemplar(noise(shape))
-            assert method.resolved(exemplar) == method.fit(exemplar).method
 
 
 @pytest.mark.parametrize("init", ["auto", "quilting"])

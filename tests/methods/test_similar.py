@@ -45,25 +45,6 @@ def test_the_coarsest_level_is_the_slow_twin(shape, colors, count, tileable, see
     assert by_place(windows, found) == expected
 
 
-@pytest.mark.parametrize("tileable", [False, True])
-@pytest.mark.parametrize("shape", [(20, 24), (19, 21)])
-def test_the_next_level_looks_around_the_children(shape, tileable):
-    pixels = np.ascontiguousarray(
-        weftex.load_exemplar("sample:pebbles").pixels[: shape[0], : shape[1], :1]
-    )
-    pyramid = gaussian_pyramid(pixels, 2, (tileable, tileable))
-    masks = [np.ones(level.shape[:2], bool) for level in pyramid]
-    coarser = None
-    for k in (1, 0):
-        windows = windows_of(Exemplar(pyramid[k], tileable=tileable), (2, 2, 2, 2))
-        found = similar_places(windows, 2, 2, coarser)
-        expected = reference.registered_similar(pyramid[k:], masks[k:], tileable, 2, 2)
-        places = by_place(windows, found)
-        assert places == {center: expected[center] for center in places}
-        coarser = windows, found
-    assert any(places.values())
-
-
 def two_levels(tileable):
     """A sample and half of it, the coarser one first, with windows of five pixels."""
     pixels = weftex.load_exemplar("sample:pebbles").pixels[:20, :24, :1].copy()

@@ -5,18 +5,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from families import DTYPES, noise
 from twins import compositing as reference
 from weftex.raster.mixing import Kind
 from weftex.results import paste_kernels
 from weftex.results.paste_kernels import Layout
-
-DTYPES = (np.uint8, np.uint16, np.float32, np.float64)
-
-
-def picture(rng, shape, dtype):
-    if np.dtype(dtype).kind == "f":
-        return rng.random(shape).astype(dtype)
-    return rng.integers(0, np.iinfo(dtype).max + 1, shape).astype(dtype)
 
 
 def layout(rng, canvas, sample, rows, columns, count, cut):
@@ -67,8 +60,8 @@ def test_pasting_is_the_slow_twin(dtype, channels, cut, alpha, scale, seed):
     rng = np.random.default_rng(seed)
     canvas, sample = (9, 11), (6, 7)
     alpha = alpha and channels > 1
-    source = picture(rng, (sample[0] * scale, sample[1] * scale, channels), dtype)
-    out = picture(rng, (canvas[0] * scale, canvas[1] * scale, channels), dtype)
+    source = noise((sample[0] * scale, sample[1] * scale, channels), dtype, rng=rng)
+    out = noise((canvas[0] * scale, canvas[1] * scale, channels), dtype, rng=rng)
     check(out, source, 0, 0, canvas, layout(rng, canvas, sample, 5, 4, 6, cut), scale, alpha)
 
 
@@ -76,7 +69,7 @@ def test_pasting_is_the_slow_twin(dtype, channels, cut, alpha, scale, seed):
 def test_vectors_and_labels_are_the_slow_twin(dtype, channels, signed, seed):
     rng = np.random.default_rng(seed)
     middle = 0.0 if signed else 0.5
-    source = picture(rng, (6, 7, channels), dtype)
+    source = noise((6, 7, channels), dtype, rng=rng)
     if np.dtype(dtype).kind == "f":
         source -= 0.5 - middle
     plan = layout(rng, (9, 11), (6, 7), 5, 4, 6, False)

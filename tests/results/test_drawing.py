@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 import weftex
-from families import noise
-from laid import BLENDS, make
+from families import BLENDS, noise
+from laid import make
 from weftex.canvas import Canvas
 from weftex.errors import InvalidInputError
 from weftex.results.pixels import PixelSynthesis

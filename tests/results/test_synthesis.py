@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 import weftex
-from laid import BLENDS, SAMPLE, filled, make
+from families import BLENDS
+from laid import SAMPLE, filled, make
 from weftex.errors import InvalidInputError
 
 

@@ -225,26 +225,6 @@ def test_the_command(tmp_path, capsys):
     stacked = combined([weftex.Exemplar(p[..., 0].copy(), role=ROLES["height"]) for p in (A, B)])
     joined = expected.render(stacked)  # heights join without cliffs
     assert np.array_equal(read_image(tmp_path / "height.png").pixels, joined)
-    colors = ["--colors", "#0000ff,#ff0000"]
-    assert main([*command, "--map", path["map.png"], *colors]) == 0
-    assert (read_image(out).pixels[:, 50:] < 60).all()
-    mixed = np.array([(255, 0, 0), (0, 0, 255), (0, 255, 0)], np.uint8)[THREE]
-    Image.fromarray(mixed).save(tmp_path / "mixed.png")
-    green = [*colors, "--mixed", "#00ff00=1+2"]
-    assert main([*command, "--map", str(tmp_path / "mixed.png"), *green]) == 0
-    both = read_image(out).pixels[50:] > 60
-    assert both.any() and not both.all()
-    assert main([*command, "--map", "gradient", "--size", "60x80"]) == 0
-    assert read_image(out).pixels.shape == (80, 60, 3)
-    rings = ["--map", "gradient", "--size", "80x70", "--center", "0.25,0.5", "--radii", "0.4"]
-    rings += ["--width", "0.2", "--circles", "0.05", "--belt-width", "8", "--boundary", "merged"]
-    assert main([*command, *rings]) == 0
-    gradient = weftex.label_maps.Gradient(center=(0.5, 0.25), radii=[0.4], width=0.2, circles=0.05)
-    expected = weftex.fuse(
-        [A, B], gradient, (70, 80), seed=1, belt_width=8, boundary="merged", **FAST
-    )
-    assert np.array_equal(read_image(out).pixels, expected.image)
-    capsys.readouterr()
     for wrong in (
         ["--colors", "red,blue"],
         ["--colors", "1"],

@@ -51,14 +51,6 @@ def corners_of_spots(made):
     return np.argwhere((made.source == AT).all(axis=2))
 
 
-def test_a_spot_is_a_rare_landmark(spotted):
-    masks, rare = find_landmarks(spotted)
-    _, spot = with_spot()
-    assert rare == 1
-    assert masks[0][spot].mean() > 0.95
-    assert masks[0].sum() < 3.5 * spot.sum()
-
-
 @pytest.mark.parametrize("radius", [3, 6, 10])
 def test_landmarks_of_any_size_are_found(radius):
     pixels, spot = with_spot(radius=radius)

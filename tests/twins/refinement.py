@@ -19,26 +19,24 @@ from weftex.analysis.scale import dominant_scale
 class RefinedLevel:
     """A sample at one resolution, for `refinement`; places are of the sample on all levels."""
 
-    def __init__(self, pixels, mask, tileable, number, reach, side, whole=False):
+    def __init__(self, pixels, mask, tileable, number, reach, side):
         self.pixels, self.mask, self.tileable = pixels, mask, tileable
         self.shape, self.number, self.reach, self.side = mask.shape, number, reach, side
-        self.whole, self.similar, self.guide = whole, {}, None
+        self.similar, self.guide = {}, None
         self.rows, self.columns = self._steps(mask.shape[0]), self._steps(mask.shape[1])
         there = self.rows[:, None, :, None], self.columns[None, :, None, :]
-        usable = mask[there] & (there[0] >= 0) & (there[1] >= 0)
-        self.centers = [tuple(at) for at in np.argwhere(usable.all(axis=(2, 3))).tolist()]
+        self.centers = [tuple(at) for at in np.argwhere(mask[there].all(axis=(2, 3))).tolist()]
         self.center_set = set(self.centers)
 
     def _steps(self, length):
-        """Where each step from each place of an axis leads; mirrored beyond a border, or -1."""
+        """Where each step from each place of an axis leads; mirrored beyond a border."""
         step = np.arange(-self.reach, self.reach + 1)
         first, start = np.divmod(np.arange(length)[:, None], 2**self.number)
         count = -(-(length - start) // 2**self.number)
         at = first + step
         inside = at % count if self.tileable else at % (2 * count)
         inside = np.minimum(inside, 2 * count - 1 - inside) if not self.tileable else inside
-        beyond = (at < 0) | (at >= count) if self.whole and not self.tileable else False
-        return np.where(beyond, -1, start + inside * 2**self.number)
+        return start + inside * 2**self.number
 
     def at(self, place, dy, dx):
         """The pixel beside a place, 2**number pixels for a step; mirrored beyond a border."""
@@ -65,7 +63,7 @@ class RefinedLevel:
         return place[0] // self.side, place[1] // self.side
 
 
-def turned_lines(unknown, turn, cyclic, to_and_fro):
+def turned_lines(unknown, turn, cyclic):
     """Pixels line by line in the order of an iteration."""
     height, width = unknown.shape
     if cyclic and turn % 2:
@@ -74,19 +72,19 @@ def turned_lines(unknown, turn, cyclic, to_and_fro):
         lines = [[(y, x) for x in range(width)] for y in range(height)]
     lines = [[at for at in line if unknown[at]] for line in lines]
     lines = [line for line in lines if line]
-    backwards = turn % 4 > 1 if cyclic else turn % 2 and to_and_fro
+    backwards = turn % 4 > 1 if cyclic else turn % 2
     return [line[::-1] for line in lines[::-1]] if backwards else lines
 
 
 def refinement(method, exemplar, canvas, seed, start=None):
-    """Refine a canvas from coarse to fine; (H, W, 2) sources, -1 for known pixels.
+    """Refine a canvas coherently, from coarse to fine; (H, W, 2) sources, -1 for known pixels.
 
     `method` is settled; `start` the sources of the other method's result.
     """
-    width, coherent = method.window_width, method.search == "coherent"
-    reach = min(3, width // 2) if coherent else width // 2
+    width = method.window_width
+    reach = min(3, width // 2)
     depth = 1
-    while coherent and (2 * reach + 1) * 2 ** (depth - 1) < width:
+    while (2 * reach + 1) * 2 ** (depth - 1) < width:
         if min(exemplar.shape) // 2**depth < 24:
             break
         depth += 1
@@ -101,22 +99,19 @@ def refinement(method, exemplar, canvas, seed, start=None):
         pictures.append(coarser(pictures[-1], tiles))
     levels = []
     for number in range(len(masks)):
-        fine = coherent and not number and len(masks) > 1 and method.joints is None
+        fine = not number and len(masks) > 1 and method.joints is None
         levels.append(
             RefinedLevel(
                 stacked(pictures[0], number, tiles),
                 stacked(masks[0], number, tiles, coarser_mask),
                 exemplar.tileable, number, min(reach, 1) if fine else reach, max(1, width // 2),
-                not coherent,
             )
         )  # fmt: skip
-    if coherent:
-        similar = registered_similar(pictures, masks, exemplar.tileable, reach, method.similar)
-        for level in levels:
-            level.similar = {
-                place: [p for p in places if p in level.center_set]
-                for place, places in similar.items()
-            }
+    similar = registered_similar(pictures, masks, exemplar.tileable, reach, method.similar)
+    for level in levels:
+        level.similar = {
+            place: [p for p in places if p in level.center_set] for place, places in similar.items()
+        }
     picture = np.zeros((*canvas.shape, exemplar.matching().shape[2]), np.uint8)
     hole = np.ones(canvas.shape, bool) if canvas.hole is None else canvas.hole
     picture[~hole] = exemplar.as_matching(canvas.known)[~hole] if not hole.all() else 0
@@ -182,11 +177,9 @@ def refinement(method, exemplar, canvas, seed, start=None):
         done = np.array([[s is not None for s in row] for row in source]) | known
         for y, x in np.argwhere(done & ~known):
             picture[y, x] = level.pixels[source[y][x]]
-        rounds = method.iterations * (2 if coherent else 1)
-        rounds = rounds if coarsest else max(1, method.iterations // 2)
+        rounds = 2 * method.iterations if coarsest else max(1, method.iterations // 2)
         cyclic = not hole.all()
-        sweep = _coherent_sweep if coherent else _nearest_sweep
-        usage, room = {}, _room(level, ~known) if coherent else None
+        usage, room = {}, _room(level, ~known)
         for y, x in np.argwhere(done & ~known):
             usage[level.cell(source[y][x])] = usage.get(level.cell(source[y][x]), 0) + 1
         above = len(levels) - 1 - levels.index(level)
@@ -195,10 +188,10 @@ def refinement(method, exemplar, canvas, seed, start=None):
         )
         for turn in range(rounds):
             before, there = picture.copy(), done.copy()
-            for line in turned_lines(~known, turn, cyclic, coherent):
-                sweep(
+            for line in turned_lines(~known, turn, cyclic):
+                _sweep(
                     method, level, canvas, seed, picture, done, source, ~known, line, turn,
-                    cyclic, usage, room, above, settled,
+                    usage, room, above, settled,
                 )  # fmt: skip
             if turn >= (3 if cyclic else 1):
                 ratios = []
@@ -277,9 +270,9 @@ def _room(level, unknown):
     return {cell: 2 * n * wanted // count for cell, n in room.items()}
 
 
-def _coherent_sweep(
-    method, level, canvas, seed, picture, done, source, unknown, line, turn, cyclic, usage, room,
-    above, settled,
+def _sweep(
+    method, level, canvas, seed, picture, done, source, unknown, line, turn, usage, room, above,
+    settled,
 ):  # fmt: skip
     weight = round(1024 * method.evenness / 2**above)
 
@@ -327,17 +320,4 @@ def _coherent_sweep(
         if own is not None:
             usage[level.cell(own)] = usage.get(level.cell(own), 0) - 1
         usage[level.cell(best)] = usage.get(level.cell(best), 0) + 1
-        _settle(level, picture, done, source, y, x, best)
-
-
-def _nearest_sweep(
-    method, level, canvas, seed, picture, done, source, unknown, line, turn, cyclic, usage, room,
-    above, settled,
-):  # fmt: skip
-    reach = level.reach
-    wrap = (True, True) if turn and not cyclic else canvas.wrap
-    for y, x in line:
-        known = known_window(done, y, x, wrap, [reach] * 4)
-        costs = _known_distances(level, steps_away(picture, y, x, known), known, level.centers)
-        best = level.centers[costs.index(min(costs))]
         _settle(level, picture, done, source, y, x, best)
