@@ -14,6 +14,7 @@ from families import noise
 from io_sets import normals, whole_set
 from weftex import UnsupportedError
 from weftex.io.packing import write_preset
+from weftex.io.pictures import Picture
 
 VALIDATOR = "gltf-validator@2.0.0-dev.3.10"
 SCRIPT = """
@@ -58,6 +59,20 @@ def test_gltf(tmp_path, validate, maps):
     packed = "metallicRoughnessTexture" in material["pbrMetallicRoughness"]
     assert packed == (maps == "all") == ("occlusionTexture" in material)
     assert material.get("alphaMode") == ("BLEND" if maps == "all" else None)
+
+
+def test_planes_have_the_size_of_the_material(tmp_path):
+    """In meters: of the pixels per meter that a file states, else one meter high."""
+    wide = Picture(noise((8, 16, 3)), False, None, "a.png", density=32.0)
+    for color, size in ((wide, (0.5, 0.25)), (wide.pixels, (2, 1))):
+        write_preset({"color": color}, tmp_path, "gltf", name="a")
+        data = (tmp_path / "a.glb").read_bytes()
+        (length,) = struct.unpack("<I", data[12:16])
+        points = json.loads(data[20 : 20 + length])["accessors"][0]
+        assert points["max"] == [size[0] / 2, size[1] / 2, 0] == [-k for k in points["min"]]
+        write_preset({"color": color}, tmp_path, "usd", name="a")
+        low, high = (f"({k * size[0]:g}, {k * size[1]:g}, 0)" for k in (-0.5, 0.5))
+        assert f"extent = [{low}, {high}]" in (tmp_path / "a.usda").read_text()
 
 
 @pytest.mark.parametrize("maps", SETS)

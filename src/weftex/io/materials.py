@@ -20,19 +20,25 @@ class Place(NamedTuple):
 
 #: How far white lies above black, in units of the scene, which files do not say.
 RELIEF = 0.05
-#: A plane of one unit that faces +z: corners, with texture coordinates from the top left.
+#: A plane that faces +z: its corners, in parts of its size.
 _CORNERS = ((-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5))
 _FLOAT, _SHORT = 5126, 5123  # types of glTF
 _REPEAT, _LINEAR, _MIPMAPS = 10497, 9729, 9987
 
 
 def glb(
-    name: str, where: Mapping[str, Place], alphas: Collection[str], read: Callable[[str], bytes]
+    name: str,
+    where: Mapping[str, Place],
+    alphas: Collection[str],
+    size: tuple[float, float],
+    read: Callable[[str], bytes],
 ) -> bytes:
     """Return a binary glTF of a plane with the material, which contains the pictures.
 
-    `alphas` are the files whose alpha is opacity, and `read` returns the bytes of a file.
+    `alphas` are the files whose alpha is opacity, `size` is the plane's in meters, and `read`
+    returns the bytes of a file.
     """
+    width, height = size
     files = sorted({place.file for place in where.values()})
     texture = {file: {"index": number} for number, file in enumerate(files)}
     surface: dict[str, Any] = {"metallicFactor": 0}
@@ -50,7 +56,7 @@ def glb(
     if "emission" in where:
         material["emissiveFactor"] = [1, 1, 1]
     parts = [
-        b"".join(struct.pack("<3f", x, y, 0) for x, y in _CORNERS),
+        b"".join(struct.pack("<3f", x * width, y * height, 0) for x, y in _CORNERS),
         struct.pack("<3f", 0, 0, 1) * 4,
         struct.pack("<4f", 1, 0, 0, 1) * 4,
         b"".join(struct.pack("<2f", x + 0.5, 0.5 - y) for x, y in _CORNERS),
@@ -69,7 +75,8 @@ def glb(
         {"bufferView": number, "type": kind, "count": count, "componentType": component}
         for number, (kind, count, component) in enumerate(kinds)
     ]
-    accessors[0] |= {"min": [-0.5, -0.5, 0], "max": [0.5, 0.5, 0]}
+    ends = [list(struct.unpack_from("<3f", parts[0], offset)) for offset in (0, 24)]
+    accessors[0] |= {"min": ends[0], "max": ends[1]}
     attributes = {"POSITION": 0, "NORMAL": 1, "TANGENT": 2, "TEXCOORD_0": 3}
     document = {
         "asset": {"version": "2.0", "generator": "weftex"},
@@ -120,7 +127,7 @@ def Xform "Root"
         prepend apiSchemas = ["MaterialBindingAPI"]
     )
     {{
-        float3[] extent = [(-0.5, -0.5, 0), (0.5, 0.5, 0)]
+        float3[] extent = [{low}, {high}]
         int[] faceVertexCounts = [4]
         int[] faceVertexIndices = [0, 1, 2, 3]
         normal3f[] normals = [(0, 0, 1), (0, 0, 1), (0, 0, 1), (0, 0, 1)] (
@@ -148,14 +155,17 @@ def Xform "Root"
 """
 
 
-def usda(name: str, where: Mapping[str, Place], alphas: Collection[str]) -> str:
+def usda(
+    name: str, where: Mapping[str, Place], alphas: Collection[str], size: tuple[float, float]
+) -> str:
     """Return a USD stage of a plane with a UsdPreviewSurface, whose pictures lie beside it."""
     material = identifier(name)
     places = dict(where)
     if "color" in where and where["color"].file in alphas:
         places.setdefault("opacity", Place(where["color"].file, 3, 1))
+    points = [f"({x * size[0]:.9g}, {y * size[1]:.9g}, 0)" for x, y in _CORNERS]
     text = _USD_HEAD.format(
-        material=material, points=", ".join(f"({x}, {y}, 0)" for x, y in _CORNERS)
+        material=material, points=", ".join(points), low=points[0], high=points[2]
     )
     lines = []
     for role, place in places.items():

@@ -128,8 +128,13 @@ class PackedSet:
         ]
         return [*lines, *self.notes]
 
-    def document(self, read: Callable[[str], bytes]) -> tuple[str, bytes] | None:
-        """Return name and content of the material's file; `read` gives the bytes of a picture."""
+    def document(
+        self, read: Callable[[str], bytes], pixels: tuple[int, int] = (1, 1)
+    ) -> tuple[str, bytes] | None:
+        """Return name and content of the material's file.
+
+        `read` gives the bytes of a picture, and `pixels` is the height and width of the first.
+        """
         if not self.material:
             return None
         from weftex.io.materials import Place, glb, usda
@@ -141,10 +146,13 @@ class PackedSet:
                 width = width_of(part.role) if len(one.parts) > 1 else 0
                 where[part.role] = Place(one.name, start, width)
                 start += width
+        height, width = pixels
+        density = self.files[0].density or height  # without one the plane is one meter high
+        size = width / density, height / density
         if self.material == "gltf":
-            return f"{self.name}.glb", glb(self.name, where, alphas, read)
+            return f"{self.name}.glb", glb(self.name, where, alphas, size, read)
         if self.material == "usd":
-            return f"{self.name}.usda", usda(self.name, where, alphas).encode()
+            return f"{self.name}.usda", usda(self.name, where, alphas, size).encode()
         from weftex.io.materialx import materialx_document
 
         hextiled = self.material == "materialx-hextiled"
@@ -186,16 +194,19 @@ def write_set(
     """Write the files of a set under the names that `add` returns for their paths; their names."""
     files, at_once = planned.files, thread_count(threads)
     temporary = {one.name: add(os.path.join(folder, one.name)) for one in files}
+    shapes: dict[int, tuple[int, int]] = {}
 
     def write_one(number: int) -> None:
         one = files[number]
         how: dict[str, Any] = {"alpha": one.alpha, "icc": one.icc, "half": one.half}
         how |= {"density": one.density, "threads": max(1, at_once // len(files))}
-        write_image(temporary[one.name], one.pixels(pixels_of), **how)
+        pixels = one.pixels(pixels_of)
+        shapes[number] = pixels.shape[:2]
+        write_image(temporary[one.name], pixels, **how)
 
     for _ in in_turn(write_one, range(len(files)), min(at_once, len(files))):
         pass  # the first that fails ends it
-    document = planned.document(lambda name: Path(temporary[name]).read_bytes())
+    document = planned.document(lambda name: Path(temporary[name]).read_bytes(), shapes[0])
     if document is None:
         return list(temporary)
     write_bytes(add(os.path.join(folder, document[0])), document[1])
