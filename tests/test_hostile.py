@@ -89,7 +89,6 @@ CALLS = {
         ("None",),
     ),
     "synthesize best_of": (lambda v: synth(best_of=v), ("7",)),
-    "synthesize best_of list": (lambda v: synth(best_of=[v], method="auto"), ()),
     "synthesize threads": (lambda v: synth(threads=v), ("None", "7", "10**400")),
     "synthesize progress": (lambda v: synth(progress=v), ("None", "True")),
     "fill photo": (lambda v: weftex.fill(v, HOLE), ()),

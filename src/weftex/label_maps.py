@@ -5,7 +5,6 @@ A map is a painted picture or an array of labels, or a `Gradient`, which makes o
 
 from __future__ import annotations
 
-import itertools
 import math
 import numbers
 from collections.abc import Sequence
@@ -31,70 +30,38 @@ _SIGMAS = 2.5
 
 @dataclass(frozen=True)
 class Gradient:
-    """A label map with transitions from the first sample to the last, along a line or in rings.
+    """A label map with evenly spaced transitions from the first sample to the last.
 
-    Lengths are shares of the canvas. Positions run from 0 at the first sample to 1 at the last:
-    from corner to corner along `direction`, or from `center` to the farthest corner.
+    Samples mix in circles as large as their features.
 
     Parameters
     ----------
-    direction : float, optional
-        Where the last sample lies, in degrees: 0 is right, 90 (the default) is down.
-    center : (float, float), optional
-        Row and column, 0 to 1, of the first sample; the others are rings around it.
-    radii : sequence of float, optional
-        Position of the middle of each transition, rising: one fewer than samples. Evenly spaced by
-        default.
+    direction : float
+        Where the last sample lies, in degrees: 0 is right, 90 is down.
     width : float, optional
-        Length of one transition, above 0 and at most 1. By default the transitions fill the canvas,
-        as in the paper.
-    circles : float or sequence of float, optional
-        Radius of the circles, or of each sample's, as a share of the canvas's shorter side. By
-        default the dominant scale of the sample, as in the paper.
+        Length of one transition, above 0 and at most 1, as a share of the way from corner to
+        corner along `direction`. By default the transitions fill the canvas, as in the paper.
 
     Raises
     ------
     InvalidInputError
-        If a value is out of range, or both `direction` and `center` are given.
+        If a value is out of range.
 
     Examples
     --------
     >>> labels, _ = Gradient(direction=0, width=0.3).label_map((60, 200), [9, 7], seed=1)
     >>> labels[:, 0].max().item(), labels[:, -1].min().item()
     (0, 1)
-    >>> rings, pairs = Gradient(center=(0.5, 0.5), width=0.1).label_map((90, 90), [4, 4, 4], 1)
-    >>> rings[45, 45].item(), rings[0, 0].item(), pairs
-    (0, 2, [(0, 1), (1, 2)])
     """
 
-    direction: float | None = None
-    center: tuple[float, float] | None = None
-    radii: Sequence[float] | None = None
+    direction: float = 90.0
     width: float | None = None
-    circles: float | Sequence[float] | None = None
 
     def __post_init__(self) -> None:
-        if self.direction is not None and self.center is not None:
-            raise InvalidInputError(
-                "a gradient has a direction or a center, not both; leave one out"
-            )
-        if self.direction is not None:
-            _check_numbers("direction", [self.direction], -360, 360)
-        if self.center is not None:
-            _check_numbers("center", self.center, 0, 1)
-            if len(self.center) != 2:
-                raise InvalidInputError(
-                    f"center is {self.center!r}; it must be two numbers, row and column"
-                )
-        if self.radii is not None:
-            _check_numbers("radii", self.radii, 0, 1)
-            if any(a >= b for a, b in itertools.pairwise(self.radii)):
-                raise InvalidInputError(f"radii is {self.radii!r}; they must rise")
-        if self.width is not None:
-            _check_numbers("width", [self.width], 0, 1, above=True)
-        if self.circles is not None:
-            single = isinstance(self.circles, numbers.Real)
-            _check_numbers("circles", [self.circles] if single else self.circles, 0, 1, above=True)
+        if not _is_number(self.direction) or not -360 <= self.direction <= 360:
+            raise InvalidInputError(f"direction is {self.direction!r}; it must be from -360 to 360")
+        if self.width is not None and not (_is_number(self.width) and 0 < self.width <= 1):
+            raise InvalidInputError(f"width is {self.width!r}; it must be above 0 and at most 1")
 
     def label_map(
         self, size: tuple[int, int], scales: Sequence[int], seed: int
@@ -106,7 +73,6 @@ class Gradient:
         that becomes a region of both mixed.
         """
         count, (height, width) = len(scales), size
-        sizes = self._circles(size, scales)
         starts, sigma = self._transitions(count)
         pairs = [(a, b) for a in range(count) for b in range(a + 1, count)]
         mixed = np.full((count, count), -1, np.int32)
@@ -126,7 +92,7 @@ class Gradient:
             way = self._way(y, x, size)
             beyond = [max(0.0, way - start) for start in starts]
             label = sum(chance >= math.exp(-(b**2) / (2 * sigma**2)) for b in beyond)
-            radius = sizes[label]
+            radius = max(1, scales[label])
             rows = slice(max(0, y - radius), min(y + radius + 1, height))
             columns = slice(max(0, x - radius), min(x + radius + 1, width))
             v, u = np.ogrid[rows, columns]
@@ -142,28 +108,10 @@ class Gradient:
             labels[labels == count + old] = count + new
         return labels, [pairs[n] for n in used]
 
-    def _circles(self, size: tuple[int, int], scales: Sequence[int]) -> list[int]:
-        """Return the radius of each sample's circles in pixels."""
-        if self.circles is None:
-            return [max(1, scale) for scale in scales]
-        single = isinstance(self.circles, numbers.Real)
-        shares: Any = [self.circles] * len(scales) if single else self.circles
-        if len(shares) != len(scales):
-            raise InvalidInputError(
-                f"{len(shares)} circles for {len(scales)} samples; give one number, or one each"
-            )
-        return [max(1, round(float(share) * min(size))) for share in shares]
-
     def _transitions(self, count: int) -> tuple[list[float], float]:
         """Return the position at which each transition begins, and its sigma."""
         wide = self.width if self.width is not None else 1 / max(1, count - 1)
-        middles: Sequence[float] = [(k + 0.5) / (count - 1) for k in range(count - 1)]
-        if self.radii is not None:
-            if len(self.radii) != count - 1:
-                raise InvalidInputError(
-                    f"{len(self.radii)} radii for {count} samples; give {count - 1}"
-                )
-            middles = self.radii
+        middles = [(k + 0.5) / (count - 1) for k in range(count - 1)]
         # A billionth of the way is less than a pixel, and its square is still a number.
         return [middle - wide / 2 for middle in middles], max(wide / _SIGMAS, 1e-9)
 
@@ -171,25 +119,14 @@ class Gradient:
         """Return the position of a pixel, 0 to 1."""
         v, u = y + 0.5, x + 0.5
         height, width = size
-        if self.center is not None:
-            at = self.center[0] * height, self.center[1] * width
-            farthest = math.hypot(max(at[0], height - at[0]), max(at[1], width - at[1]))
-            return math.hypot(v - at[0], u - at[1]) / farthest
-        angle = math.radians(90.0 if self.direction is None else self.direction)
+        angle = math.radians(self.direction)
         down, right = round(math.sin(angle), 12), round(math.cos(angle), 12)
         length = abs(down) * height + abs(right) * width
         return ((v - height / 2) * down + (u - width / 2) * right) / length + 0.5
 
 
-def _check_numbers(name: str, values: Any, low: float, high: float, *, above: bool = False) -> None:
-    """Raise `InvalidInputError` unless these are numbers from `low`, or `above` it, to `high`."""
-    if isinstance(values, str) or not hasattr(values, "__len__"):
-        raise InvalidInputError(f"{name} is {values!r}; it must be numbers")
-    reach = f"above {low:g} and at most {high:g}" if above else f"from {low:g} to {high:g}"
-    for value in values:
-        number = isinstance(value, numbers.Real) and not isinstance(value, bool)
-        if not number or not low <= value <= high or (above and value == low):
-            raise InvalidInputError(f"{name} is {value!r}; it must be {reach}")
+def _is_number(value: object) -> bool:
+    return isinstance(value, numbers.Real) and not isinstance(value, bool)
 
 
 def labels_of(

@@ -68,8 +68,8 @@ def test_a_run_that_was_cut_off_goes_on(sample, whole, tmp_path):
         )
     plane = open_plane(tmp_path / "p.tif")
     assert plane.missing() == 32
-    with pytest.raises(FileError, match="is not whole: 32 blocks are missing"):
-        plane.read((0, 0, 10, 10))
+    with pytest.raises(FileError, match="is not whole: .* blocks are missing"):
+        check(plane.path)
     assert weftex.planes.stream(sample, tmp_path / "p.tif", SIZE, **HOW).made == 32
     assert plain(tmp_path) == whole
 

@@ -29,18 +29,16 @@ KINDS = {
     "size": st.lists(st.sampled_from([40, 56, 1024]), min_size=2, max_size=2),
     "picture": st.sampled_from(["hole.png", "my photo.png"]),
     "axes": st.sampled_from([True, "x", "y"]),
-    "numbers": st.lists(SHARES, min_size=1, max_size=1),
     "weights": st.sampled_from([{"height": 2.0}, {"ao": 0.5, "roughness": 1.0}]),
     "files": st.just({"color": "a.png", "height": "b.png"}),
     "colors": st.lists(COLOR, min_size=2, max_size=2, unique_by=str),
     "mixed": st.just({"#00ff00": [0, 1], "17": [1, 0]}),
-    "map": st.sampled_from(["map.png", {}, {"direction": -90.0, "circles": [0.5, 0.1]},
-                            {"center": [0.5, 0.25], "radii": [0.5], "width": 0.25}]),
+    "map": st.sampled_from(["map.png", {}, {"direction": -90.0}, {"width": 0.25}]),
 }  # fmt: skip
 #: Of those whose kind allows more than is right.
 NAMES = {
     "straighten": st.sampled_from(["", "8,0,0,8", "0,0,30,2,30,30,1,28"]),
-    "best_of": st.one_of(st.integers(1, 16), st.just(["quilting", "graphcut"])),
+    "best_of": st.integers(1, 16),
     "window": st.just([-10, 5, 20, 30]),
 }
 METHODS = [(None, {}), ("quilting", {"patch_size": 12, "tolerance": 0.2}),
@@ -185,8 +183,7 @@ TRIED = {
     "--belt-width": "6", "--missing": "ao=1", "--maps": "color=sample.png", "--sample-mask":
     "half.png", "--straighten": "8,8,40,8,40,50,8,50", "--even-light": "3", "--turn": "half",
     "--tileable-sample": "", "--map-weights": "height=2", "--seed": "8", "--direction": "0",
-    "--center": "0,0", "--radii": "0.5", "--width": "0.5", "--circles": "0.1",
-    "--landmarks": "remove", "--fit": "", "--sample-width": "7cm",
+    "--width": "0.5", "--landmarks": "remove", "--fit": "", "--sample-width": "7cm",
 }  # fmt: skip
 
 

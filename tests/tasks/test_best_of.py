@@ -68,35 +68,10 @@ def test_the_best_set_is_good_in_all_maps():
     assert len(set(map(MapsScorer(left_out).score, each))) == 1
 
 
-def test_the_best_of_several_methods():
-    exemplar = weftex.Exemplar(SAMPLE)
-    small = weftex.Quilting(patch_size=8)
-    best = weftex.synthesize(exemplar, 90, seed=3, best_of=["quilting", "ashikhmin", small])
-    each = {"quilting": weftex.Quilting(), "ashikhmin": weftex.Ashikhmin(), "quilting 2": small}
-    made = {name: weftex.synthesize(exemplar, 90, seed=3, method=m) for name, m in each.items()}
-    scores = {name: weftex.assess(exemplar, result).score for name, result in made.items()}
-    about = best.provenance["best_of"]
-    assert about["scores"] == scores
-    kept = min(scores, key=scores.get)
-    assert np.array_equal(best.image, made[kept].image) and best.provenance["seed"] == 3
-    assert about["told"].startswith(f"{kept} of quilting, ashikhmin, quilting 2: score ")
-
-
-@pytest.mark.parametrize("count", [0, -1, 1001, 2.0, "3", [], None])
+@pytest.mark.parametrize("count", [0, -1, 1001, 2.0, "3", ["quilting"], None])
 def test_a_wrong_number_is_refused_before_any_work(count):
-    with pytest.raises(InvalidInputError, match="best_of is .*; it must be .*from 1 to 1000"):
+    with pytest.raises(InvalidInputError, match="best_of is .*; it must be from 1 to 1000"):
         weftex.synthesize("nowhere.png", 40, best_of=count)
-
-
-def test_methods_are_named_in_one_place_and_must_all_be_able():
-    with pytest.raises(InvalidInputError, match="add quilting to that list"):
-        weftex.synthesize("nowhere.png", 40, method="quilting", best_of=["graphcut"])
-    with pytest.raises(InvalidInputError, match="unknown method 'quilt'"):
-        weftex.synthesize("nowhere.png", 40, best_of=["quilt", "graphcut"])
-    with pytest.raises(weftex.UnsupportedError, match="best-tile"):
-        weftex.synthesize(
-            "nowhere.png", 40, best_of=["refinement", "best-tile"], guide=np.zeros((40, 40))
-        )
 
 
 def test_progress_counts_outputs_and_cancels_within_one():
@@ -127,7 +102,7 @@ def test_the_command_and_the_pictures_of_debug(tmp_path, monkeypatch, capsys):
         assert np.array_equal(read_image(f"how/{name}.png").pixels, made.draw(what))
     for wrong, message in (
         (["-o", "c.png", "--best-of", "0"], "--best-of is '0'; it must be from 1"),
-        (["-o", "c.png", "--best-of", "graphcut"], "add quilting to that list"),
+        (["-o", "c.png", "--best-of", "graphcut"], "--best-of is 'graphcut'; it must be from 1"),
         (["-o", "c.png", "--debug", "s.png"], "it is a file"),
         (["-o", "c.png", "--debug", "new", "--sample-guide", "s.png"], "without a guide"),
     ):

@@ -120,7 +120,7 @@ def test_everything_may_be_mixed():
 
 
 def test_the_gradient_goes_over():
-    gradient = weftex.label_maps.Gradient(radii=[0.385], width=0.77)  # sigma is 80
+    gradient = weftex.label_maps.Gradient(width=0.8)
     result = weftex.fuse([A, B], gradient, (260, 60), seed=1, **FAST)
     made = which(result, 2)
     assert made[:10].mean() < 0.35 and made[-40:].mean() > 0.9
@@ -183,7 +183,6 @@ def test_what_does_not_fit_is_refused():
     refused("the map is 80x70, the size 50x60", [A, B], HALVES, (60, 50))
     refused("needs the size", [A, B], "gradient")
     refused("a gradient has no colors", [A, B], "gradient", 50, colors=[0, 1])
-    refused("1 radii for 3 samples", [A, B, C], weftex.label_maps.Gradient(radii=[0.5]), 50)
     refused("mixed is 3", [A, B], HALVES, mixed=3)
     refused("two numbers of samples", [A, B], HALVES, mixed={2: 1})
     refused("two numbers of samples", [A, B], HALVES, mixed={2: (0, 2)})
@@ -238,10 +237,8 @@ def test_the_command(tmp_path, capsys):
         assert main([*command, "--map", path["map.png"], *wrong]) == 2
         assert "error: " in capsys.readouterr().err
     for wrong in (
-        ["--center", "a,b"],
+        ["--direction", "down"],
         ["--width", "0"],
-        ["--radii", "0.2,0.4"],
-        ["--circles", "2"],
     ):
         assert main([*command, "--map", "gradient", "--size", "50", *wrong]) == 2
         assert "error: " in capsys.readouterr().err

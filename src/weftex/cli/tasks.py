@@ -41,7 +41,6 @@ examples:
   weftex synth stone_wall/ -o big/ --size 2k          a folder of aligned maps
   weftex synth brick.png -o wall.png --method quilting --patch-size 48
   weftex synth brick.png -o wall.png --best-of 8      the best of eight seeds
-  weftex synth brick.png -o wall.png --best-of quilting,graphcut,near-regular
   weftex synth photo.jpg -o wall.png --straighten --even-light
   weftex synth brick.png -o part.png --window 10000,-500,512,512 --seed 7    of an endless plane
   weftex synth brick.png -o wall.tif --size 100000x100000 --workers 4
@@ -99,7 +98,7 @@ examples:
   weftex fuse clover.png grape.png --map map.png --colors '#ff0000,#0000ff' -o field.png
   weftex fuse purple.png yellow.png --map gradient --size 400x400 -o beans.png
   weftex fuse stone_wall/ bark/ --map map.png --missing metallic=0 -o both/      folders of maps
-  weftex fuse sand.png grass.png rock.png --map gradient --center 0.5,0.5 --size 400 -o island.png
+  weftex fuse sand.png grass.png rock.png --map gradient --direction 0 --size 400 -o shore.png
 """,
         "SAMPLE",
         "two or more images, folders of maps, or sample:NAME",

@@ -15,8 +15,7 @@ from weftex.planes.tiff import check_sum
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterator, Mapping
 
-    from weftex import Exemplar
-    from weftex.planes.layout import Place, Window
+    from weftex.planes.layout import Place
     from weftex.planes.tiff import TiffStore
 
     Sums = Mapping[Place, tuple[int, ...]]
@@ -121,34 +120,6 @@ class PlaneFile:
     def _stores(self, level: int) -> dict[str, TiffStore]:
         """The stores that have a level."""
         return {name: store for name, store in self.stores.items() if level < store.levels}
-
-    def read(self, window: Window) -> Exemplar:
-        """Return a window of level 0 with its maps, in pixels of the sample's size.
-
-        Parameters
-        ----------
-        window : (int, int, int, int)
-            Top, left, height and width.
-
-        Raises
-        ------
-        FileError
-            If the plane is not whole.
-        """
-        if left := self.missing():
-            raise FileError(
-                f"{self.path} is not whole: {left} blocks are missing; the command that made it "
-                "continues"
-            )
-        found = {}
-        for name, picture in self.definition.pictures.items():
-            store = self.stores[name]
-            ratio = store.layout.block / self.definition.block
-            top, left, height, width = (int(side * ratio) for side in window)
-            pixels = store.read(0, (top, left, height, width))
-            found[name] = picture.changed(pixels=pixels, maps={}, mask=None, guide=None)
-        main, *others = found
-        return found[main].changed(maps={name: found[name] for name in others}, name=self.path)
 
 
 def open_plane(path: str | os.PathLike[str]) -> PlaneFile:

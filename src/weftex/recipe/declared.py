@@ -14,14 +14,10 @@ from weftex.recipe.options import (
     LEVELS,
     MIXED,
     NUMBER,
-    NUMBERS,
-    ONE_OR_SEVERAL,
     PICTURE,
-    POINT,
     SIZE,
     STRAIGHTEN,
     TEXT,
-    TRIES,
     WEIGHTS,
     WHOLE,
     WINDOW,
@@ -106,21 +102,8 @@ GRADIENT = _by_name(
         "down", default_text="90", metavar="DEG", heading="--map gradient",
     ),
     Option(
-        "center", POINT, "center of the first sample, with the others as rings around it; "
-        "0,0 is top left, 1,1 bottom right", metavar="X,Y", heading="--map gradient",
-    ),
-    Option(
-        "radii", NUMBERS, "where each transition lies between 0 (start) and 1 (end)",
-        default_text="evenly spaced", metavar="R,R,...", heading="--map gradient",
-    ),
-    Option(
         "width", NUMBER, "length of each transition, above 0 and at most 1",
         default_text="transitions fill the image", metavar="W", heading="--map gradient",
-    ),
-    Option(
-        "circles", ONE_OR_SEVERAL, "radius of the spots in which samples mix, one or one for "
-        "each, as a share of the shorter side", default_text="the samples' scales",
-        metavar="C,C,...", heading="--map gradient",
     ),
 )  # fmt: skip
 
@@ -156,9 +139,8 @@ TASKS = {
                    metavar="FILE"),
             TILEABLE,
             FIT,
-            Option("best_of", TRIES, "make N results with successive seeds, or one with each named "
-                   "method, and keep the best", 1, low=1, high=1000, metavar="N|NAME,...",
-                   heading=_QUALITY),
+            Option("best_of", WHOLE, "make N results with successive seeds, and keep the best", 1,
+                   low=1, high=1000, metavar="N", heading=_QUALITY),
             LANDMARKS,
             Option("sample_guide", PICTURE, "image that labels regions of the sample, in the "
                    "colors of --guide; as large as the sample", metavar="FILE", heading=_QUALITY),

@@ -122,13 +122,9 @@ class Fields:
                 )
             if options["sample_guide"] is not None and options["guide"] is None:
                 raise InvalidInputError(f"{named('sample_guide')} has no effect without a guide")
-            several = options["best_of"]
-            if not local and (several if isinstance(several, int) else len(several)) > _MOST_TRIES:
-                raise InvalidInputError(f"best_of is {several}; it must be from 1 to {_MOST_TRIES}")
-            if several != 1:
-                from weftex.tasks.best_of import tries
-
-                tries(self.method, several)  # finds wrong names
+            count = options["best_of"]
+            if not local and count > _MOST_TRIES:
+                raise InvalidInputError(f"best_of is {count}; it must be from 1 to {_MOST_TRIES}")
         elif self.task == "fuse":
             self._check_map(named)
         elif any("turn" in spec for spec in self.materials[:1]):

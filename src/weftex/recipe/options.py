@@ -214,15 +214,6 @@ FLAG = Kind("bool", "true or false", str, _a(bool))
 PICTURE = Kind("picture", "a picture", str, _word)
 DEGREE = WHOLE._replace(bare="2", values=r"[-+]?\d+")
 NUMBERS = _listed("numbers", "numbers with commas between them", float, _number, _number_text)
-ONE_OR_SEVERAL = NUMBERS._replace(
-    read=lambda text: NUMBERS.read(text) if "," in text else float(text),
-    check=lambda value: (NUMBERS if isinstance(value, (list, tuple)) else NUMBER).check(value),
-    text=lambda value: (NUMBERS if isinstance(value, tuple) else NUMBER).text(value),
-)
-#: Row and column, which the command line has as x and y.
-POINT = NUMBERS._replace(
-    read=lambda text: NUMBERS.read(text)[::-1], text=lambda value: NUMBERS.text(value[::-1])
-)
 WINDOW = _listed("window", "TOP,LEFT,HEIGHT,WIDTH, such as -100,0,256,256", int, _whole, count=4)
 
 
@@ -276,19 +267,6 @@ STRAIGHTEN = TEXT._replace(
     bare="", values=r"[-+.,\deE]*,[-+.,\deE]*",
 )  # fmt: skip
 
-
-def _read_tries(text: str) -> Any:
-    return int(text) if re.fullmatch(r"[-+]?\d+", text) else [w.strip() for w in text.split(",")]
-
-
-def _tries(value: Any) -> Any:
-    return _several(_word)(value) if isinstance(value, (list, tuple)) and value else _whole(value)
-
-
-TRIES = Kind(
-    "int", "a number, or names of methods", _read_tries, _tries,
-    lambda value: str(value) if isinstance(value, int) else ",".join(value),
-)  # fmt: skip
 
 WEIGHTS = _named(
     "weights", "maps and numbers, each once, such as height=3,normal=2", float, _number,

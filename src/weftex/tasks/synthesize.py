@@ -15,8 +15,6 @@ from weftex.random import seed_number
 from weftex.tasks.method_names import AUTO, make_method, may_thin
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
     from numpy.typing import NDArray
 
     from weftex.canvas import Canvas
@@ -36,7 +34,7 @@ def synthesize(
     guide: Sample | None = None,
     sample_guide: Sample | None = None,
     fit: bool = False,
-    best_of: int | Sequence[str | Method] = 1,
+    best_of: int = 1,
     landmarks: str = "auto",
     threads: int | None = None,
     progress: ProgressCallback | None = None,
@@ -68,9 +66,9 @@ def synthesize(
     fit : bool
         Whether to make the size nearest to `size` into which whole tiles or rows of the sample's
         lattice fit. It needs `tileable`, and changes nothing if the sample has no lattice.
-    best_of : int, or sequence of str and Method
-        Number of results, made with `seed`, `seed` + 1 and so on; or methods, one result of each.
-        The result with the best score is returned. Its provenance has all scores.
+    best_of : int
+        Number of results, 1 to 1000, made with `seed`, `seed` + 1 and so on. The result with the
+        best score is returned. Its provenance has all scores.
     landmarks : {"auto", "keep", "thin", "remove"}
         What to do with landmarks, small salient regions that reveal repeats: keep them, show each
         only at places far apart, or remove them. By default `Auto` thins them in outputs of at
@@ -109,13 +107,12 @@ def synthesize(
         if canvas.guide is not None:
             raise InvalidInputError("the canvas has a guide; give none beside it")
         canvas = dataclasses.replace(canvas, guide=_guide(guide))
-    tried, once = [(chosen, 0)], type(best_of) is int and best_of == 1
+    once = type(best_of) is int and best_of == 1
     if not once:
-        from weftex.tasks.best_of import tries
+        from weftex.tasks.best_of import check_count
 
-        tried = tries(chosen, best_of)
-    for one, _ in tried:
-        one.require(canvas)
+        check_count(best_of)
+    chosen.require(canvas)
     exemplar = load_exemplar(sample)
     if sample_guide is not None:
         if canvas.guide is None:
@@ -149,7 +146,7 @@ def synthesize(
     else:
         from weftex.tasks.best_of import best_of as keep_best
 
-        made = keep_best(tried, exemplar, canvas, **how)
+        made = keep_best(best_of, chosen, exemplar, canvas, **how)
     return made if plain is None else plain.finished(made, number)
 
 
