@@ -220,6 +220,10 @@ def test_commands(tmp_path, monkeypatch, capsys):
     }
     assert weft_run("unpack", "packed/T_packed_ORM.png", "-o", "few", "--preset", "unreal") == 0
     assert sorted(read_maps("few")) == ["ao", "metallic", "roughness"]
+    write_image("T_a_ORM.jpg", maps["color"])
+    assert weft_run("unpack", "T_a_ORM.jpg", "-o", "jpeg", "--preset", "unreal") == 0
+    orm = read_image("T_a_ORM.jpg").pixels
+    assert np.array_equal(read_image("jpeg/roughness.png").pixels, orm[..., 1])
     words = ["--size", 32, "--seed", 1, "--method", "quilting", "--patch-size", 12]
     assert weft_run("synth", "wall", "-o", "more", *words, "--preset", "unity-hdrp") == 0
     made = weftex.synthesize("wall", 32, seed=1, method="quilting", patch_size=12)
@@ -235,6 +239,8 @@ def test_commands(tmp_path, monkeypatch, capsys):
         (["unpack", "packed", "-o", "new", "--preset", "godot"], "files named {name}_albedo"),
         (["unpack", "packed", "-o", "new", "--preset", "ambientcg"], "only renames"),
         (["unpack", "packed", "-o", "new", "--preset", "unreal"], "has 1 channels, and T_{name}_"),
+        (["unpack", "a/T_a_ORM.png", "b/T_a_ORM.png", "-o", "new", "--preset", "unreal"],
+         "two files have the same name"),
         (["unpack", "wall/T_other_ORM.png", "packed/T_packed_Height.png", "-o", "new", "--preset",
           "unreal"], "of several sets (other, packed)"),
         (["synth", "packed", "-o", "x.tif", "--size", "20000x20000", "--preset", "unreal"],

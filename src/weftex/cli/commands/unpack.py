@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from typing import Any
+from dataclasses import replace
 
 from weftex.cli.commands.pack import refuse_own_folder
 from weftex.cli.parser import Parser
@@ -32,7 +32,8 @@ def run(argv: list[str]) -> None:
 
     def work(bar: Bar, outputs: Outputs) -> str:
         from weftex.io.map_files import map_files
-        from weftex.io.pictures import MAX_PIXELS, is_folder, write_image
+        from weftex.io.packed import PackedSet, kept_file, write_set
+        from weftex.io.pictures import MAX_PIXELS, is_folder
         from weftex.io.presets import presets, read_preset
         from weftex.io.unpacking import unpack_set
 
@@ -43,20 +44,15 @@ def run(argv: list[str]) -> None:
             paths, notes = map_files(args.files[0])
         else:
             paths = {os.path.splitext(os.path.basename(one))[0]: one for one in args.files}
+            if len(paths) < len(args.files):
+                raise InvalidInputError("two files have the same name; give the files of one set")
         refuse_own_folder([*paths.values()], args.output)
         limits = {"max_pixels": None if args.allow_huge else MAX_PIXELS}
         maps, more = unpack_set(read_preset(args.preset), paths, **limits)
+        maps = {role: replace(one, path="") for role, one in maps.items()}  # as PNG, or EXR
+        planned = PackedSet(tuple(kept_file(role, role, one) for role, one in maps.items()))
         outputs.make_folder(args.output)
-        for role, one in maps.items():
-            suffix = ".exr" if one.pixels.dtype.kind == "f" else ".png"
-            path = outputs.add(os.path.join(args.output, role + suffix))
-            how: dict[str, Any] = {
-                "alpha": one.alpha,
-                "icc": one.icc,
-                "half": one.half,
-                "density": one.density,
-            }
-            write_image(path, one.pixels, **how)
+        write_set(planned, args.output, lambda role: maps[role].pixels, outputs.add)
         told = "".join(f"map: {note}\n" for note in (*notes, *more))
         found = ", ".join(maps)
         return f"{told}unpacked {found} of {args.preset} to {args.output} in {bar.took:.2f} s"
