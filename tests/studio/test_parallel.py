@@ -240,7 +240,7 @@ def test_on_a_full_disk_requests_say_so(client, page, full_disk):
     wanted = [
         ("POST", "uploads", png(1)),
         ("POST", f"results/{result}/exports", {"format": ".png"}),
-        ("POST", f"results/{result}/exports", {"recipe": True, "mtlx": True}),
+        ("POST", f"results/{result}/exports", {"recipe": True, "preset": "unity-urp"}),
         ("POST", "steps", step(result, label="after")),
         ("POST", f"results/{result}/sample", b""),
     ]

@@ -147,14 +147,14 @@ def test_a_large_sample_is_shown_in_bands(rng, monkeypatch):
 
 def test_any_format_that_holds_it(wall, tmp_path):
     page, result = wall
-    content, name = page.taken(result, names="ambientcg", name="../My Wall", mtlx=True, source=True,
+    content, name = page.taken(result, preset="ambientcg", name="../My Wall", source=True,
                                report=True, recipe=True)  # fmt: skip
     assert name == "My Wall.zip"
     packed = zipfile.ZipFile(BytesIO(content))
     names = set(packed.namelist())
     assert names == {f"My Wall_{one}" for one in (
         "Color.png", "AmbientOcclusion.png", "Displacement.png", "Normal.png", "Roughness.tif",
-    )} | {"My Wall.mtlx", "My Wall.npz", "My Wall.html", "My Wall.weftex.json"}  # fmt: skip
+    )} | {"My Wall.npz", "My Wall.html", "My Wall.weftex.json"}  # fmt: skip
     packed.extractall(tmp_path)
     assert json.loads((tmp_path / "My Wall.weftex.json").read_text()) == result["recipe"]
     assert read_image(tmp_path / "My Wall_Displacement.png").pixels.dtype == np.uint16
@@ -171,7 +171,11 @@ def test_any_format_that_holds_it(wall, tmp_path):
     path = f"results/{result['id']}/exports"
     assert page.refused(path, {"maps": ["height"], "format": ".jpg"})["parameter"] == "format"
     assert page.refused(path, {"maps": ["../x"]})["parameter"] == "maps"
-    assert page.refused(path, {"names": "mine"})["parameter"] == "names"
+    assert page.refused(path, {"preset": "mine"})["parameter"] == "preset"
+    assert page.refused(path, {"preset": "unreal", "format": ".png"})["parameter"] == "format"
+    content, name = page.taken(result, preset="unreal", name="rock")
+    packed = set(zipfile.ZipFile(BytesIO(content)).namelist())
+    assert {"T_rock_ORM.png", "T_rock_Normal.png"} <= packed and name == "rock.zip"
     assert page.refused(path, {"path": "/tmp"}, 400)
     waiting = [one for one in page.client.studio.downloads.folder.rglob("*") if one.is_file()]
     assert len(waiting) <= 40

@@ -8,11 +8,11 @@ from typing import TYPE_CHECKING, Any
 
 import weftex
 from weftex.io.pictures import sample_names
+from weftex.io.presets import presets
 from weftex.naming import kind_of
 from weftex.quality import FIGURES
 from weftex.recipe import TASKS
 from weftex.results.drawing import DRAWINGS
-from weftex.studio.exports import SCHEMES
 
 if TYPE_CHECKING:
     from weftex import Method
@@ -32,7 +32,7 @@ def about() -> dict[str, Any]:
     return {
         "methods": [_method(weftex.Auto), *(_method(weftex.METHODS[k]) for k in weftex.METHODS)],
         "samples": _samples(),
-        "names": list(SCHEMES),
+        "presets": [{"name": name, "about": line} for name, line in presets().items()],
         "drawings": list(DRAWINGS),
         "figures": [
             {"name": name, "title": one.title, "limit": one.limit, "meaning": one.meaning}

@@ -1,4 +1,4 @@
-"""Results as files: any format that holds their pixels, maps by any scheme's names, batches."""
+"""Results as files: any format that holds their pixels, maps as a preset wants them."""
 
 from __future__ import annotations
 
@@ -13,10 +13,9 @@ from typing import TYPE_CHECKING, Any
 import weftex
 from weftex.errors import InvalidInputError, did_you_mean, shown
 from weftex.io.formats import written_as
-from weftex.io.materials import Place
-from weftex.io.materialx import materialx_document
+from weftex.io.packing import write_preset
 from weftex.io.pictures import write_text
-from weftex.io.presets import read_preset
+from weftex.io.presets import presets, read_preset
 from weftex.studio.results import formats_of
 from weftex.studio.uploads import file_in, label_of
 
@@ -28,10 +27,8 @@ if TYPE_CHECKING:
     from weftex.studio.synthesis import Result
 
 #: What may stand beside the pictures.
-BESIDE = ("mtlx", "source", "report", "recipe")
-#: Presets that only rename.
-SCHEMES = ("ambientcg", "polyhaven", "substance")
-FIELDS = ("maps", "format", "names", "name", *BESIDE)
+BESIDE = ("source", "report", "recipe")
+FIELDS = ("maps", "format", "preset", "name", *BESIDE)
 _NAME = 60  # characters
 #: Of all files in a zip, as they have none of their own.
 DATE = (1980, 1, 1, 0, 0, 0)
@@ -43,23 +40,27 @@ class ExportOptions:
 
     maps: tuple[str, ...]  # all of them if empty
     format: str | None  # a suffix; as the files of each map have it if None
-    names: str | None  # one of `SCHEMES`
+    preset: str | None  # a name of `weftex.io.presets.presets`
     name: str  # what files are called after
     beside: frozenset[str]  # of `BESIDE`
 
     @classmethod
     def of(cls, given: Mapping[str, Any], usual_name: str) -> ExportOptions:
         """Read what the page sent."""
-        maps, form, names = (given.get(key) for key in ("maps", "format", "names"))
+        maps, form, preset = (given.get(key) for key in ("maps", "format", "preset"))
         if not isinstance(maps or [], list) or not all(isinstance(m, str) for m in maps or ()):
             raise InvalidInputError(f"maps is {shown(maps)}; it must be a list of names")
         if not isinstance(form, (str, type(None))):
             raise InvalidInputError(f"format is {shown(form)}; it must be a suffix")
-        if names is not None and names not in SCHEMES:
-            raise InvalidInputError(f"names is {shown(names)}{did_you_mean(str(names), SCHEMES)}")
+        if preset is not None:
+            if preset not in presets():
+                known = did_you_mean(str(preset), presets())
+                raise InvalidInputError(f"preset is {shown(preset)}{known}")
+            if form is not None and not read_preset(preset).others:
+                raise InvalidInputError(f"format has no effect beside the preset {preset}")
         beside = frozenset(name for name in BESIDE if given.get(name))
         name = str(given.get("name") or usual_name)
-        return cls(tuple(maps or ()), form, names, "", beside).named(name)
+        return cls(tuple(maps or ()), form, preset, "", beside).named(name)
 
     def named(self, name: str) -> ExportOptions:
         """Return the same for files that are called after this."""
@@ -70,28 +71,29 @@ class ExportOptions:
 def export(made: Result, wanted: ExportOptions, downloads: Downloads, owner: str) -> dict[str, Any]:
     """Write the wanted parts of a result, one file or a zip; return the page's description."""
     with downloads.new_folder() as folder:
-        files = write(made, wanted, folder)
+        files, notes = write(made, wanted, folder)
         if len(files) == 1:
-            return downloads.add(files[0], files[0].name, owner)
+            return downloads.add(files[0], files[0].name, owner) | {"notes": notes}
         target = folder / ".all.zip"  # no map's file has this name
         with zipfile.ZipFile(target, "w") as packed:
             for file in files:
                 pack(packed, file, file.name)
                 file.unlink()
-        return downloads.add(target, f"{wanted.name}.zip", owner)
+        return downloads.add(target, f"{wanted.name}.zip", owner) | {"notes": notes}
 
 
-def write(made: Result, wanted: ExportOptions, folder: Path) -> list[Path]:
-    """Write what is wanted of a result into a folder; the files."""
-    files, written = [], _files(made, wanted)
-    for name, file in written.items():
-        like = made.pictures[name]
-        how: dict[str, Any] = {"alpha": like.alpha, "icc": like.icc, "half": like.half}
-        how["density"] = like.density
-        weftex.write_image(folder / file, made.pixels(name), **how)
-        files.append(folder / file)
-    if "mtlx" in wanted.beside:
-        files.append(_material_file(made, wanted, written, folder))
+def write(made: Result, wanted: ExportOptions, folder: Path) -> tuple[list[Path], list[str]]:
+    """Write what is wanted of a result into a folder; return the files, and a line a note."""
+    names, notes = _files(made, wanted), list[str]()
+    if wanted.preset is not None and not read_preset(wanted.preset).others:
+        maps = {one: replace(made.pictures[one], pixels=made.pixels(one)) for one in names}
+        roles = {one: made.map(one).role for one in names}
+        written, notes = write_preset(maps, folder, wanted.preset, roles=roles, name=wanted.name)
+        files = [folder / one for one in written]
+    else:
+        files = [folder / one for one in names.values()]
+        for name, file in zip(names, files, strict=True):
+            _write_map(made, name, file)
     if "source" in wanted.beside:
         files.append(folder / f"{wanted.name}.npz")
         made.result.save(files[-1])
@@ -101,7 +103,14 @@ def write(made: Result, wanted: ExportOptions, folder: Path) -> list[Path]:
     if "recipe" in wanted.beside:
         files.append(folder / f"{wanted.name}.weftex.json")
         write_text(files[-1], json.dumps(made.recipe.as_json(), indent=1) + "\n")
-    return files
+    return files, notes
+
+
+def _write_map(made: Result, name: str, file: Path) -> None:
+    like = made.pictures[name]
+    how: dict[str, Any] = {"alpha": like.alpha, "icc": like.icc, "half": like.half}
+    how["density"] = like.density
+    weftex.write_image(file, made.pixels(name), **how)
 
 
 def as_sample(made: Result, downloads: Downloads, session: Session) -> dict[str, Any]:
@@ -113,9 +122,7 @@ def as_sample(made: Result, downloads: Downloads, session: Session) -> dict[str,
             able = formats_of(like)
             suffix = next(one for one in (".png", ".exr", ".tif") if one in able)
             file = Path(folder) / f"{stem if len(made.pictures) == 1 else name}{suffix}"
-            how: dict[str, Any] = {"alpha": like.alpha, "icc": like.icc, "half": like.half}
-            how["density"] = like.density
-            weftex.write_image(file, made.pixels(name), **how)
+            _write_map(made, name, file)
             maps[name] = file_in(file, session)["id"]
     spec: dict[str, Any] = {"maps": maps} if len(maps) == 1 else {"name": stem, "maps": maps}
     if options.get("tileable") is True or options.get("axes") is True:
@@ -131,8 +138,8 @@ def _files(made: Result, wanted: ExportOptions) -> dict[str, str]:
         if name not in made.pictures:
             raise InvalidInputError(f"maps has {shown(name)}{did_you_mean(name, made.pictures)}")
         suffix = _suffix(made, wanted, name)
-        if wanted.names is not None:
-            stem = read_preset(wanted.names).stem(wanted.name, made.map(name).role)
+        if wanted.preset is not None and read_preset(wanted.preset).others:
+            stem = read_preset(wanted.preset).stem(wanted.name, made.map(name).role)
         else:
             stem = wanted.name if len(made.pictures) == 1 else f"{wanted.name}_{name}"
         files[name] = label_of(stem) + suffix
@@ -156,14 +163,6 @@ def _suffix(made: Result, wanted: ExportOptions, name: str) -> str:
             f"format of {name} is {shown(wanted.format)}; these hold it: {able_text}"
         )
     return wanted.format
-
-
-def _material_file(
-    made: Result, wanted: ExportOptions, files: dict[str, str], folder: Path
-) -> Path:
-    where = {made.map(name).role.name: Place(file) for name, file in files.items()}
-    write_text(folder / f"{wanted.name}.mtlx", materialx_document(wanted.name, where))
-    return folder / f"{wanted.name}.mtlx"
 
 
 def pack(packed: zipfile.ZipFile, file: Path, name: str) -> None:

@@ -10,7 +10,7 @@ from weftex.recipe import FIELDS
 
 #: Fields of requests beside recipes, and of `auto`.
 _OWN = {"height", "width", "effort", "recipe", "count", "methods", "lane", "leave", "seeds", "keep"}
-_OWN |= {"format", "names"}
+_OWN |= {"format", "preset"}
 #: What the library calls what a recipe calls otherwise.
 _ALIASES = {"degree": "even_light"}
 

@@ -198,7 +198,7 @@ async def add_job(call: Call) -> Any:
 @route("POST", "/batches")
 async def add_batch(call: Call) -> Any:
     """Queue a batch."""
-    fields = ("recipe", "materials", "seeds", "keep", "format", "names", "mtlx", "leave")
+    fields = ("recipe", "materials", "seeds", "keep", "format", "preset", "leave")
     given = await call.object(*fields)
     batch = Batch.of(Recipe.from_json(given.get("recipe")), given)
     for recipes in batch.recipes:

@@ -109,7 +109,7 @@ class Batch:
         recipes = [
             [recipe.changed(materials=whole, seed=seed) for seed in seeds] for whole in wholes
         ]
-        files = {name: given.get(name) for name in ("format", "names", "mtlx")}
+        files = {name: given.get(name) for name in ("format", "preset")}
         return cls(recipes, keep, ExportOptions.of(files, "batch"))
 
     def work(self, downloads: Downloads) -> Callable[[Job], None]:
@@ -154,12 +154,15 @@ class Batch:
         stem = os.path.splitext(label_of(made.name))[0]
         inner = f"{number:03}_{stem}/" if len(self.recipes) > 1 else ""
         names = []
-        for file in write(made, self.wanted.named(f"{stem}_{made.recipe.seed}"), own):
+        files, notes = write(made, self.wanted.named(f"{stem}_{made.recipe.seed}"), own)
+        for file in files:
             names.append(inner + file.name)
             pack(packed, file, names[-1])
             file.unlink()
         own.rmdir()
-        return [json.dumps({"files": names, "recipe": made.recipe.as_json()}) + "\n"]
+        return [
+            json.dumps({"files": names, "notes": notes, "recipe": made.recipe.as_json()}) + "\n"
+        ]
 
 
 def _score(made: Result) -> float:

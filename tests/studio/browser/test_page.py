@@ -145,6 +145,10 @@ def test_keys_alone(tab: Any, address: str) -> None:
     page.keyboard.press("Enter")
     page.wait_for_selector(".facts")
     page.keyboard.press("Alt+4")
+    page.keyboard.press("]")  # wherever the focus is
+    page.wait_for_selector(".panel >> text=18 px")
+    page.keyboard.press("Control+Enter")
+    page.wait_for_selector("[role=alert] >> text=There is no hole yet")
     page.locator(".viewer").focus()
     for key in ("Enter", "ArrowRight", "Shift+ArrowRight", "Enter", "Escape"):
         page.keyboard.press(key)

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import zipfile
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
 import weftex
@@ -60,6 +62,14 @@ def test_the_picture_says_what_it_is(tab: Any, address: str, photo: Path) -> Non
     page.set_input_files("input[type=file]", photo)
     page.wait_for_selector(".panel h2 >> text=Make")
     assert page.input_value("[aria-label=Width]") == "512"
+    page.click("[aria-label='Open another picture']")
+    wide = photo.with_name("wide.png")
+    weftex.write_image(wide, np.tile(weftex.read_image(photo).pixels[:64], (1, 8, 1)))
+    page.click("[data-task=bigger]")
+    page.set_input_files("input[type=file]", wide)
+    page.wait_for_selector(".strip >> text=wide.png")
+    assert page.input_value("[aria-label=Width]") == "1280"  # never less than the sample's
+    page.click(".strip >> text=wall.png")
     page.select_option("select", "quilting")
     page.wait_for_selector(".panel >> text=Made by quilting")
     assert page.is_hidden(".badge")
@@ -101,3 +111,43 @@ def test_no_label_of_a_choice_wraps(tab: Any, address: str, width: int) -> None:
     for screen in ("sample", "make", "paint"):
         page.click(f"[data-screen={screen}]")
         assert one.probe("wrapped") == []
+
+
+def test_a_material_on_solids_and_out_of_the_page(tab: Any, address: str) -> None:
+    """Every slider of the 3D view changes what is drawn; maps go to presets and the clipboard."""
+    one = tab(permissions=["clipboard-read", "clipboard-write"])
+    page = one.open(address)
+    page.click(".samples button:has-text('stone wall')")
+    page.wait_for_selector(".facts")
+    page.keyboard.press("d")
+    page.wait_for_selector("canvas.solid")
+    solid = page.locator("canvas.solid")
+    for shape in ("plane", "box", "sphere"):
+        page.check(f"input[value={shape}]")
+    last = b""
+    for slider in page.query_selector_all(".solid-controls input[type=range]"):
+        slider.focus()
+        page.keyboard.press("End")
+        page.wait_for_timeout(700)
+        now = solid.screenshot()
+        assert now != last
+        last = now
+    page.keyboard.press("p")
+
+    page.click("[data-screen=make]")
+    page.select_option("select", "quilting")
+    for side in ("Width", "Height"):
+        one.write(side, "128")
+    page.click("text=Make it")
+    page.wait_for_selector(".panel >> text=Made by quilting")
+    page.click("[data-screen=take]")
+    page.select_option("select", "unreal")
+    with page.expect_download() as saved:
+        page.click("text=Save >> nth=0")
+    names = zipfile.ZipFile(saved.value.path()).namelist()
+    assert saved.value.suggested_filename == "stone_wall_128x128.zip"
+    assert "T_stone_wall_128x128_ORM.png" in names
+    page.click("text=Copy the picture")
+    page.wait_for_selector("text=The picture is in the clipboard")
+    page.wait_for_function("() => document.querySelector('img.drag').naturalWidth === 128")
+    assert one.faults == []

@@ -5,10 +5,11 @@ import { Camera } from "./view/camera.js";
 import { LightView } from "./view/light.js";
 import { lightMaps } from "./view/light_maps.js";
 import { Plane } from "./view/plane.js";
+import { SolidView } from "./view/solid.js";
 import { Viewer } from "./view/viewer.js";
 
 const TICK = 200; // milliseconds
-const MODES = { picture: "picture", split: "split", maps: "maps", light: "light", plane: "plane" };
+const MODES = { picture: "picture", split: "split", maps: "maps", light: "light", solid: "solid", plane: "plane" };
 
 /** The picture's part of the page: one view, or several that move together, and the bar below them. */
 export class Stage {
@@ -72,6 +73,7 @@ export class Stage {
     this.camera.fitted = true;
     this.main.fit();
     this.light?.draw();
+    this.solid?.draw();
     this.buildBar();
   }
 
@@ -95,6 +97,7 @@ export class Stage {
     this.closeExtras(seen);
     if (this.mode === "split") this.showSplit(seen);
     if (this.mode === "light") this.showLight(seen);
+    if (this.mode === "solid") this.showSolid(seen);
     if (this.mode === "plane") this.showPlane();
     this.overlayFor?.(seen);
     this.buildBar();
@@ -161,6 +164,7 @@ export class Stage {
     for (const extra of this.extras ?? []) extra.remove();
     this.extras = [];
     if (this.mode !== "light" || !seen) this.closeLight();
+    if (this.mode !== "solid" || !seen) this.closeSolid();
     if (this.mode !== "plane" || !seen || this.plane?.recipe !== JSON.stringify(this.app.recipe)) this.closePlane();
   }
 
@@ -190,11 +194,28 @@ export class Stage {
       this.light = new LightView(this.main);
       this.main.element.addEventListener("pointermove", (this.follow = (event) => this.light?.follow(event)));
     }
-    const maps = seen.owner?.maps ?? [];
-    const pictures = seen.owner ? await this.pictures(seen, maps.map((one) => one.name)) : [seen.picture];
-    const { roles, directx } = lightMaps(maps, pictures, seen.picture);
+    const { roles, directx } = await this.roles(seen);
     this.light?.show(roles, { directx });
     this.app.tell("light", { guessed: !roles.normal && !roles.height });
+  }
+
+  async roles(seen) {
+    const maps = seen.owner?.maps ?? [];
+    const pictures = seen.owner ? await this.pictures(seen, maps.map((one) => one.name)) : [seen.picture];
+    return lightMaps(maps, pictures, seen.picture);
+  }
+
+  /** The material on a solid under light; a plain picture where there is no WebGL2. */
+  async showSolid(seen) {
+    if (!LightView.possible()) return this.say(t("stage.nolight"), true);
+    this.solid ??= new SolidView(this.main);
+    const { roles, directx } = await this.roles(seen);
+    this.solid?.show(roles, { directx, size: seen.size });
+  }
+
+  closeSolid() {
+    this.solid?.close();
+    this.solid = null;
   }
 
   closeLight() {
@@ -250,7 +271,7 @@ export class Stage {
   /** Keys that work wherever the focus is: modes and repetition. */
   mainKeys(key) {
     if (this.custom || !this.seen()) return false;
-    const mode = { p: "picture", b: "split", m: "maps", l: "light", e: "plane" }[key];
+    const mode = { p: "picture", b: "split", m: "maps", l: "light", d: "solid", e: "plane" }[key];
     if (mode && this.bar.querySelector(`[data-key="${mode}"]`)) this.setMode(this.mode === mode ? "picture" : mode);
     else if (key === "r" && this.mode !== "plane") this.setRepeat((this.main.repeat % 3) + 1);
     else return false;

@@ -24,7 +24,6 @@ export class MakeScreen {
     this.app.addEventListener("result", this.update);
     this.app.addEventListener("look", this.update);
     for (const type of ["preview", "recipe", "job"]) this.app.addEventListener(type, this.tell);
-    this.app.analyze();
     this.draw();
     if (now) this.make();
   }
@@ -42,6 +41,7 @@ export class MakeScreen {
     const { app } = this;
     const { recipe, about } = app;
     if (!recipe) return;
+    app.analyze();
     const { task } = recipe;
     const free = task === "synth"; // size and repetition are not given by a photo or a map
     const size = recipe.size ?? app.usualSize();

@@ -6,7 +6,7 @@ export class TakeScreen {
   constructor(app, stage) {
     this.app = app;
     this.stage = stage;
-    this.wanted = { format: "", names: "", name: "", mtlx: false, source: false, report: false, recipe: false };
+    this.wanted = { format: "", preset: "", name: "", source: false, report: false, recipe: false };
     this.update = () => this.draw();
   }
 
@@ -39,8 +39,8 @@ export class TakeScreen {
     const formats = result.formats[result.main];
     const format = h("select", { onchange: () => (wanted.format = format.value) }, h("option", { value: "" }, t("take.same")), formats.map((one) => h("option", { value: one }, one.slice(1).toUpperCase())));
     format.value = wanted.format;
-    const names = h("select", { onchange: () => (wanted.names = names.value) }, h("option", { value: "" }, t("take.names.same")), app.about.names.map((one) => h("option", { value: one }, one)));
-    names.value = wanted.names;
+    const preset = h("select", { onchange: () => ((wanted.preset = preset.value), this.draw()) }, h("option", { value: "" }, t("take.preset.none")), app.about.presets.map((one) => h("option", { value: one.name }, one.about || one.name)));
+    preset.value = wanted.preset;
     const name = h("input", { type: "text", value: wanted.name || result.file, onchange: () => (wanted.name = name.value.trim()) });
     const box = (key, words) => tick(words, wanted[key], (on) => (wanted[key] = on));
     this.maps ??= null;
@@ -48,16 +48,39 @@ export class TakeScreen {
       this.panel,
       h("div", {}, h("h2", {}, t("take.title")), h("p", { class: "hint" }, `${t("stage.size", { width: result.width, height: result.height })} · ${result.method}`)),
       field(t("take.name"), name),
-      field(t("take.format"), format),
-      set ? [field(t("take.names"), names), this.mapBoxes(result), box("mtlx", t("take.mtlx"))] : null,
+      field(t("take.preset"), preset),
+      wanted.preset ? null : field(t("take.format"), format),
+      set ? this.mapBoxes(result) : null,
       h("div", {}, box("source", t("take.source")), box("report", t("take.report")), box("recipe", t("take.recipe"))),
       this.error,
       h("button", { type: "button", class: "main large", onclick: () => this.save() }, icon("take"), t("take.go")),
       this.saved,
+      this.handOut(result),
       this.share(result),
       h("section", { class: "section" }, h("h3", {}, t("take.command")), copyable(result.command, t("take.copy.command")), h("h3", {}, "Python"), copyable(result.python, t("take.copy.python"))),
       this.batch(result),
     );
+  }
+
+  /** A preset, or a format; both are null where nothing was chosen. */
+  files() {
+    const { preset, format } = this.wanted;
+    return { preset: preset || null, format: (!preset && format) || null };
+  }
+
+  /** The picture for other programs: to the clipboard, or dragged there. */
+  handOut(result) {
+    const image = h("img", { class: "drag", alt: t("take.drag"), title: t("take.drag"), draggable: "true" });
+    pngOf(result).then((file) => {
+      image.src = URL.createObjectURL(file);
+      image.addEventListener("load", () => setTimeout(() => image.isConnected || URL.revokeObjectURL(image.src), 1000));
+      image.addEventListener("dragstart", (event) => event.dataTransfer.setData("DownloadURL", `image/png:${result.file}.png:${image.src}`));
+    });
+    const copyIt = h("button", { type: "button", onclick: () => this.attempt(async () => {
+      await navigator.clipboard.write([new ClipboardItem({ "image/png": pngOf(result) })]);
+      this.app.tell("notice", { text: t("take.copied") });
+    }) }, icon("copy"), t("take.copy.picture"));
+    return h("div", { class: "hand-out" }, image, h("div", {}, copyIt, h("p", { class: "hint" }, t("take.drag"))));
   }
 
   mapBoxes(result) {
@@ -70,8 +93,8 @@ export class TakeScreen {
     const { result } = app;
     const maps = this.left?.size ? result.maps.map((one) => one.name).filter((one) => !this.left.has(one)) : null;
     await this.attempt(async () => {
-      const made = await app.ask(result, (id) => app.api.post(`results/${id}/exports`, { ...wanted, maps, format: wanted.format || null, names: wanted.names || null, name: wanted.name || result.file }));
-      this.saved = ticket(made);
+      const made = await app.ask(result, (id) => app.api.post(`results/${id}/exports`, { ...wanted, maps, ...this.files(), name: wanted.name || result.file }));
+      this.saved = [ticket(made), made.notes.map((line) => h("p", { class: "hint" }, line))];
       this.draw();
       this.panel.querySelector("[data-ticket]").click();
     });
@@ -121,14 +144,21 @@ export class TakeScreen {
   }
 
   async runBatch(result, count, keep) {
-    const { app, wanted } = this;
+    const { app } = this;
     const seeds = Array.from({ length: count }, (_, k) => result.recipe.seed + k);
     const materials = app.shelf.length > 1 ? app.shelf : null;
-    const job = await app.run({ recipe: result.recipe, materials, seeds, keep, format: wanted.format || null, names: wanted.names || null, mtlx: wanted.mtlx, leave: "keep" }, { path: "batches" });
+    const job = await app.run({ recipe: result.recipe, materials, seeds, keep, ...this.files(), leave: "keep" }, { path: "batches" });
     if (!job) return;
     this.saved = ticket(job);
     this.draw();
   }
+}
+
+/** The picture of a result as a PNG file, as the page has it. */
+async function pngOf(result) {
+  const canvas = new OffscreenCanvas(result.bitmap.width, result.bitmap.height);
+  canvas.getContext("2d").drawImage(result.bitmap, 0, 0);
+  return canvas.convertToBlob({ type: "image/png" });
 }
 
 function ticket({ ticket: id, name, bytes }) {

@@ -17,7 +17,7 @@ export class LightView {
     this.height = 0.6; // of the light over the surface, in the same unit
     this.relief = 1; // strength of the normals
     this.gl = this.canvas.getContext("webgl2", { antialias: false, alpha: true, premultipliedAlpha: true });
-    this.program = makeProgram(this.gl);
+    this.program = makeProgram(this.gl, VERTEX, FRAGMENT);
     this.textures = {};
     this.stop = view.camera.listen(() => this.draw());
     this.observer = new ResizeObserver(() => this.draw());
@@ -36,13 +36,8 @@ export class LightView {
 
   /** Pictures by role: color, normal, roughness, height, occlusion, metallic; any may be missing. */
   show(pictures, { directx = false } = {}) {
-    const { gl } = this;
     this.directx = directx;
-    for (const texture of Object.values(this.textures)) gl.deleteTexture(texture);
-    this.textures = {};
-    for (const role of ROLES) {
-      if (pictures[role]) this.textures[role] = makeTexture(gl, pictures[role], role === "color");
-    }
+    this.textures = makeTextures(this.gl, pictures, this.textures);
     this.draw();
   }
 
@@ -78,14 +73,7 @@ export class LightView {
     gl.useProgram(program);
     const edge = view.repeat > 1 ? gl.REPEAT : gl.CLAMP_TO_EDGE;
     const at = (name) => gl.getUniformLocation(program, name);
-    ROLES.forEach((role, unit) => {
-      gl.activeTexture(gl.TEXTURE0 + unit);
-      gl.bindTexture(gl.TEXTURE_2D, this.textures[role] ?? this.textures.color);
-      gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_WRAP_S, edge);
-      gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_WRAP_T, edge);
-      gl.uniform1i(at(`${role}Map`), unit);
-      gl.uniform1i(at(`has_${role}`), role in this.textures ? 1 : 0);
-    });
+    bindTextures(gl, at, this.textures, edge);
     gl.uniform2f(at("screen"), canvas.width, canvas.height);
     gl.uniform2f(at("size"), ...view.size);
     gl.uniform2f(at("middle"), view.camera.x, view.camera.y);
@@ -94,23 +82,44 @@ export class LightView {
     gl.uniform3f(at("light"), this.light[0], this.light[1], this.height);
     gl.uniform1f(at("relief"), this.relief);
     gl.uniform1f(at("down"), this.directx ? 1 : -1);
+    gl.uniform1f(at("openness"), 1);
+    gl.uniform1f(at("roughness"), 1);
     gl.drawArrays(gl.TRIANGLES, 0, 3);
   }
 }
 
 export const ROLES = ["color", "normal", "roughness", "height", "occlusion", "metallic"];
 
-function makeProgram(gl) {
+export function makeProgram(gl, vertex, fragment) {
   const program = gl.createProgram();
-  for (const [kind, text] of [[gl.VERTEX_SHADER, VERTEX], [gl.FRAGMENT_SHADER, FRAGMENT]]) {
+  for (const [kind, text] of [[gl.VERTEX_SHADER, vertex], [gl.FRAGMENT_SHADER, fragment]]) {
     const shader = gl.createShader(kind);
     gl.shaderSource(shader, text);
     gl.compileShader(shader);
+    if (!gl.getShaderParameter(shader, gl.COMPILE_STATUS)) throw new Error(gl.getShaderInfoLog(shader));
     gl.attachShader(program, shader);
   }
   gl.linkProgram(program);
   if (!gl.getProgramParameter(program, gl.LINK_STATUS)) throw new Error(gl.getProgramInfoLog(program));
   return program;
+}
+
+/** Textures by role, in place of others. */
+export function makeTextures(gl, pictures, old) {
+  for (const texture of Object.values(old)) gl.deleteTexture(texture);
+  return Object.fromEntries(ROLES.filter((role) => pictures[role]).map((role) => [role, makeTexture(gl, pictures[role], role === "color")]));
+}
+
+/** Set the uniforms of the maps; a missing one is the color, which the shader does not read for it. */
+export function bindTextures(gl, at, textures, edge) {
+  ROLES.forEach((role, unit) => {
+    gl.activeTexture(gl.TEXTURE0 + unit);
+    gl.bindTexture(gl.TEXTURE_2D, textures[role] ?? textures.color);
+    gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_WRAP_S, edge);
+    gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_WRAP_T, edge);
+    gl.uniform1i(at(`${role}Map`), unit);
+    gl.uniform1i(at(`has_${role}`), role in textures ? 1 : 0);
+  });
 }
 
 function makeTexture(gl, picture, color) {
