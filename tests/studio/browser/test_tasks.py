@@ -70,6 +70,7 @@ def test_the_picture_says_what_it_is(tab: Any, address: str, photo: Path) -> Non
     page.wait_for_selector(".strip >> text=wide.png")
     assert page.input_value("[aria-label=Width]") == "1280"  # never less than the sample's
     page.click(".strip >> text=wall.png")
+    page.wait_for_selector(".stage-bar >> text=160 × 128")
     page.select_option("select", "quilting")
     page.wait_for_selector(".panel >> text=Made by quilting")
     assert page.is_hidden(".badge")
