@@ -92,17 +92,19 @@ def test_unpacked_maps_are_those_that_were_packed(tmp_path_factory, preset, deep
 
 
 def test_what_is_filled_in_converted_or_left_out_is_said(tmp_path):
-    light = np.linspace(0, 1, 24, dtype=np.float32).reshape(2, 4, 3)
+    light = np.linspace(0, 2, 24, dtype=np.float32).reshape(2, 4, 3)
     maps = {
         "color": light, "normal": normals((2, 4)), "gloss": noise((2, 4)),
         "height": noise((2, 4), np.uint16), "cavity": noise((2, 4)),
     }  # fmt: skip
     found, notes = written(maps, tmp_path / "a", "godot")
-    assert np.array_equal(found["albedo"], np.rint(to_stored(light.astype(float)) * 255))
+    stored = to_stored(light.clip(0, 1).astype(float))
+    assert np.array_equal(found["albedo"], np.rint(stored * 255))
     assert np.array_equal(found["orm"][..., 1], 255 - maps["gloss"])
     assert (found["orm"][..., 0] == 255).all() and (found["orm"][..., 2] == 0).all()
     assert np.array_equal(found["height"], np.rint(maps["height"] / 257))
     assert notes == [
+        "color has values from 0 to 2; those outside 0 to 1 are cut off",
         "color is rounded from floats to 8 bits",
         "normal is read as normals whose y points up; if it points down, name the map normal_dx",
         "ao is missing, so it is 1 everywhere in m_orm",
@@ -119,6 +121,11 @@ def test_what_is_filled_in_converted_or_left_out_is_said(tmp_path):
     assert np.array_equal(found["MaskMap"][..., [1, 3, 0]], arm ^ np.array([0, 255, 0], np.uint8))
     assert np.array_equal(found["BaseColor"], maps["base"])
     assert notes == ["detail is missing, so it is 1 everywhere in m_MaskMap"]
+    found, notes = written({"color": maps["base"][..., :3], "height": maps["height"], "orm": arm},
+                           tmp_path / "d", "blender")  # fmt: skip
+    assert np.array_equal(found["metallic"], arm[..., 2]) and notes == []
+    _, notes = written({"orm": arm, "normal_gl": normals((2, 4))}, tmp_path / "e", "terrain3d")
+    assert "ao, metallic of orm is left out: preset terrain3d has no place for it" in notes
     signed = normals((2, 4)) / np.float32(127.5) - 1
     found, _ = written({"normal_gl": signed}, tmp_path / "c", "unreal")
     assert np.array_equal(found["Normal"][..., 1] / 257, 255 - normals((2, 4))[..., 1])
@@ -132,8 +139,16 @@ def test_maps_that_do_not_fit_are_refused_before_anything_is_written(tmp_path):
         ({"normal_gl": noise((6, 9, 3))}, "unreal", "normal_gl is no map of normals"),
         ({"normal_gl": noise((6, 9))}, "unreal", "normal_gl has 1 channels"),
         ({"roughness": noise((6, 9, 3))}, "gltf", "its 3 channels differ; save it as gray"),
-        ({"roughness": None}, "terrain3d", "packs roughness into m_nrm_rgh, and m has none"),
-        ({"roughness": None}, "unity-urp", "packs gloss into m_MetallicOcclusionSmoothness"),
+        (
+            {"roughness": None},
+            "terrain3d",
+            "roughness or gloss into m_nrm_rgh, and m has none",
+        ),
+        (
+            {"roughness": None},
+            "unity-urp",
+            "gloss or roughness into m_MetallicOcclusion",
+        ),
         (dict.fromkeys(good) | {"cavity": noise((6, 9))}, "godot", "m has only cavity"),
         ({"height": floats["height"] + 2}, "godot", "height has values from 2 to 2"),
         ({"height": np.zeros((6, 9), np.int32)}, "godot", "height is int32"),

@@ -51,14 +51,18 @@ def pack_set(
         return PackedSet(tuple(kept), (), name)
     packer = _Packer(preset, name, pictures, roles)
     files = [made for one in preset.files if (made := packer.file(one)) is not None]
-    left = [key for key in pictures if key not in packer.used]
     if not files:
         wanted = ", ".join(role for role in packer.listed if role != UNUSED)
         raise InvalidInputError(
             f"preset {preset.name} needs one of {wanted}, and {name} has only {packer.have}"
         )
-    notes = [f"{key} is left out: preset {preset.name} has no place for it" for key in left]
-    return PackedSet(tuple(files), (*packer.notes, *notes), name, preset.material)
+    for key, role in roles.items():
+        used = packer.used.get(key, set())
+        left = [one for one in role.channels if one not in used and one != UNUSED]
+        if not used or left:
+            what = f"{', '.join(left)} of {key}" if used else key
+            packer.notes.append(f"{what} is left out: preset {preset.name} has no place for it")
+    return PackedSet(tuple(files), tuple(packer.notes), name, preset.material)
 
 
 class _Packer:
@@ -69,7 +73,7 @@ class _Packer:
     ) -> None:
         self.preset, self.name, self.pictures, self.roles = preset, name, pictures, roles
         self.notes: list[str] = []
-        self.used: set[str] = set()
+        self.used: dict[str, set[str]] = {}  # roles by maps
         self.listed = dict.fromkeys(role for one in preset.files for role in one.roles)
         self.have = ", ".join(role.name for role in roles.values())
 
@@ -97,7 +101,7 @@ class _Packer:
                 continue  # that map has a file of its own
             for key, one in self.roles.items():
                 if one.name == other or other in one.channels:
-                    self.used.add(key)
+                    self.used.setdefault(key, set()).add(other)
                     if other == "normal":
                         self.notes.append(
                             f"{key} is read as normals whose y points up; if it points down, name "
@@ -111,8 +115,9 @@ class _Packer:
 
     def _neutral(self, role: str, stem: str) -> Part:
         if role not in self.preset.missing:
+            wanted = " or ".join((role, *_MADE_FROM.get(role, ())))
             raise InvalidInputError(
-                f"preset {self.preset.name} packs {role} into {stem}, and {self.name} has none "
+                f"preset {self.preset.name} packs {wanted} into {stem}, and {self.name} has none "
                 f"(only {self.have}); add a map of it"
             )
         value = self.preset.missing[role]
@@ -180,11 +185,11 @@ class _Packer:
             pixels = given[part.source].pixels if part.source else np.zeros(1)
             low, high = float(pixels.min()), float(pixels.max())
             outside = pixels.dtype.kind == "f" and not -_SLACK <= low <= high <= 1 + _SLACK
-            if outside and ROLES.get(part.role, ROLES["mask"]).kind not in ("color", "normal"):
-                raise InvalidInputError(
-                    f"{part.source} has values from {low:g} to {high:g}, and {wanted.name}{suffix} "
-                    "holds 0 to 1; scale them first"
-                )
+            said = f"{part.source} has values from {low:g} to {high:g}"
+            if outside and ROLES[part.role].kind == "color":
+                self.notes.append(f"{said}; those outside 0 to 1 are cut off")
+            elif outside and ROLES[part.role].kind != "normal":
+                raise InvalidInputError(f"{said}, and a {suffix} file holds 0 to 1; scale them")
         for key, one in types.items():
             if one.itemsize > dtype.itemsize:
                 what = "floats" if one.kind == "f" else "16"
