@@ -23,11 +23,12 @@ from _common import Table, load, run, sheet, shrunk, sized, some
 from PIL import Image, ImageDraw
 
 import weftex
-from weftex.analysis.autocorrelations import SIGNIFICANT
 from weftex.analysis.canvas_lattice import CanvasLattice
+from weftex.analysis.correlation import correlate
 from weftex.analysis.lattice import Lattice, find_lattice, rate_lattices
-from weftex.analysis.overlay import draw_correlation, draw_lattice, gncc
-from weftex.analysis.pairs import tile_shares
+from weftex.analysis.overlay import draw_lattice
+from weftex.analysis.pairs import SIGNIFICANT, tile_shares
+from weftex.analysis.relief import relief
 from weftex.methods.best_tile.repetition import repeated as repeated_tiles
 from weftex.methods.best_tile.tiles import tile_errors
 
@@ -75,6 +76,17 @@ def enlarged(pixels: np.ndarray, times: int = 2) -> Image.Image:
         .convert("RGB")
         .resize((pixels.shape[1] * times, pixels.shape[0] * times), Image.Resampling.NEAREST)
     )
+
+
+def gncc(sample: weftex.Exemplar) -> np.ndarray:
+    """The correlation of a sample with itself (3.2), without slow lighting."""
+    flat = relief(sample)
+    return correlate(flat.levels, flat.usable >= 0.5)
+
+
+def draw_correlation(correlation: np.ndarray) -> np.ndarray:
+    """White is 1, the gray in the middle 0, black -1."""
+    return np.rint((correlation + 1) * 127.5).astype(np.uint8)
 
 
 def lattice_of(pixels: np.ndarray) -> Lattice:

@@ -19,9 +19,6 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-ALPHA = 1.12  # the paper's; above 1 it prefers smaller tiles
-SIGNIFICANT = 0.85  # share of a tile that an overlap must hold (section 3.3.1)
-
 _SIGMAS = 3.0  # standard errors of one multiple that count as chance
 _CLOSE = 10.0  # pixels; shorter vectors are rated by single pixels
 _ONE_LINE = 1e-10  # of the square of its trace: what the determinant of multiples on a line has
@@ -38,10 +35,8 @@ class Autocorrelations:
     chance: float
 
 
-def autocorrelations(
-    exemplar: Exemplar, alpha: float = ALPHA, significant: float = SIGNIFICANT
-) -> Autocorrelations:
-    """Return the autocorrelations of a sample; alpha and significant as for `find_lattice`."""
+def autocorrelations(exemplar: Exemplar) -> Autocorrelations:
+    """Return the autocorrelations of a sample."""
     flat = relief(exemplar)
     usable, power = flat.usable >= 0.5, None
     if usable.all():
@@ -49,26 +44,17 @@ def autocorrelations(
     else:
         own = correlate(flat.levels, usable)
     even, chance = whitened(flat, power)
-    white = Field(even, alpha, significant, _SIGMAS * chance)
-    return Autocorrelations(flat, Field(own, alpha, significant), white, chance)
+    return Autocorrelations(flat, Field(own), Field(even, _SIGMAS * chance), chance)
 
 
 class Field:
     """An autocorrelation and its peaks, to be read at multiples of vectors.
 
-    `alpha` is that of eq. 3.22, `significant` the share of a tile that an overlap must hold;
     `unsure` is the contrast of one multiple by chance, if all of the sample overlaps.
     """
 
-    def __init__(
-        self,
-        correlation: Floats,
-        alpha: float = ALPHA,
-        significant: float = SIGNIFICANT,
-        unsure: float | None = None,
-    ) -> None:
-        self.correlation, self.peaks = correlation, find_peaks(correlation)
-        self.alpha, self.significant, self.unsure = alpha, significant, unsure
+    def __init__(self, correlation: Floats, unsure: float | None = None) -> None:
+        self.correlation, self.peaks, self.unsure = correlation, find_peaks(correlation), unsure
         self.height, self.width = (side // 2 + 1 for side in correlation.shape)
         # Multiples lie between pixels, and material is not exact: of a place and its neighbors
         # the highest counts, also at the places between multiples.

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from weftex.analysis.autocorrelations import ALPHA, SIGNIFICANT, autocorrelations
+from weftex.analysis.autocorrelations import autocorrelations
 from weftex.analysis.canvas_lattice import check_lattice, four_numbers, given_lattice
 from weftex.analysis.lattice import Lattice, Rated, rate_lattices
 from weftex.analysis.overlay import courses, lattice_lines
@@ -72,7 +72,7 @@ class LatticeRating:
 
     def __init__(self, exemplar: Exemplar) -> None:
         self._exemplar = exemplar
-        self._fields = autocorrelations(exemplar, ALPHA, SIGNIFICANT)
+        self._fields = autocorrelations(exemplar)
 
     def rate(self, numbers: str) -> DrawnLattice:
         """Draw and rate a lattice given as x1,y1,x2,y2.

@@ -13,13 +13,7 @@ from weakref import WeakKeyDictionary
 
 import numpy as np
 
-from weftex.analysis.autocorrelations import (
-    ALPHA,
-    SIGNIFICANT,
-    Autocorrelations,
-    Field,
-    autocorrelations,
-)
+from weftex.analysis.autocorrelations import Autocorrelations, Field, autocorrelations
 from weftex.analysis.candidates import (
     CLEAR,
     LEAST,
@@ -34,7 +28,7 @@ from weftex.analysis.candidates import (
 )
 from weftex.analysis.pairs import (
     MOST_MULTIPLES,
-    check_rule,
+    goodness_of,
     highest,
     rate,
     rated_pairs,
@@ -158,10 +152,8 @@ class Lattice:
         return min(corners, key=lambda c: math.hypot(c[0] - x, c[1] - y))
 
 
-#: Cached by goodness, alpha and share, as methods, scale and `auto` all ask.
-_FOUND: WeakKeyDictionary[Exemplar, dict[tuple[str, float, float], Lattice | None]] = (
-    WeakKeyDictionary()
-)
+#: Cached by goodness, as methods, scale and `auto` all ask.
+_FOUND: WeakKeyDictionary[Exemplar, dict[str, Lattice | None]] = WeakKeyDictionary()
 
 
 def _rightward(vector: Vector) -> Vector:
@@ -170,36 +162,27 @@ def _rightward(vector: Vector) -> Vector:
     return (x, y) if x + y / 8 > 0 else (-x, -y)
 
 
-def find_lattice(
-    exemplar: Exemplar,
-    *,
-    goodness: str = "contrast",
-    alpha: float = ALPHA,
-    significant: float = SIGNIFICANT,
-) -> Lattice | None:
+def find_lattice(exemplar: Exemplar, *, goodness: str = "contrast") -> Lattice | None:
     """Return the lattice of a sample, its rows, or None where neither repeats or pieces lie apart.
 
-    Section 3.3 of the thesis; pairs of vectors are rated by `goodness`, with the exponent `alpha`
-    of eq. 3.22 and the `significant` share of a tile, see `weftex.analysis.pairs`. Slow lighting is
-    taken off first. Where a sample with its maps shows none, the maps alone are looked at: stones
-    of many colors hide joints that normals show.
+    Section 3.3 of the thesis; pairs of vectors are rated by `goodness`, "contrast" or "height", see
+    `weftex.analysis.pairs`. Slow lighting is taken off first. Where a sample with its maps shows
+    none, the maps alone are looked at: stones of many colors hide joints that normals show.
 
     >>> from weftex.exemplar import Exemplar
     >>> tile = np.random.default_rng(0).integers(0, 255, (12, 16), np.uint8)
     >>> find_lattice(Exemplar(np.tile(tile, (6, 5)))).vectors
     ((0.0, 12.0), (16.0, 0.0))
     """
-    check_rule(goodness, alpha, significant)
-    rule = (goodness, alpha, significant)
     if exemplar.pieces:
         return None
     known = _FOUND.setdefault(exemplar, {})
-    if rule not in known:
-        known[rule] = lattice_in(autocorrelations(exemplar, alpha, significant), goodness)
+    if goodness not in known:
+        known[goodness] = lattice_in(autocorrelations(exemplar), goodness)
         maps = maps_alone(exemplar)
-        if known[rule] is None and maps is not None:
-            known[rule] = lattice_in(autocorrelations(maps, alpha, significant), goodness)
-    return known[rule]
+        if known[goodness] is None and maps is not None:
+            known[goodness] = lattice_in(autocorrelations(maps), goodness)
+    return known[goodness]
 
 
 def lattice_in(fields: Autocorrelations, goodness: str = "contrast") -> Lattice | None:
@@ -262,14 +245,11 @@ def rate_lattices(
     lattice: Lattice | None = None,
     *,
     goodness: str = "contrast",
-    alpha: float = ALPHA,
-    significant: float = SIGNIFICANT,
     runners_up: int = 3,
     fields: Autocorrelations | None = None,
 ) -> tuple[Rated | None, tuple[Rated, ...]]:
     """Rate a lattice, and the best others that a sample could have."""
-    check_rule(goodness, alpha, significant)
-    fields = autocorrelations(exemplar, alpha, significant) if fields is None else fields
+    fields = autocorrelations(exemplar) if fields is None else fields
     field, step = fields.field, fields.flat.step
 
     def rated(vectors: NDArray[np.float64]) -> Rated:
@@ -301,5 +281,5 @@ def rate_lattices(
 
 def _rated_rows(lattice: Lattice, field: Field, vector: NDArray[np.float64]) -> Rated:
     mean, number = ridges(field.correlation, vector)
-    goodness = max(mean, 0.0) ** field.alpha * number ** (field.alpha - 1)
+    goodness = float(goodness_of(mean, number))
     return Rated(lattice.reduced().vectors, round(goodness, 4), round(mean, 4), number)

@@ -7,9 +7,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from weftex.analysis.correlation import correlate
-from weftex.analysis.relief import relief
-
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
@@ -78,18 +75,6 @@ def _lines_over(levels: NDArray[np.uint8], lattice: Lattice) -> list[tuple[Float
     return [
         (across, _busiest(x * across[0] + y * across[1], change)) for across in _across(lattice)
     ]
-
-
-def gncc(exemplar: Exemplar) -> Floats:
-    """Return the normalized correlation of a sample with itself, without slow lighting (3.2)."""
-    flat = relief(exemplar)
-    return correlate(flat.levels, flat.usable >= 0.5)
-
-
-def draw_correlation(correlation: Floats) -> NDArray[np.uint8]:
-    """A correlation as a gray picture: white is 1, the gray in the middle 0, black -1."""
-    gray: NDArray[np.uint8] = np.rint((correlation + 1) * 127.5).astype(np.uint8)
-    return gray
 
 
 def _across(lattice: Lattice) -> list[Floats]:

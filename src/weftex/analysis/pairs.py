@@ -11,7 +11,6 @@ half and a third of the way between them.
 
 from __future__ import annotations
 
-import numbers
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import TYPE_CHECKING
@@ -19,7 +18,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from weftex.analysis.autocorrelations import Field, Peaks, fit_vectors
-from weftex.errors import InvalidInputError, did_you_mean, shown
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -35,9 +33,9 @@ _PEAKS = 40  # that pairs are made of, of each octave of lengths the highest
 _DOMINANT = 0.25  # of the shorter vector: the region that both peaks must dominate
 _PAIRS = 24  # pairs that are fitted, and rated by all their multiples
 
-MOST_ALPHA = 4.0  # by far the smallest tile wins
+ALPHA = 1.12  # of eq. 3.22, the thesis's; above 1 it prefers smaller tiles
+SIGNIFICANT = 0.85  # share of a tile that an overlap must hold (section 3.3.1)
 UNSURE = 0.25  # standard error of the contrast of one multiple, about
-GOODNESS = ("contrast", "height")
 
 #: Multiples themselves, and half and a third of the way between them.
 PHASES = (0.0, 1 / 2, 1 / 3, 2 / 3)
@@ -126,21 +124,6 @@ class Rating:
     count: Floats  # (n,) of significant multiples
 
 
-def check_rule(goodness: str, alpha: float, significant: float) -> None:
-    """Raise `InvalidInputError` for an unknown goodness, or a number out of range."""
-    if goodness not in GOODNESS:
-        raise InvalidInputError(f"goodness is {goodness!r}{did_you_mean(str(goodness), GOODNESS)}")
-    for name, value in (("alpha", alpha), ("significant", significant)):
-        if not isinstance(value, numbers.Real) or isinstance(value, bool):
-            raise InvalidInputError(f"{name} is {shown(value)}; it must be a number")
-    if not 1 <= alpha <= MOST_ALPHA:
-        raise InvalidInputError(f"alpha is {shown(alpha)}; it must be from 1 to {MOST_ALPHA:g}")
-    if not 0 < significant <= 1:
-        raise InvalidInputError(
-            f"significant is {shown(significant)}; it must be above 0, at most 1"
-        )
-
-
 def rate(field: Field, pairs: Floats, reach: int, kind: str, *, exact: bool = False) -> Rating:
     """Rate pairs of vectors (n, 2, 2) by multiples of up to `reach` times each vector.
 
@@ -164,9 +147,14 @@ def rate(field: Field, pairs: Floats, reach: int, kind: str, *, exact: bool = Fa
         else:
             value = _above_chance(contrasts, weights, times, field.unsure)
     number = count if exact else 2 * field.width * field.height / np.maximum(area, 1)
-    # Eq. 3.23.
-    goodness = np.maximum(value, 0) ** field.alpha * np.maximum(number, 1) ** (field.alpha - 1)
+    goodness = goodness_of(value, number)
     return Rating(np.where(both, goodness, 0), value, count)
+
+
+def goodness_of(mean: Floats | float, number: Floats | float) -> Floats:
+    """Return the goodness of means over a number of multiples (eq. 3.23)."""
+    found: Floats = np.maximum(mean, 0) ** ALPHA * np.maximum(number, 1) ** (ALPHA - 1)
+    return found
 
 
 def contrast_of(field: Field, pair: Floats, reach: int) -> float:
@@ -246,7 +234,7 @@ def places(
     wide, high = field.width - abs(x), field.height - abs(y)
     area = abs(pairs[:, 0, 0] * pairs[:, 1, 1] - pairs[:, 0, 1] * pairs[:, 1, 0])[:, None]
     box = abs(pairs).sum(axis=1)  # sides of the box around the tile
-    counts = (wide >= 1) & (high >= 1) & (wide * high >= field.significant * area)
+    counts = (wide >= 1) & (high >= 1) & (wide * high >= SIGNIFICANT * area)
     if not exact:
         counts &= (wide >= box[:, :1] / 2) & (high >= box[:, 1:] / 2) & (wide * high >= area)
         return x, y, counts
@@ -254,7 +242,7 @@ def places(
     for k in np.flatnonzero(unsure.any(axis=1)):
         at = unsure[k]
         whole = np.rint(pairs[k]).astype(np.int64)
-        counts[k, at] = tile_shares(whole, wide[k, at], high[k, at]) >= field.significant
+        counts[k, at] = tile_shares(whole, wide[k, at], high[k, at]) >= SIGNIFICANT
     return x, y, counts
 
 

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
 #: Options whose value is written, and what `-` stands for there; `-.exr` names another format.
-_WRITTEN = dict.fromkeys(("-o", "--output", "--overlay", "--correlation"), ".png")
+_WRITTEN = dict.fromkeys(("-o", "--output", "--overlay"), ".png")
 _WRITTEN["--save-source"] = ".npz"
 _PAGES = ("report", "compare")
 _SUFFIXES = {"jpeg": ".jpg", "tiff": ".tif", "openexr": ".exr", "jpegxl": ".jxl"}

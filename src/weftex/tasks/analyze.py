@@ -11,10 +11,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from weftex.analysis import canvas_lattice
-from weftex.analysis.autocorrelations import ALPHA, SIGNIFICANT, autocorrelations
+from weftex.analysis.autocorrelations import autocorrelations
 from weftex.analysis.lattice import Lattice, Rated, lattice_in, rate_lattices
 from weftex.analysis.overlay import courses
-from weftex.analysis.pairs import check_rule
 from weftex.analysis.properties import SEAMLESS, Evenness, border_steps, regularity
 from weftex.analysis.scale import DominantScale, dominant_scale
 from weftex.choice import Choice
@@ -58,17 +57,12 @@ class Ratings:
 
     Attributes
     ----------
-    goodness, alpha, significant : str, float, float
-        The rating that was used; see `weftex.analyze`.
     found, given : Rated or None
         The lattice of the sample, and the one passed to `analyze`.
     runners_up : tuple of Rated
         Other possible lattices, best first.
     """
 
-    goodness: str
-    alpha: float
-    significant: float
     found: Rated | None
     given: Rated | None
     runners_up: tuple[Rated, ...]
@@ -188,7 +182,7 @@ class Analysis:
             rows = [("lattice", f"{_words(own)}, confidence {own.confidence:g}")]
             rows.append(("vectors", f"{_numbers(own)} px"))
         if rated.found is not None:
-            rows.append(("goodness", f"{_goodness(rated.found)}, by {rated.goodness}"))
+            rows.append(("goodness", _goodness(rated.found)))
         if rated.given is not None:
             rows.append(("given", _rated(rated.given)))
         for number, other in enumerate(rated.runners_up, 1):
@@ -199,9 +193,6 @@ class Analysis:
 def analyze(
     sample: Sample,
     *,
-    goodness: str = "contrast",
-    alpha: float = ALPHA,
-    significant: float = SIGNIFICANT,
     lattice: Sequence[float] | str | None = None,
     runners_up: int = _RUNNERS_UP,
 ) -> Analysis:
@@ -211,13 +202,6 @@ def analyze(
     ----------
     sample : path, array, PIL image or Exemplar
         The material; see `weftex.load_exemplar`.
-    goodness : {"contrast", "height", "dominance"}
-        How lattices are rated; the thesis uses "height".
-    alpha : float
-        Exponent of eq. 3.22 of the thesis.
-    significant : float
-        Share of a tile that an overlap must have to count, 0 to 1; 0.85 in the thesis. The three
-        do not change which method `choice` names.
     lattice : Lattice, (x1, y1, x2, y2) or str, optional
         Also rate this lattice. A vector of one pixel is the direction of rows.
     runners_up : int
@@ -240,20 +224,17 @@ def analyze(
     >>> round(found.scale), found.confidence > 0.9, found.tiles
     (12, True, (False, False))
     """
-    check_rule(goodness, alpha, significant)
     if isinstance(runners_up, bool) or runners_up not in range(_MOST_RUNNERS_UP + 1):
         raise InvalidInputError(
             f"runners_up is {runners_up!r}; it must be from 0 to {_MOST_RUNNERS_UP}"
         )
     exemplar = load_exemplar(sample)
-    rule: dict[str, Any] = {"goodness": goodness, "alpha": alpha, "significant": significant}
     given = None if lattice is None else given_lattice(lattice, exemplar)
     down, right = border_steps(exemplar)
     model = Auto().fit_exemplar(exemplar)
     look = model.findings
-    seen = autocorrelations(exemplar, alpha, significant)
-    usual = (goodness, alpha, significant) == ("contrast", ALPHA, SIGNIFICANT)
-    own = look.lattice if usual and look.exact else lattice_in(seen, goodness)
+    seen = autocorrelations(exemplar)
+    own = look.lattice if look.exact else lattice_in(seen)
     found = dominant_scale(exemplar, own)
     return Analysis(
         name=exemplar.name,
@@ -270,7 +251,7 @@ def analyze(
         spectrum=_bands(found),
         regularity=regularity(exemplar),
         lattice=own,
-        ratings=_rate(exemplar, (own, given), rule, runners_up, seen),
+        ratings=_rate(exemplar, own, given, runners_up, seen),
         border_steps=(down, right),
         tiles=(down <= SEAMLESS, right <= SEAMLESS),
         evenness=look.evenness,
@@ -288,18 +269,17 @@ def given_lattice(vectors: Sequence[float] | str, exemplar: Exemplar) -> Lattice
 
 def _rate(
     exemplar: Exemplar,
-    lattices: tuple[Lattice | None, Lattice | None],
-    rule: dict[str, Any],
+    own: Lattice | None,
+    given: Lattice | None,
     runners_up: int,
     seen: Autocorrelations,
 ) -> Ratings:
     """Return the ratings of the sample's own lattice and of the given one."""
-    own, given = lattices
-    found, others = rate_lattices(exemplar, own, **rule, runners_up=runners_up, fields=seen)
+    found, others = rate_lattices(exemplar, own, runners_up=runners_up, fields=seen)
     asked = None
     if given is not None:
-        asked = rate_lattices(exemplar, given, **rule, runners_up=0, fields=seen)[0]
-    return Ratings(**rule, found=found, given=asked, runners_up=others)
+        asked = rate_lattices(exemplar, given, runners_up=0, fields=seen)[0]
+    return Ratings(found, asked, others)
 
 
 def _numbers(lattice: Lattice) -> str:
