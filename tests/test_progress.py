@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import weftex
-from families import every, kinds_of, method_of
+from families import canvas_of, every, method_of
 from weftex.errors import CancelledError
 from weftex.progress import Progress
 
@@ -33,22 +33,9 @@ def test_only_false_cancels(answer):
 SAMPLE = np.random.default_rng(1).integers(0, 256, (40, 40, 3), np.uint8)
 
 
-def canvas_of(kind):
-    if kind == "hole":
-        hole = np.zeros((40, 40), bool)
-        hole[10:30, 5:20] = True
-        known = SAMPLE.copy()
-        known[hole] = 0
-        return weftex.Canvas(40, 40, known=known, hole=hole)
-    return weftex.Canvas(60, 50, (kind == "wrapped",) * 2)
-
-
-@every("method", "way")
-@pytest.mark.parametrize("kind", ["plain", "wrapped", "hole"])
-def test_every_stage_counts_up_to_its_total(method, way, kind):
-    if {"wrapped": "xy"}.get(kind, kind) not in kinds_of(method):
-        return
-    canvas = canvas_of(kind)
+@every("method", "kind", "way", kinds=("plain", "xy", "hole"))
+def test_every_stage_counts_up_to_its_total(method, kind, way):
+    canvas = canvas_of(kind, SAMPLE, (60, 50))
     seen, previews = [], []
 
     def callback(done, total, stage, preview):

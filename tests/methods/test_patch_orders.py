@@ -37,33 +37,6 @@ def test_patches_cover_an_axis_evenly(length, size, wrap, data):
         assert (fewer - 1) * (size - overlap) + size < length
 
 
-@pytest.mark.parametrize("length", [1, 2, 16])
-@pytest.mark.parametrize("rows, columns", [(1, 1), (1, 40), (40, 1), (20, 40), (40, 3), (35, 17)])
-def test_wavefronts_cover_the_grid_once(rows, columns, length):
-    cells = [
-        (row, column)
-        for group in wavefronts(rows, columns, length)
-        for row, first, last in group
-        for column in range(first, last)
-    ]
-    assert sorted(cells) == list(itertools.product(range(rows), range(columns)))
-
-
-@pytest.mark.parametrize("length", [1, 2, 16])
-@pytest.mark.parametrize("rows, columns", [(20, 40), (40, 3), (35, 17), (70, 20)])
-def test_wavefronts_keep_the_documented_order(rows, columns, length):
-    """Left, upper left, upper and upper right neighbors are in earlier groups or pieces."""
-    when, piece = {}, {}
-    for n, group in enumerate(wavefronts(rows, columns, length)):
-        for row, first, last in group:
-            for column in range(first, last):
-                when[row, column], piece[row, column] = n, (n, row, first)
-    for (i, j), n in when.items():
-        for a, b in ((i, j - 1), (i - 1, j - 1), (i - 1, j), (i - 1, j + 1)):
-            if (a, b) in when:
-                assert when[a, b] < n or piece[a, b] == piece[i, j]
-
-
 @pytest.mark.parametrize("blend", ["feather", "cut"])
 @pytest.mark.parametrize(
     "shape, size, overlap",

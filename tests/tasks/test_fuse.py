@@ -167,19 +167,12 @@ def test_what_does_not_fit_is_refused():
     refused(other, [A, B.astype(np.uint16)], HALVES)
     refused("is uint8 with 2 channels", [A, weftex.Exemplar(B[..., :2], alpha=False)], HALVES)
     refused("with 3 channels and alpha", [A, np.dstack([B, B[..., 0]])], HALVES)
-    refused("sample 2 is None", [A, None], HALVES)
     for single in (A, "sample:pebbles", None):
         refused("give a list of two or more samples", single, HALVES)
-    refused("the map is None", [A, B], None)
-    refused("the map contains NaN", [A, B], np.where(HALVES, np.nan, 0.0))
-    refused("the map has 3 colors", [A, B], THREE)
-    refused("the map has the label -1", [A, B], HALVES * 3 - 1)
     refused("boundary is 'soft'.*merged", [A, B], HALVES, boundary="soft")
     for wide in (0, 1, -4, 3.5, True):
         refused(f"belt_width is {wide}", [A, B], HALVES, belt_width=wide)
     refused("belt_width is 81; it must be at most 80", [A, B], HALVES, belt_width=81)
-    refused("no pixel of the color 1", [A, B], HALVES * 0)
-    refused("2 colors .* for 3 samples", [A, B, C], np.uint8([(0, 0, 9), (9, 0, 0)])[HALVES])
     refused("the map is 80x70, the size 50x60", [A, B], HALVES, (60, 50))
     refused("needs the size", [A, B], "gradient")
     refused("a gradient has no colors", [A, B], "gradient", 50, colors=[0, 1])
@@ -187,13 +180,11 @@ def test_what_does_not_fit_is_refused():
     refused("two numbers of samples", [A, B], HALVES, mixed={2: 1})
     refused("two numbers of samples", [A, B], HALVES, mixed={2: (0, 2)})
     refused("colors of the samples beside", [A, B], HALVES + 5, mixed={2: (0, 1)})
-    refused("shape", [A, B], np.zeros((3, 3, 3, 3), np.uint8))
     for method in ("quilting", "patch-sampling", "near-regular"):
         refused(
             "several samples in one picture; these do: .*refinement", [A, B], HALVES, method=method,
             error=weftex.UnsupportedError,
         )  # fmt: skip
-    refused("no parameter 'nothing'", [A, B], HALVES, nothing=3)
     refused("nowhere.png", [A, B], "nowhere.png", error=weftex.FileError)
 
 

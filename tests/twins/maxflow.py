@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
-
 import numpy as np
 
 from twins.windows import ARCS
@@ -18,19 +16,6 @@ def cut_value(side, arcs, source, sink):
             if 0 <= y + dy < height and 0 <= x + dx < width and not side[y + dy, x + dx]:
                 value += arcs[y, x, d]
     return int(value)
-
-
-def cut_by_exhaustion(arcs, source, sink):
-    """Of all labellings of a tiny grid the cheapest, and of those the one that holds the fewest.
-
-    The source's sides of minimum cuts are closed under intersection, so there is one such.
-    """
-    cells = [(False, True)] * source.size
-    sides = [np.reshape(labels, source.shape) for labels in itertools.product(*cells)]
-    values = [cut_value(side, arcs, source, sink) for side in sides]
-    best = min(values)
-    least = np.logical_and.reduce([s for s, v in zip(sides, values, strict=True) if v == best])
-    return least, best
 
 
 def cut_by_scipy(arcs, source, sink):
