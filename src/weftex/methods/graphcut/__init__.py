@@ -20,7 +20,7 @@ from weftex.methods.graphcut.subpatch import SubPatchMatching
 from weftex.methods.pixels.growth import PixelModel
 from weftex.parameters import parameter
 from weftex.repeats import PatchPenalty, Repetition
-from weftex.repeats.salience import OrientedPenalty, SaliencePenalty
+from weftex.repeats.salience import SaliencePenalty
 from weftex.search.windows import windows_of
 from weftex.threads import quick_map
 
@@ -284,22 +284,16 @@ def placement_of(
             step = 2 * parts.reduction
             parts.penalty = PatchPenalty(policy, sample.exemplar, growth, parts.size, step)
         return parts
-    policy = Repetition(variety, nearby=0.3, use=0.05)
-    if sample.boxes:
-        copies = OrientedMatching(sample, growth)
-        if variety > 0:
-            first = sample.part(sample.boxes[0]).windows
-            copies.penalty = OrientedPenalty(
-                policy, sample.exemplar, growth, first.pixels, first.usable, sample.boxes
-            )
-            for way in copies.ways:
-                way.penalty = copies.penalty
-        return copies
-    entire = EntirePatchMatching(sample, growth, lattice=method.lattice)
+    boxes = sample.boxes or [(0, 0, *sample.exemplar.shape)]
+    penalty = None
     if variety > 0:
-        windows, reduction = sample.windows, entire.reduction
-        entire.penalty = SaliencePenalty(policy, growth, windows.pixels, windows.usable, reduction)
-    return entire
+        # Things that are shown both ways up look less alike.
+        policy = Repetition(variety, nearby=0.3 if sample.boxes else 0.4, use=0.05)
+        first = sample.part(boxes[0]).windows
+        penalty = SaliencePenalty(policy, sample.exemplar, growth, first, boxes)
+    if sample.boxes:
+        return OrientedMatching(sample, growth, penalty)
+    return EntirePatchMatching(sample, growth, lattice=method.lattice, penalty=penalty)
 
 
 def cover(method: GraphCut, placement: Placement, sample: Sample, growth: Growth) -> None:

@@ -53,13 +53,14 @@ class EntirePatchMatching:
         random: bool = False,
         lattice: tuple[float, ...] | None = None,
         copy: int = 0,
+        penalty: Penalty | None = None,
     ) -> None:
         self.growth, self.canvas, self.random, self.copy = growth, growth.canvas, random, copy
         self.usable = sample.windows.usable
         self.size = size_on(growth.canvas, sample.windows.shape)
         self.reduction = sample.reduction_for(self.size, self.usable)
         self.levels = sample.levels(self.reduction)
-        self.penalty: Penalty | None = None
+        self.penalty = penalty
         self._spectra: dict[int, Spectra] = {}
         self._on_canvas = Level(growth.pixels, growth.done)
         # How far the sample reaches from a pixel that it covers, in whole pixels of all levels.
@@ -235,17 +236,16 @@ def on_smaller(places: NDArray[np.bool_], count: int) -> list[NDArray[np.uint8]]
 class OrientedMatching:
     """Entire patch matching where the sample is a picture of copies: each patch is of one copy."""
 
-    def __init__(self, sample: Sample, growth: Growth) -> None:
-        self.boxes = sample.boxes
+    def __init__(self, sample: Sample, growth: Growth, penalty: Penalty | None) -> None:
+        self.boxes, self.penalty = sample.boxes, penalty
         self.ways = [
-            EntirePatchMatching(sample.part(box), growth, copy=number)
+            EntirePatchMatching(sample.part(box), growth, copy=number, penalty=penalty)
             for number, box in enumerate(self.boxes)
         ]
         # Quarter turns of a sample that is not square have other sides.
         height, width = (max(sides) for sides in zip(*(way.size for way in self.ways), strict=True))
         self.size, self.reduction = (height, width), self.ways[0].reduction
         self.levels = self.ways[0].levels
-        self.penalty: Penalty | None = None  # that of all ways, too
 
     def matches(
         self, pixel: tuple[int, int], number: int, centered: bool, map_: Callable[..., Any] = map
