@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from weftex.analysis.properties import SEAMLESS, border_steps
+from weftex.analysis.properties import border_steps
 from weftex.quality.assess import LARGEST_MEASURED
 from weftex.quality.faults import as_shown
 from weftex.quality.figures import FIGURES
@@ -19,6 +19,8 @@ if TYPE_CHECKING:
 
     from weftex.exemplar import Exemplar
 
+_STEPS = 2.0  # more than this many usual steps are a seam, even if no place stands out
+_LIMIT = FIGURES["wrap"].limit or 1.0
 _MARK = (255, 40, 0)
 _AWAY = 64  # parts of the shorter side: how far marks lie from the border that they mark
 
@@ -45,14 +47,12 @@ class Border:
     @property
     def badness(self) -> float:
         """How near the worse of both measures is to its limit, which is at 1."""
-        limit = FIGURES["wrap"].limit or 1.0
-        return max(self.steps / SEAMLESS, (self.seam or 0.0) / limit)
+        return max(self.steps / _STEPS, (self.seam or 0.0) / _LIMIT)
 
     def __str__(self) -> str:
-        text = f"its step is {self.steps:g} times the usual one (at most {SEAMLESS:g})"
+        text = f"its step is {self.steps:g} times the usual one (at most {_STEPS:g})"
         if self.seam is not None:
-            limit = FIGURES["wrap"].limit or 1.0
-            text += f" and {self.seam:.0%} of it stands out (at most {limit:.0%})"
+            text += f" and {self.seam:.0%} of it stands out (at most {_LIMIT:.0%})"
         return text
 
 
@@ -68,7 +68,7 @@ def borders_of(picture: Exemplar) -> tuple[Border, Border]:
             surprising = model.border_places(view, axis)
             seam = float(surprising.mean())
             trimmed = (len(places) - len(surprising)) // 2
-            if steps <= SEAMLESS:
+            if steps <= _STEPS:
                 places = np.pad(surprising, trimmed, "edge")
         found.append(Border(steps, seam, places))
     return found[0], found[1]
