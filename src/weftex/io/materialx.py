@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from weftex.errors import UnsupportedError, missing_packages
+from weftex.errors import missing_packages
 from weftex.io.materials import RELIEF, identifier
 from weftex.roles import ROLES
 
@@ -33,11 +33,6 @@ def materialx_document(name: str, where: Mapping[str, Place], *, hextiled: bool 
         import MaterialX as mx
     except ImportError:
         raise missing_packages("preset materialx needs MaterialX", "materialx") from None
-    if hextiled and mx.getVersionIntegers() < (1, 39, 3):
-        raise UnsupportedError(
-            f"hextiledimage needs MaterialX 1.39.3, not {mx.getVersionString()}; pip install -U "
-            "MaterialX"
-        )
     surface = _Surface(mx, identifier(name), hextiled)
     for role, place in where.items():
         surface.take(role, place)
