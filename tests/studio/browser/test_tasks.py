@@ -103,15 +103,23 @@ def test_the_picture_says_what_it_is(tab: Any, address: str, photo: Path) -> Non
     assert [line for line in one.faults if "422" not in line] == []  # a size that was refused
 
 
-@pytest.mark.parametrize("width", [390, 1280, 2560])
-def test_no_label_of_a_choice_wraps(tab: Any, address: str, width: int) -> None:
-    one = tab(viewport={"width": width, "height": 900})
+@pytest.mark.parametrize(
+    ("width", "locale", "make"),
+    [(390, "fr-CA", "Créer"), (1280, "ja", "作成"), (1280, "de-AT", "Erzeugen"),
+     (390, "es", "Crear"), (1280, "zh-CN", "生成"), (2560, "pt", "Make")],
+)  # fmt: skip
+def test_the_language_is_the_browsers(
+    tab: Any, address: str, width: int, locale: str, make: str
+) -> None:
+    """No label of a choice wraps and nothing leaves the page, also with longer words."""
+    one = tab(viewport={"width": width, "height": 900}, locale=locale)
     page = one.open(address)
     page.click(".samples button:has-text('bricks')")
     page.wait_for_selector(".facts")
-    for screen in ("sample", "make", "paint"):
+    for screen in ("sample", "make", "see", "paint", "compare", "take"):
         page.click(f"[data-screen={screen}]")
-        assert one.probe("wrapped") == []
+        assert one.probe("wrapped") == [] == one.probe("wide"), screen
+    assert page.inner_text("[data-screen=make]") == make
 
 
 def test_a_material_on_solids_and_out_of_the_page(tab: Any, address: str) -> None:

@@ -9,13 +9,14 @@ async function load(language) {
   return answer.ok ? answer.json() : null;
 }
 
-/** Load the language that is chosen, or the browser's; returns its code. */
+/** Load the language that is chosen, or the first of the browser's that there is; returns its code. */
 export async function loadStrings(chosen) {
   english = await load("en");
   words = english;
   const known = english["languages"].split(" ");
-  const wanted = chosen || navigator.language.split("-")[0];
-  if (wanted !== "en" && known.includes(wanted)) words = (await load(wanted)) || english;
+  const asked = [chosen, ...(navigator.languages ?? [navigator.language])].map((one) => one?.split("-")[0]);
+  const wanted = asked.find((one) => known.includes(one)) ?? "en";
+  if (wanted !== "en") words = (await load(wanted)) || english;
   language = words === english ? "en" : wanted;
   document.documentElement.lang = language;
   return language;
