@@ -138,7 +138,7 @@ export class MakeScreen {
     const values = "border" in recipe && recipe.border !== null ? { border: recipe.border } : {};
     return [
       h("p", { class: "hint" }, t("task.tile.help")),
-      segments(t("make.axes"), [["x", t("tileable.x")], ["y", t("tileable.y")], ["xy", t("tileable.xy")]], recipe.axes === true ? "xy" : recipe.axes, (one) => this.change({ axes: one === "xy" ? true : one })),
+      segments(t("make.axes"), [["x", t("tileable.x")], ["y", t("tileable.y")], ["xy", t("tileable.xy")]], [true, undefined].includes(recipe.axes) ? "xy" : recipe.axes, (one) => this.change({ axes: one === "xy" ? true : one })),
       parameterForm(about.tasks.tile, values, (name, value) => this.change({ [name]: value ?? null }), this.fault),
     ];
   }
