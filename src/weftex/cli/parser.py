@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import argparse
+import os
 import re
 from typing import TYPE_CHECKING, Any, ClassVar, NoReturn
 
+from weftex.cli import terminal
 from weftex.errors import InvalidInputError, did_you_mean
 from weftex.recipe.declared import tasks_with
 
@@ -44,6 +46,8 @@ SHARED: dict[str, tuple[str, dict[str, Any]]] = {
 #: Those of images that are written block by block.
 BLOCKS = ("--part", "--workers", "--restart", "--block")
 SHORT = {"--output": "-o", "--verbose": "-v"}
+#: The arguments that name what is written.
+_WRITTEN = ("output", "save_source", "debug", "picture", "overlay", "correlation")
 #: Below headings of the help.
 ABOUT = {
     _LARGE: "OUT.tif of more than 268 megapixels, or with --block, is written block by block.\n"
@@ -197,4 +201,15 @@ class Parser(argparse.ArgumentParser):
             bare = option in ("--tileable", "--tileable=xy")
             hint = "; --tileable takes x, y or xy" if bare else ""
             raise InvalidInputError(f"unexpected argument '{left[0]}'{hint}")
+        _keep_inputs(vars(found))
         return found
+
+
+def _keep_inputs(given: dict[str, Any]) -> None:
+    """Note what the command reads, and refuse outputs that are among it."""
+    values = [value for name, value in given.items() if name not in _WRITTEN]
+    words = [word for one in values for word in (one if isinstance(one, list) else [one])]
+    terminal.inputs[:] = [w for w in words if isinstance(w, str) and os.path.exists(w)]
+    for name in _WRITTEN:
+        if given.get(name):
+            terminal.refuse_input(given[name])

@@ -14,7 +14,7 @@ from time import perf_counter
 from typing import Any, TypeVar
 
 from weftex import progress
-from weftex.errors import printable
+from weftex.errors import InvalidInputError, printable
 
 Result = TypeVar("Result")
 
@@ -29,6 +29,8 @@ _SIGNALS = [
 _heard: list[int] = []
 #: Whether a program runs the command: messages are JSON, and closing standard input stops it.
 for_program = False
+#: Files and folders that the command reads, which it never writes.
+inputs: list[str] = []
 
 
 class Stopped(BaseException):
@@ -121,6 +123,14 @@ class Bar(progress.Bar):
         self._at_stop.append(act)
 
 
+def refuse_input(path: str) -> None:
+    """Raise `InvalidInputError` if a path to write is an input, or is in an input folder."""
+    for one in inputs if os.path.exists(path) else ():
+        inside = [os.path.join(one, name) for name in os.listdir(one)] if os.path.isdir(one) else []
+        if any(os.path.exists(read) and os.path.samefile(read, path) for read in (one, *inside)):
+            raise InvalidInputError(f"{path} is an input, which is not replaced; name another")
+
+
 class Outputs:
     """Files that appear together when all of them are written, or not at all."""
 
@@ -144,9 +154,13 @@ class Outputs:
     def make_folder(self, path: str) -> None:
         """Make a folder that goes again if anything fails."""
         from weftex.errors import FileError
+        from weftex.io.formats import READABLE, suffix_of
 
         if os.path.isdir(path):
             return
+        if suffix_of(path) in READABLE:
+            stem = os.path.splitext(path)[0]
+            raise FileError(f"{path}: several files are written; name a folder, such as {stem}/")
         try:
             os.mkdir(path)
         except OSError as error:
@@ -158,6 +172,7 @@ class Outputs:
         """Return where to write what is to appear at `path`."""
         from weftex.io.pictures import atomic
 
+        refuse_input(path)
         return self._stack.enter_context(atomic(path))
 
     def sweep(self) -> None:

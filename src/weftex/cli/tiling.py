@@ -78,14 +78,12 @@ def each_output(
     paths: Sequence[str], args: argparse.Namespace, outputs: Outputs, *, folders: bool = False
 ) -> Iterator[tuple[str, argparse.Namespace]]:
     """Give each material, and the arguments with the output of it, whose folder is made."""
-    from weftex.io.pictures import check_output, is_folder, locate
+    from weftex.io.pictures import check_output, is_folder
 
     found = materials_of(paths, args.output, folders=folders)
     if len(found) > 1 or found[0][1] != args.output:
         outputs.make_folder(args.output)
     for path, output in found:
-        if os.path.exists(output) and os.path.samefile(locate(path)[0], output):
-            raise InvalidInputError(f"{output} is an input, which is not replaced; name another")
         if folders or is_folder(path):
             outputs.make_folder(output)
         else:

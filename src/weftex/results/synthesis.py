@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 
 from weftex.canvas import Canvas
-from weftex.errors import InvalidInputError, shown
+from weftex.errors import InvalidInputError, UnsupportedError, shown
 from weftex.exemplar import Exemplar
 from weftex.exemplar.turns import as_copies, as_made_from
 from weftex.io.display import Displayable
@@ -346,10 +346,53 @@ class Synthesis(Displayable, ABC):
         return np.asarray(self._pictured_layers(window)[0][:, :, 0], np.int64)
 
     def save(self, path: str | os.PathLike[str]) -> None:
-        """Write the source map and provenance, but no pixels, to a compressed `.npz` file."""
+        """Write the image, or the source map and provenance without pixels.
+
+        Parameters
+        ----------
+        path : str or path
+            A name such as `wall.png` writes the image, as `weftex.write_image` does; `wall.npz`
+            the source map, compressed, which `load` reads.
+
+        Raises
+        ------
+        FileError
+            If the file cannot be written, or its suffix is of neither.
+        InvalidInputError
+            If the format cannot hold the image.
+        """
+        from weftex.io.formats import FORMATS, suffix_of
+        from weftex.io.pictures import check_output, write_image
+
+        check_output(path, suffixes=(".npz", *FORMATS))
+        if suffix_of(os.fsdecode(path)) in FORMATS:
+            write_image(path, self.image, alpha=self.sample.alpha, icc=self.sample.icc)
+            return
         canvas, about = self.canvas, {name: getattr(self, name) for name in ABOUT}
         facts = Facts(shape=self.shape, wrap=canvas.wrap, origin=canvas.origin, **about)
         write_result(path, facts, self.arrays(), canvas.hole)
+
+    def to_pil(self) -> Any:
+        """Return the image as a `PIL.Image.Image`.
+
+        Raises
+        ------
+        UnsupportedError
+            If Pillow is not installed.
+        InvalidInputError
+            If Pillow has no such images: more than 8 bits with more than one channel.
+        """
+        try:
+            from PIL import Image
+        except ImportError:
+            raise UnsupportedError("to_pil needs Pillow; pip install Pillow") from None
+        try:
+            return Image.fromarray(self.image)
+        except TypeError:
+            shape, dtype = self.image.shape, self.image.dtype
+            raise InvalidInputError(
+                f"Pillow has no {dtype} images of shape {shape}; save('out.tif') keeps them"
+            ) from None
 
     @classmethod
     def load(

@@ -54,21 +54,13 @@ def run(argv: list[str]) -> None:
     maps = None if args.maps is None else [name.strip() for name in args.maps.split(",")]
 
     def work(bar: Bar, outputs: Outputs) -> str:
-        from weftex.cli.commands.pack import refuse_own_folder
         from weftex.cli.files import plan, read_input
         from weftex.cli.tiling import each_output
-        from weftex.io.formats import FORMATS, suffix_of
         from weftex.prepare.estimating import estimate_maps, light_joints
 
-        if suffix_of(args.output) in FORMATS and not os.path.isdir(args.output):
-            raise InvalidInputError(
-                f"-o is {args.output}, and estimate writes a folder of maps; name a folder, such "
-                f"as {os.path.splitext(args.output)[0]}/"
-            )
         lines = []
         for path, own in each_output(args.photos, args, outputs, folders=True):
             material = read_input(path, args)
-            refuse_own_folder([one.path for one in material.pictures.values()], own.output)
             photo = material.exemplar(tileable=args.tileable)
             made = estimate_maps(
                 photo, maps=maps, relief=args.relief, invert=args.invert,

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import os
-
 from weftex.cli.parser import Parser
 from weftex.cli.terminal import Bar, Outputs, finish
 from weftex.errors import InvalidInputError
@@ -43,20 +41,9 @@ def run(argv: list[str]) -> None:
         from weftex.cli.files import plan, read_input
 
         material = read_input(args.sample, args, spec.get("maps"))
-        refuse_own_folder([one.path for one in material.pictures.values()], args.output)
         outputs.make_folder(args.output)
         made = plan([material], material.exemplar(), args)
         made.write(lambda name: made.pictures[name].pixels, outputs)
         return f"{made.told}packed {args.output} for {args.preset} in {bar.took:.2f} s"
 
     finish(work, args.quiet)
-
-
-def refuse_own_folder(paths: list[str], output: str) -> None:
-    """Raise `InvalidInputError` if pictures would be written among the ones that are read."""
-    if os.path.isdir(output) and any(
-        os.path.samefile(os.path.dirname(path) or ".", output)
-        for path in paths
-        if os.path.exists(path)
-    ):
-        raise InvalidInputError(f"{output} is the folder of the input; write to another one")

@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 from dataclasses import replace
 
-from weftex.cli.commands.pack import refuse_own_folder
 from weftex.cli.parser import Parser
 from weftex.cli.terminal import Bar, Outputs, finish
 from weftex.errors import InvalidInputError
@@ -46,7 +45,6 @@ def run(argv: list[str]) -> None:
             paths = {os.path.splitext(os.path.basename(one))[0]: one for one in args.files}
             if len(paths) < len(args.files):
                 raise InvalidInputError("two files have the same name; give the files of one set")
-        refuse_own_folder([*paths.values()], args.output)
         limits = {"max_pixels": None if args.allow_huge else MAX_PIXELS}
         maps, more = unpack_set(read_preset(args.preset), paths, **limits)
         maps = {role: replace(one, path="") for role, one in maps.items()}  # as PNG, or EXR
