@@ -119,9 +119,9 @@ def test_maps_in_a_folder_of_textures(tmp_path):
 
 
 def test_pictures_that_are_not_read_are_named(tmp_path):
-    folder = folder_of(tmp_path / "rock", ["color.png", "normal.tga", "notes.psd", "a.txt"])
+    folder = folder_of(tmp_path / "rock", ["color.png", "normal.dds", "notes.psd", "a.txt"])
     assert [*read_material(folder).notes] == [
-        "normal.tga is ignored: weftex does not read .tga",
+        "normal.dds is ignored: weftex does not read .dds",
         "notes.psd is ignored: weftex does not read .psd",
     ]
 

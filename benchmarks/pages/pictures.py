@@ -45,8 +45,6 @@ def commands(page: str) -> list[list[str]]:
 def files_of(words: list[str], folder: Path) -> Iterator[str]:
     """What a command takes and makes, in order."""
     yield from (word for word in words if word.startswith("sample:"))
-    if words[0] == "batch":
-        yield str(folder / words[2])
     for option in ("-o", "--overlay"):
         if option in words:
             yield str(folder / words[words.index(option) + 1])

@@ -48,12 +48,12 @@ def contents(folder):
     return {
         str(p.relative_to(folder)): p.read_bytes()
         for p in folder.rglob("*")
-        if p.is_file() and p.name != "manifest.jsonl"
+        if p.is_file() and p.name not in ("manifest.jsonl", "contact.html")
     }
 
 
 def test_pictures_and_sets(here, samples):
-    assert weft_run("batch", "samples", "out", *WORDS, "--count", "2") == 0
+    assert weft_run("batch", "samples", "-o", "out", *WORDS, "--count", "2") == 0
     expected = {
         f"{name}_{seed}.{t}" for name, t in (("grass", "png"), ("sand", "jpg")) for seed in (7, 8)
     }
@@ -78,22 +78,22 @@ def test_what_is_only_read_is_written_as_what_holds_it(here):
     floats = noise((40, 40, 3)).astype(np.float32)
     oiio_write(here / "samples" / "a.jxl", "jpegxl", floats)
     oiio_write(here / "samples" / "b.jxl", "jpegxl", noise((40, 40, 3)))
-    assert weft_run("batch", "samples", "out", *WORDS) == 0
+    assert weft_run("batch", "samples", "-o", "out", *WORDS) == 0
     assert set(contents(here / "out")) == {"a.exr", "b.png"}
     assert read_image("out/a.exr").pixels.dtype == np.float32
 
 
 def test_nothing_is_overwritten_unless_told(here, samples, capsys):
-    weft_run("batch", "samples", "out", *WORDS)
+    weft_run("batch", "samples", "-o", "out", *WORDS)
     before = contents(here / "out")
     capsys.readouterr()
-    message = fails(capsys, here, "batch", "samples", "out", *WORDS)
+    message = fails(capsys, here, "batch", "samples", "-o", "out", *WORDS)
     assert "is there; give --skip-existing" in message
     (here / "out" / "grass.png").unlink()
-    assert weft_run("batch", "samples", "out", *WORDS, "--skip-existing") == 0
+    assert weft_run("batch", "samples", "-o", "out", *WORDS, "--skip-existing") == 0
     assert contents(here / "out") == before
     other = [*WORDS[:-1], "9"]
-    assert weft_run("batch", "samples", "out", *other, "--force") == 0
+    assert weft_run("batch", "samples", "-o", "out", *other, "--force") == 0
     assert contents(here / "out") != before
     assert records(here / "out")["grass.png"]["seed"] == 9
 
@@ -101,8 +101,8 @@ def test_nothing_is_overwritten_unless_told(here, samples, capsys):
 def test_a_file_of_somebody_else_is_kept(here, samples, capsys):
     (here / "out").mkdir()
     (here / "out" / "sand.jpg").write_text("mine")
-    fails(capsys, here, "batch", "samples", "out", *WORDS)
-    assert weft_run("batch", "samples", "out", *WORDS, "--skip-existing") == 0
+    fails(capsys, here, "batch", "samples", "-o", "out", *WORDS)
+    assert weft_run("batch", "samples", "-o", "out", *WORDS, "--skip-existing") == 0
     assert (here / "out" / "sand.jpg").read_text() == "mine"
     assert "sand.jpg" not in records(here / "out")
 
@@ -112,21 +112,24 @@ def test_the_best_are_kept(here, samples):
         remove(str(samples / folder))
     write_image(samples / "grass.png", read_image("sample:pebbles").pixels[:64, :64])
     words = ["--method", "quilting", "--size", "72", "--count", "3"]
-    assert weft_run("batch", "samples", "all", *words, "--score") == 0
-    assert weft_run("batch", "samples", "best", *words, "--keep-best", "2") == 0
+    assert weft_run("batch", "samples", "-o", "all", *words, "--score") == 0
+    assert weft_run("batch", "samples", "-o", "best", *words, "--keep-best", "2") == 0
     scores = {one["output"]: one["score"] for one in records(here / "all").values()}
     kept = contents(here / "best")
     assert sorted(kept) == sorted(sorted(scores, key=scores.get)[:2])
     assert all(kept[name] == contents(here / "all")[name] for name in kept)
-    assert weft_run("batch", "samples", "best", *words, "--keep-best", "2", "--skip-existing") == 0
-    assert weft_run("batch", "samples", "best", *words, "--keep-best", "1", "--force") == 0
+    assert (
+        weft_run("batch", "samples", "-o", "best", *words, "--keep-best", "2", "--skip-existing")
+        == 0
+    )
+    assert weft_run("batch", "samples", "-o", "best", *words, "--keep-best", "1", "--force") == 0
     assert sorted(contents(here / "best")) == [min(scores, key=scores.get)]
 
 
 def test_threads_change_no_byte(here, samples):
     for threads in (1, 3):
         words = ["--count", "3", "--threads", threads]
-        assert weft_run("batch", "samples", f"out{threads}", *WORDS, *words) == 0
+        assert weft_run("batch", "samples", "-o", f"out{threads}", *WORDS, *words) == 0
     assert contents(here / "out1") == contents(here / "out3")
 
 
@@ -134,16 +137,17 @@ def test_names_of_a_scheme_and_of_a_template(here, samples):
     words = ["--template", "{seed}-{name}", "--preset", "ambientcg"]
     (samples / "grass.png").unlink()
     (samples / "sand.jpg").unlink()
-    assert weft_run("batch", "samples", "out", *WORDS, *words) == 0
+    assert weft_run("batch", "samples", "-o", "out", *WORDS, *words) == 0
     maps = ("Color", "Displacement")
     assert set(contents(here / "out")) == {f"7-wall/7-wall_{name}.png" for name in maps}
 
 
 def test_one_bad_sample_does_not_stop_the_others(here, samples, capsys):
     (samples / "broken.png").write_bytes(b"\x89PNG\r\n\x1a\n and then nothing")
-    assert weft_run("batch", "samples", "out", *WORDS) == 2
+    assert weft_run("batch", "samples", "-o", "out", *WORDS) == 2
     err = capsys.readouterr().err
     assert "1 of 4 jobs failed" in err and "broken.png" in err
+    assert err.endswith("; left out, as neither an image nor a map set: empty, readme.txt\n")
     assert len(records(here / "out")) == 3
 
 
@@ -162,35 +166,35 @@ def test_one_bad_sample_does_not_stop_the_others(here, samples, capsys):
     ],
 )
 def test_bad_words(here, samples, capsys, words, message):
-    assert message in fails(capsys, here, "batch", "samples", "out", *words)
+    assert message in fails(capsys, here, "batch", "samples", "-o", "out", *words)
 
 
 def test_folders_that_hold_nothing(here, samples, capsys):
-    assert "has no pictures" in fails(capsys, here, "batch", "samples/empty", "out")
-    assert "cannot read the folder" in fails(capsys, here, "batch", "nowhere", "out")
+    assert "has no pictures" in fails(capsys, here, "batch", "samples/empty", "-o", "out")
+    assert "cannot read the folder" in fails(capsys, here, "batch", "nowhere", "-o", "out")
     write_image(samples / "wall.png", noise((40, 40, 3)))
-    assert "would both make wall" in fails(capsys, here, "batch", "samples", "out")
+    assert "would both make wall" in fails(capsys, here, "batch", "samples", "-o", "out")
 
 
 def test_samples_and_folders_of_others_are_not_replaced(here, samples, capsys):
     words = [*WORDS, "--force"]
-    assert "is a sample" in fails(capsys, here, "batch", "samples", "samples", *words)
+    assert "is an input" in fails(capsys, here, "batch", "samples", "-o", "samples", *words)
     (here / "out" / "wall").mkdir(parents=True)
     (here / "out" / "wall" / "mine.txt").write_text("mine")
-    assert "no batch made" in fails(capsys, here, "batch", "samples", "out", *words)
-    assert weft_run("batch", "samples", "samples/out", *WORDS) == 0
-    assert weft_run("batch", "samples", "samples/out", *words) == 0
+    assert "no batch made" in fails(capsys, here, "batch", "samples", "-o", "out", *words)
+    assert weft_run("batch", "samples", "-o", "samples/out", *WORDS) == 0
+    assert weft_run("batch", "samples", "-o", "samples/out", *words) == 0
     assert len(records(samples / "out")) == 3
 
 
 def test_a_cut_off_manifest_is_read(here, samples):
-    weft_run("batch", "samples", "out", *WORDS, "--count", "2")
+    weft_run("batch", "samples", "-o", "out", *WORDS, "--count", "2")
     before, whole = contents(here / "out"), records(here / "out")
     text = (here / "out" / "manifest.jsonl").read_text()
     (here / "out" / "manifest.jsonl").write_text(text[:-20])
     lost = text.splitlines()[-1]
     remove(str(here / "out" / json.loads(lost)["output"]))
-    assert weft_run("batch", "samples", "out", *WORDS, "--count", "2", "--skip-existing") == 0
+    assert weft_run("batch", "samples", "-o", "out", *WORDS, "--count", "2", "--skip-existing") == 0
     assert contents(here / "out") == before and set(records(here / "out")) == set(whole)
 
 
@@ -198,9 +202,9 @@ def test_a_cut_off_manifest_is_read(here, samples):
 def test_killed_at_random_moments_it_goes_on(here, samples):
     """Four times; what is there at the end is what one run makes, and no other file."""
     words = [*WORDS[:4], "--size", "150", "--seed", "1", "--count", "15"]
-    assert weft_run("batch", "samples", "whole", *words) == 0
+    assert weft_run("batch", "samples", "-o", "whole", *words) == 0
     words += ["--skip-existing", "--threads", "2"]
-    command = [sys.executable, "-m", "weftex", "batch", "samples", "out", *words]
+    command = [sys.executable, "-m", "weftex", "batch", "samples", "-o", "out", *words]
     chance, killed = random.Random(1), 0
     for _ in range(4):
         process = subprocess.Popen(command, stderr=subprocess.DEVNULL)
@@ -227,7 +231,18 @@ def children(process):
 )
 def test_whatever_ends_it_leaves_no_process(here, samples, number, code):
     """Nor anything unfinished, unless it was killed; then the next run removes it."""
-    words = ["batch", "samples", "out", "--method", "wei-levoy", "--size", "300", "--threads", 2]
+    words = [
+        "batch",
+        "samples",
+        "-o",
+        "out",
+        "--method",
+        "wei-levoy",
+        "--size",
+        "300",
+        "--threads",
+        2,
+    ]
     run = weftex_process(*words, preexec_fn=hear_interrupts)
     deadline = time.monotonic() + 30
     while len(children(run.pid)) < 2 and time.monotonic() < deadline:
@@ -273,6 +288,8 @@ class Mortal:
 def test_one_batch_at_a_time_has_a_folder(here, samples, capsys):
     (here / "out").mkdir()
     held = Manifest("out")
-    assert "another batch is at work" in fails(capsys, here, "batch", "samples", "out", *WORDS)
+    assert "another batch is at work" in fails(
+        capsys, here, "batch", "samples", "-o", "out", *WORDS
+    )
     held.sweep()
-    assert weft_run("batch", "samples", "out", *WORDS) == 0
+    assert weft_run("batch", "samples", "-o", "out", *WORDS) == 0

@@ -30,6 +30,18 @@ WRONG = [
     ("synth nowhere.png -o x.png", "nowhere.png: cannot read"),
     ("synth sample:brick -o x.png", "did you mean 'bricks'"),
     ("synth sample.png -o x.pngg", "did you mean '.png'"),
+    ("synth sample.png -o ./sample.png", "sample.png is an input, which is not replaced"),
+    ("synth sample.png -o linked.png", "linked.png is an input"),
+    ("synth sample.png -o twin.png", "twin.png is an input"),
+    ("S --save-source sample.png", "sample.png is an input"),
+    ("synth sample:grass -o other.png --sample-mask other.png", "other.png is an input"),
+    ("fill photo.png --mask hole.png -o hole.png", "hole.png is an input"),
+    ("synth uneven -o uneven", "uneven is an input"),
+    ("analyze sample.png --overlay sample.png", "sample.png is an input"),
+    ("S --debug d.png", "d.png: several files are written; name a folder"),
+    ("estimate sample.png -o foo.png", "foo.png: several files are written"),
+    ("batch uneven -o foo.tif", "foo.tif: several files are written"),
+    ("S --sample-mask hole.png", "scale or crop the mask"),
     ("S --size -5", "1 or more"),
     ("S --size 5x7x9", "WxH"),
     ("S --size 99999999", "--allow-huge"),
@@ -63,7 +75,7 @@ WRONG = [
     ("prepare sample.png -o x.png --even-light 9", "--even-light is '9'; it must be from 1 to 8"),
     ("fill photo.png -o x.png --mask hole.png --tileable-sample", "no effect without --sample"),
     ("fill photo.png -o x.png", "no clear pixels to fill; give a mask \\(--mask"),
-    ("fill photo.png --mask other.png -o old.png", "40x40.*96x80"),
+    ("fill photo.png --mask other.png -o old.png", "40x40.*96x80; scale or crop the mask"),
     ("replay photo.png sample.png -o x.png", "not a saved weftex result"),
     ("replay a.npz photo.png -o x.png", "integer multiple"),
     ("methods quiltin", "did you mean 'quilting'"),
@@ -85,6 +97,8 @@ def test_bad_input_is_one_line_and_leaves_everything(here, capsys, words, messag
     (here / "uneven").mkdir()
     write_image("uneven/a.png", noise((40, 40)))
     write_image("uneven/b.png", noise((40, 41)))
+    (here / "linked.png").symlink_to("sample.png")
+    (here / "twin.png").hardlink_to("sample.png")
     if "a.npz" in words:
         weftex.synthesize("sample.png", 80, method="quilting", seed=1).save("a.npz")
     words = re.sub("^[SP](?= )", lambda start: STARTS[start.group()], words).split()

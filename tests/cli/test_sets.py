@@ -197,7 +197,7 @@ def test_what_has_no_effect_or_cannot_be(sets, capsys):
         (["synth", "dark", "-o", "x"], "height contains NaN"),
         (["synth", "empty", "-o", "x"], "the file is empty"),
         (["synth", "lods", "-o", "x"], "two pictures that are named normal"),
-        (["synth", "rock", "-o", "one.png"], "it is a file"),
+        (["synth", "rock", "-o", "one.png"], "several files are written; name a folder"),
         (["fuse", "rock", "moss", "-o", "x", *gradient, "--missing", "=1"], "each once"),
         (["replay", "rock", "rock", "-o", "x"], "rock"),
         (["report", "rock", "nowhere", "--json"], "nowhere"),

@@ -7,6 +7,7 @@ import re
 
 import numpy as np
 import pytest
+from PIL import Image
 
 import weftex
 from commands import weft_run
@@ -68,8 +69,35 @@ def test_kind_alpha_and_profile_are_kept(here, dtype, channels):
     assert (made.alpha, made.icc) == (given.alpha, given.icc)
 
 
-def test_the_input_may_be_overwritten(here):
-    given = read_image("sample.png").pixels
-    assert weft_run("synth", "sample.png", "-o", "sample.png", "--seed", 2) == 0
-    expected = weftex.synthesize(given, (128, 144), seed=2).image
-    assert (read_image("sample.png").pixels == expected).all()
+CONVERTED = {
+    "CMYK in TIFF": ("ink.tif", "x.png", "CMYK became RGB"),
+    "CMYK in JPEG": ("ink.jpg", "x.png", "CMYK became RGB"),
+    "GIF": ("one.gif", "x.png", None),
+    "TGA": ("one.tga", "x.jpg", None),
+    "16 bits to JPEG": ("deep.png", "x.jpg", "note: uint16 became 8 bits, as .jpg does not hold"),
+    "8 bits to EXR": ("sample.png", "x.exr", "note: uint8 became float32 (linear light)"),
+    "floats to PNG": ("one.exr", "x.png", "note: float32 became 16 bits"),
+    "alpha to JPEG": ("clear.png", "x.jpg", "note: alpha is left out"),
+}
+
+
+@pytest.mark.parametrize("case", CONVERTED)
+def test_formats_are_converted_and_losses_are_noted(here, capsys, case):
+    flat = Image.new("RGB", (40, 40), (60, 120, 200))
+    flat.save("one.tga")
+    flat.save("one.gif")
+    flat.convert("CMYK").save("ink.tif")
+    flat.convert("CMYK").save("ink.jpg", quality=95)
+    flat.convert("RGBA").save("clear.png")
+    levels = np.broadcast_to(np.uint16([60 * 257, 120 * 257, 200 * 257]), (40, 40, 3))
+    write_image("deep.png", levels)
+    stored = np.float32([60, 120, 200]) / 255
+    write_image("one.exr", np.broadcast_to(((stored + 0.055) / 1.055) ** 2.4, (40, 40, 3)))
+    given, output, note = CONVERTED[case]
+    assert weft_run("synth", given, "-o", output, "--method", "quilting", "--size", 30) == 0
+    said, made = capsys.readouterr().err, read_image(output)
+    assert said.count("note: ") == bool(note) and (note or "") in said
+    if given != "sample.png":
+        assert not made.alpha and made.pixels.shape[2] == 3
+        whole = made.pixels // (257 if made.pixels.dtype == np.uint16 else 1)
+        assert abs(whole.astype(int) - [60, 120, 200]).max() <= 4, whole[0, 0]

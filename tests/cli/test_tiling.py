@@ -74,7 +74,7 @@ def test_padding_and_cropping_are_inverse_for_all_kinds(folder, capsys):
         (["--pad", 3, "photos", "-o", "photos"], "is an input, which is not replaced"),
         (["photos", "-o", "a", "--save-source", "a.npz"], "--save-source takes one photo"),
         (["photos", "sample.png", "photo.png", "photos/set/color.png", "-o", "sample.png"],
-         "sample.png: cannot make this folder: it is a file"),
+         "sample.png is an input, which is not replaced"),
         (["sample.png", "other/sample.png", "-o", "out"], "would both make sample; rename one"),
         (["--check", "photos", "missing.png"], "missing.png: cannot read"),
     ],

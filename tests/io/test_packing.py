@@ -248,7 +248,7 @@ def test_commands(tmp_path, monkeypatch, capsys):
     write_image("packed/T_packed_ORM.png", maps["ao"])
     write_image("wall/T_other_ORM.png", maps["color"])
     for bad, says in (
-        (["pack", "wall", "-o", "wall", "--preset", "godot"], "is the folder of the input"),
+        (["pack", "wall", "-o", "wall", "--preset", "godot"], "is an input, which is not replaced"),
         (["pack", "wall", "-o", "new"], "--preset is missing; known: ambientcg, blender"),
         (["unpack", "packed", "-o", "new"], "--preset is missing"),
         (["unpack", "packed", "-o", "new", "--preset", "godot"], "files named {name}_albedo"),

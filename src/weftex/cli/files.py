@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
@@ -140,7 +140,7 @@ def plan(
     `made` is a sample with the maps to write; each is stored as the first material that has it, or
     as a preset wants it.
     """
-    from weftex.io.packed import PackedSet, check_set, kept_file
+    from weftex.io.packed import PackedSet, check_set, fitted_file, kept_file
     from weftex.io.packing import pack_set
     from weftex.io.presets import read_preset
 
@@ -156,7 +156,9 @@ def plan(
         if args.preset is not None:
             raise InvalidInputError(f"--preset has no effect: {first.name} is no folder")
         folder, name = os.path.split(args.output)
-        files = PackedSet((replace(kept_file("", first.main, pictures[first.main]), name=name),))
+        main = first.main
+        file, said = fitted_file(name, main, pictures[main], first.roles[main].name)
+        files, lines = PackedSet((file,)), lines + [f"note: {line}" for line in said]
     elif args.preset is None:
         stems = {k: os.path.splitext(os.path.basename(p.path))[0] for k, p in pictures.items()}
         files = PackedSet(tuple(kept_file(stems[k], k, p) for k, p in pictures.items()))

@@ -126,7 +126,8 @@ class Bar(progress.Bar):
 def refuse_input(path: str) -> None:
     """Raise `InvalidInputError` if a path to write is an input, or is in an input folder."""
     for one in inputs if os.path.exists(path) else ():
-        inside = [os.path.join(one, name) for name in os.listdir(one)] if os.path.isdir(one) else []
+        folder = os.path.isdir(one) and os.path.isfile(path)
+        inside = [os.path.join(one, name) for name in os.listdir(one)] if folder else []
         if any(os.path.exists(read) and os.path.samefile(read, path) for read in (one, *inside)):
             raise InvalidInputError(f"{path} is an input, which is not replaced; name another")
 
@@ -159,8 +160,7 @@ class Outputs:
         if os.path.isdir(path):
             return
         if suffix_of(path) in READABLE:
-            stem = os.path.splitext(path)[0]
-            raise FileError(f"{path}: several files are written; name a folder, such as {stem}/")
+            raise FileError(f"{path}: several files are written; name a folder")
         try:
             os.mkdir(path)
         except OSError as error:

@@ -134,7 +134,8 @@ class Exemplar(Displayable):
         self.mask = usable if mask is None else owned(as_mask(mask, "mask"))
         if self.mask is not None and self.mask.shape != self.shape:
             raise InvalidInputError(
-                f"mask is {_size(self.mask)}, {name} is {_size(self.pixels)}; they must be equal"
+                f"mask is {_size(self.mask)}, {name} is {_size(self.pixels)}; scale or crop the "
+                "mask to the size of the sample"
             )
         if self.mask is not None and usable is not None:
             self.mask = owned(self.mask & usable)

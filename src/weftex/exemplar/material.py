@@ -130,14 +130,16 @@ class Material:
 
     def told(self) -> list[str]:
         """Return a line for each map of a set: what it was taken for, and what was left out."""
+        noted = [one for one in self.pictures.values() if one.note]
+        converted = [f"note: {os.path.basename(one.path)}: {one.note}" for one in noted]
         if not self.folder:
-            return []
+            return converted
         lines = [
             f"map: {os.path.basename(picture.path)} is {self.roles[name]}"
             + (", the picture" if name == self.main else "")
             for name, picture in self.pictures.items()
         ]
-        return lines + [f"map: {note}" for note in self.notes]
+        return lines + [f"map: {note}" for note in self.notes] + converted
 
 
 def read_material(path: StrPath, files: Mapping[str, str] | None = None, **limits: Any) -> Material:

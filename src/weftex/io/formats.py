@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import zlib
 from dataclasses import dataclass
 from typing import IO, TYPE_CHECKING, Any
@@ -27,7 +28,10 @@ SIGNATURES = {
     "openexr": (b"v/1\x01",),
     "hdr": (b"#?RADIANCE", b"#?RGBE"),
     "jpegxl": (b"\xff\x0a", b"\0\0\0\x0cJXL \r\n\x87\n"),
+    "gif": (b"GIF87a", b"GIF89a"),
 }
+#: Attributes of OpenImageIO, which turns CMYK into RGB while it reads.
+COLOR_SPACES = ("tiff:ColorSpace", "jpeg:ColorSpace")
 FLOATS = dict.fromkeys(("half", "float", "double"), "float")
 READ_AS = {"uint8": "uint8", "uint16": "uint16"} | FLOATS
 
@@ -69,7 +73,8 @@ FORMATS = {
     ".exr": Format("openexr", ("float32",), 2**20, (), options=(("compression", "zip"), DATE)),
 }  # fmt: skip
 FORMATS |= {".jpeg": FORMATS[".jpg"], ".tiff": FORMATS[".tif"]}
-READABLE = (*FORMATS, ".jxl", ".hdr")
+READABLE = (*FORMATS, ".jxl", ".hdr", ".tga", ".gif")
+_TARGA = re.compile(rb".[\0\1][\1\2\3\x09\x0a\x0b]", re.DOTALL)  # colors, and how they are stored
 
 
 def image_library() -> Any:
@@ -131,6 +136,12 @@ def kind_of(name: str, given: str) -> str:
     for kind, signatures in SIGNATURES.items():
         if head.startswith(signatures):
             return kind
+    if suffix_of(name) == ".tga" and _TARGA.match(head):
+        return "targa"
+    if head[4:12] in (b"ftypheic", b"ftypheix", b"ftypmif1", b"ftypavif"):
+        raise file_error(
+            given, "is a HEIC or AVIF picture; convert it to PNG first, as with heif-convert"
+        )
     raise file_error(given, f"is not a picture that weftex reads ({', '.join(READABLE)})")
 
 
@@ -175,8 +186,8 @@ def check_spec(spec: Any, given: str, max_pixels: int | None) -> None:
     if max_pixels is not None and area > max_pixels:
         size = f"{spec.width} x {spec.height} pixels"
         raise file_error(given, f"{size} are more than max_pixels = {max_pixels}")
-    for space in map(spec.get_string_attribute, ("tiff:ColorSpace", "jpeg:ColorSpace")):
-        if space in ("CMYK", "YCCK", "CIELAB", "ICCLAB", "ITULAB"):
+    for space in map(spec.get_string_attribute, COLOR_SPACES):
+        if space in ("CIELAB", "ICCLAB", "ITULAB"):
             raise file_error(given, f"holds {space} colors; convert it to RGB first")
     if spec.deep or spec.depth > 1:
         raise file_error(given, "is a deep or volume picture; weftex reads flat ones")
@@ -189,6 +200,8 @@ def check_spec(spec: Any, given: str, max_pixels: int | None) -> None:
 def straight(pixels: NDArray[Any], spec: Any, kind: str) -> tuple[NDArray[Any], bool]:
     """Return the pixels with straight alpha as the last channel, and whether there is any."""
     place = spec.alpha_channel
+    if kind == "gif" and pixels.shape[2] == 4:  # also of opaque ones, and said to be the fifth
+        pixels, place = (pixels, 3) if pixels[..., 3].min() < 255 else (pixels[..., :3], -1)
     # Many programs write zero as the fourth byte of a bitmap's pixels, which is not alpha.
     if kind == "bmp" and place == 3 and not pixels[..., 3].any():
         pixels, place = pixels[..., :3], -1

@@ -40,6 +40,11 @@ class Manifest:
     def __contains__(self, output: str) -> bool:
         return output in self._records
 
+    @property
+    def records(self) -> list[dict[str, Any]]:
+        """The records of all outputs."""
+        return list(self._records.values())
+
     def path_of(self, record: dict[str, Any]) -> str:
         """Return where the output of a record is."""
         return os.path.join(self._folder, record["output"])

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 #: Where libraries keep the maps beside a scene file.
 _INNER = "textures"
 #: Pictures that weftex does not read, so that nobody misses one without a word.
-_UNREAD = (".tga", ".psd", ".dds", ".gif", ".jp2", ".ktx", ".ktx2", ".sgi", ".pic", ".tx")
+_UNREAD = (".psd", ".dds", ".jp2", ".ktx", ".ktx2", ".sgi", ".pic", ".tx")
 _LOSSY = (".jpg", ".jpeg")
 
 

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
 from weftex.errors import InvalidInputError
-from weftex.io.formats import suffix_of, written_as
+from weftex.io.formats import FORMATS, suffix_of, written_as
 from weftex.io.pictures import Picture, check_output, write_bytes, write_image
 from weftex.io.presets import UNUSED, width_of
 from weftex.raster.levels import to_light, to_stored
@@ -158,6 +158,25 @@ class PackedSet:
         hextiled = self.material == "materialx-hextiled"
         text = materialx_document(self.name, where, hextiled=hextiled)
         return f"{self.name}.mtlx", text.encode()
+
+
+def fitted_file(name: str, key: str, like: Picture, role: str) -> tuple[PackedFile, list[str]]:
+    """Return a file of one map in the format of its name, and notes on what that loses."""
+    kept = PackedFile(name, (Part(role, key),), like.pixels.dtype, like.alpha, like.icc, like.half)
+    form, given, notes = FORMATS.get(suffix_of(name)), like.pixels.dtype.name, list[str]()
+    data = given.startswith("float") and not ROLES[role].srgb  # which may lie outside 0 to 1
+    if form is None or data:
+        return kept, notes
+    if given not in form.types:
+        dtype = next(one for one in ("float32", "uint16", "uint8") if one in form.types)
+        kept = replace(kept, dtype=np.dtype(dtype))
+        bits = ["float32 (linear light)", "float32"][not ROLES[role].srgb]
+        what = bits if dtype == "float32" else f"{8 * kept.dtype.itemsize} bits"
+        notes.append(f"{given} became {what}, as {suffix_of(name)} does not hold {given}")
+    if kept.alpha and not form.alpha:
+        notes.append(f"alpha is left out, which {suffix_of(name)} does not hold")
+        kept = replace(kept, parts=(kept.parts[0]._replace(strip=True),), alpha=False)
+    return kept, notes
 
 
 def kept_file(stem: str, key: str, like: Picture, role: str = "color") -> PackedFile:

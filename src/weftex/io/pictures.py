@@ -14,8 +14,8 @@ suffix  pixel types written    channels
 .exr    float                  any number, with alpha or without
 ======  =====================  =========================================
 
-JPEG XL and Radiance HDR are only read. Reading goes by the content of a file, not by its name. The
-path ``sample:NAME`` names a picture, or a folder of maps, that ships with weftex.
+JPEG XL, Radiance HDR, TGA and GIF are only read. Reading goes by the content of a file, not by its
+name. The path ``sample:NAME`` names a picture, or a folder of maps, that ships with weftex.
 """
 
 from __future__ import annotations
@@ -32,6 +32,7 @@ import numpy as np
 from weftex.errors import FileError, InvalidInputError, WeftexError, did_you_mean, shown
 from weftex.io import temporary as temporaries
 from weftex.io.formats import (
+    COLOR_SPACES,
     FORMATS,
     READ_AS,
     check_fit,
@@ -97,6 +98,8 @@ class Picture:
         Whether its floats have 16 bits there.
     density : float or None
         Pixels per meter, if the file states the same number for both axes.
+    note : str
+        What was converted, if anything was.
     """
 
     pixels: NDArray[Any] = field(repr=False)
@@ -105,6 +108,7 @@ class Picture:
     path: str
     half: bool = field(default=False, repr=False)
     density: float | None = field(default=None, repr=False)
+    note: str = field(default="", repr=False)
 
 
 def read_image(path: StrPath, *, max_pixels: int | None = MAX_PIXELS) -> Picture:
@@ -112,8 +116,9 @@ def read_image(path: StrPath, *, max_pixels: int | None = MAX_PIXELS) -> Picture
 
     Half and double floats become float32; palettes and fewer than 8 bits become uint8. The EXIF
     orientation is applied. Files of several images give the first, EXR files their data window.
-    Premultiplied alpha of TIFF and EXR is divided out; alpha is always the last channel. CMYK and
-    Lab, signed and 32-bit integers, and deep and volume images are refused.
+    Premultiplied alpha of TIFF and EXR is divided out; alpha is always the last channel. CMYK
+    becomes RGB, (1 - C)(1 - K) and so on, whatever its profile. Lab, signed and 32-bit integers,
+    and deep and volume images are refused.
 
     Parameters
     ----------
@@ -167,7 +172,10 @@ def read_image(path: StrPath, *, max_pixels: int | None = MAX_PIXELS) -> Picture
     profile = None if icc is None else bytes(icc)
     half = str(spec.format) == "half"
     density = read_density(name) if kind == "png" else density_of(spec)
-    return Picture(np.ascontiguousarray(pixels), alpha, profile, given, half, density)
+    note = ""
+    if {"CMYK", "YCCK"} & {spec.get_string_attribute(name) for name in COLOR_SPACES}:
+        note, profile = "CMYK became RGB, (1 - C)(1 - K) and so on, without its profile", None
+    return Picture(np.ascontiguousarray(pixels), alpha, profile, given, half, density, note)
 
 
 def write_image(

@@ -6,6 +6,7 @@ A command reads and writes files; what comes through a pipe lies in a folder of 
 from __future__ import annotations
 
 import os
+import re
 import shutil
 import sys
 import tempfile
@@ -37,7 +38,9 @@ _MOST_BYTES = 16 * MAX_PIXELS  # of standard input
 
 def unhidden(text: str) -> str:
     """Return a text in which files of `as_files` are called as what they stand for."""
-    return text.replace(_folder, "") if _folder else text
+    if not _folder:
+        return text
+    return re.sub(rf"{re.escape(_folder)}(standard (?:in|out)put)\.\w+", r"\1", text)
 
 
 @contextmanager

@@ -268,7 +268,7 @@ def hole_of(mask: Mask | Picture | None, photo: Exemplar) -> NDArray[np.bool_]:
     if hole.shape != photo.shape:
         raise InvalidInputError(
             f"mask is {hole.shape[1]}x{hole.shape[0]}, {photo.name} is "
-            f"{photo.shape[1]}x{photo.shape[0]}; they must be equal"
+            f"{photo.shape[1]}x{photo.shape[0]}; scale or crop the mask to the size of the photo"
         )
     return hole
 

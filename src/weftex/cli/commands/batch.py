@@ -14,13 +14,16 @@ from weftex.cli.options import parse_task
 from weftex.cli.parser import Parser
 from weftex.cli.terminal import Bar, Outputs, finish, say
 from weftex.errors import CancelledError, FileError, InvalidInputError, WeftexError, shown
+from weftex.exemplar.material import has_several
 from weftex.io.formats import READABLE, suffix_of, written_as
 from weftex.io.manifest import MANIFEST, Manifest, unfinished
 from weftex.io.map_files import map_files
+from weftex.io.pictures import write_text
 from weftex.processes import LostError, Workers
 from weftex.quality.score import MapsScorer
 from weftex.recipe import MATERIAL, SEED, Recipe
 from weftex.recipe.declared import FIT, OUTPUT_SIZE, TILEABLE
+from weftex.roles import COLOR, role_of
 from weftex.threads import in_turn, thread_count
 
 if TYPE_CHECKING:
@@ -31,18 +34,20 @@ if TYPE_CHECKING:
     from weftex.results.synthesis import Synthesis
 
 _ABOUT = """\
-Synthesize outputs from every image and every folder of maps in a folder. manifest.jsonl in the
-output folder records how each output was made. --skip-existing resumes an interrupted run.\
+Synthesize outputs from every image and every folder of maps in a folder. In the output folder,
+contact.html shows all outputs, and manifest.jsonl records how each was made. --skip-existing
+resumes an interrupted run.\
 """
 
 _EXAMPLES = """\
 examples:
-  weftex batch samples/ out/ --size 1024 --tileable --seed 1
-  weftex batch samples/ out/ --count 20 --keep-best 3 --seed 1
-  weftex batch samples/ out/ --count 1000 --seed 1 --skip-existing     resume
+  weftex batch samples/ -o out/ --size 1024 --tileable --seed 1
+  weftex batch samples/ -o out/ --count 20 --keep-best 3 --seed 1
+  weftex batch samples/ -o out/ --count 1000 --seed 1 --skip-existing     resume
 """
 _MOST = 10**6
 _FIELDS = {"name", "seed"}
+_SHEET = "contact.html"
 _LONGEST = 255  # bytes of a file's name
 
 
@@ -51,7 +56,7 @@ def run(argv: list[str]) -> None:
     parser = Parser("batch", _ABOUT, _EXAMPLES)
     add = parser.add_argument
     add("materials", metavar="IN", help="folder of images and of folders of maps")
-    add("output", metavar="OUT", help="folder to write to")
+    add("-o", "--output", metavar="OUT", required=True, help="folder to write to")
     text = "number of outputs per sample, with successive seeds from --seed on; default: 1"
     add("--count", type=int, default=1, metavar="N", help=text)
     text = "names of the outputs; default: {name}_{seed}, or {name} for one output per sample"
@@ -79,24 +84,57 @@ def run(argv: list[str]) -> None:
         seeds = [(first + k) % 2**64 for k in range(args.count)]
         template = args.template or ("{name}" if args.count == 1 else "{name}_{seed}")
         jobs = jobs_of(entries, template, seeds, together=args.keep_best is not None)
-        try:
-            os.makedirs(args.output, exist_ok=True)
-        except OSError as error:
-            raise FileError(f"{args.output}: cannot make this folder: {error.strerror}") from None
+        kept = Outputs()  # its folder stays whatever fails
+        kept.make_folder(args.output)
         manifest = Manifest(args.output)
         try:
             left = left_of(jobs, args, manifest)
             failures = _do(left, manifest, recipe, args, bar)
+            _write_contact_sheet(args.output, manifest)
         finally:
             manifest.sweep()
+        stray = _stray(args.materials, entries, args.output)
         if failures:
             raise InvalidInputError(
-                f"{len(failures)} of {len(left)} jobs failed, the first: {failures[0]}"
+                f"{len(failures)} of {len(left)} jobs failed, the first: {failures[0]}{stray}"
             )
         skipped = f", {len(jobs) - len(left)} were there" if len(left) < len(jobs) else ""
-        return f"did {len(left)} jobs of {len(entries)} samples{skipped}, in {bar.took:.2f} s"
+        done = f"did {len(left)} jobs of {len(entries)} samples{skipped}, in {bar.took:.2f} s"
+        return f"{done}; {os.path.join(args.output, _SHEET)} shows all outputs{stray}"
 
     finish(work, args.quiet)
+
+
+def _stray(folder: str, entries: Sequence[Entry], output: str) -> str:
+    """Return what of a folder is no sample, in words."""
+    used = {os.path.basename(entry.path) for entry in entries} | {os.path.basename(output)}
+    left = sorted(one for one in os.listdir(folder) if one not in used and one[0] != ".")
+    more = f" and {len(left) - 3} more" if len(left) > 4 else ""
+    names = ", ".join(left[: 3 if more else 4])
+    return f"; left out, as neither an image nor a map set: {names}{more}" if left else ""
+
+
+def _write_contact_sheet(folder: str, manifest: Manifest) -> None:
+    """Write a page that shows the outputs in a folder, which it links to."""
+    from html import escape
+    from urllib.parse import quote
+
+    from weftex.pages.html import document, small
+
+    parts = ['<div class="pictures">']
+    for record in sorted(manifest.records, key=lambda one: str(one["output"])):
+        file = record["output"]
+        if os.path.isdir(os.path.join(folder, file)):
+            stems = map_files(os.path.join(folder, file))[0]
+            first = next((s for s in stems if role_of(s) in (None, COLOR)), next(iter(stems)))
+            file = f"{file}/{os.path.basename(stems[first])}"
+        score = "" if record.get("score") is None else f", score {record['score']:.2f}"
+        said = f"{record['output']}: {record['method']}, seed {record['seed']}{score}"
+        image = f'<img src="{quote(file)}" alt="{escape(said)}" width="240" loading="lazy">'
+        parts.append(f'<figure><a href="{quote(file)}">{image}</a>{small(said)}</figure>')
+    write_text(
+        os.path.join(folder, _SHEET), document("Outputs of weftex batch", [*parts, "</div>"])
+    )
 
 
 def _do(
@@ -178,6 +216,8 @@ def entries_of(folder: str, output: str) -> list[Entry]:
             try:
                 map_files(path)
             except FileError:
+                continue
+            if has_several(path):
                 continue
             entry = Entry(path, file, "")
         elif suffix_of(file) in READABLE:
@@ -347,5 +387,8 @@ class Maker:
             if job.materials[0].folder:
                 outputs.make_folder(path)
             made = plan(job.materials, job.like, options)
-            made.write(pixels_of(result, made.main), outputs, self.args.threads)
+            try:
+                made.write(pixels_of(result, made.main), outputs, self.args.threads)
+            except WeftexError as error:
+                raise type(error)(str(error).replace(path, target)) from None
         return path
