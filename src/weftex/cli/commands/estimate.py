@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-import os
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from weftex.cli.parser import Parser
 from weftex.cli.terminal import Bar, Outputs, finish
-from weftex.errors import InvalidInputError
 
 if TYPE_CHECKING:
     from weftex.exemplar import Exemplar
