@@ -162,7 +162,7 @@ class PackedSet:
 
 def fitted_file(name: str, key: str, like: Picture, role: str) -> tuple[PackedFile, list[str]]:
     """Return a file of one map in the format of its name, and notes on what that loses."""
-    kept = PackedFile(name, (Part(role, key),), like.pixels.dtype, like.alpha, like.icc, like.half)
+    kept = replace(kept_file("", key, like, role), name=name)
     form, given, notes = FORMATS.get(suffix_of(name)), like.pixels.dtype.name, list[str]()
     data = given.startswith("float") and not ROLES[role].srgb  # which may lie outside 0 to 1
     if form is None or data:
