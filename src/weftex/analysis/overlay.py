@@ -1,20 +1,29 @@
-"""A lattice drawn over its sample, and in a mason's words."""
+"""A lattice drawn over its sample, for files and for pages, and in a mason's words."""
 
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from weftex.analysis.autocorrelations import autocorrelations
+from weftex.analysis.canvas_lattice import check_lattice, four_numbers, given_lattice
+from weftex.analysis.lattice import Lattice, Rated, rate_lattices
+from weftex.analysis.relief import smaller_copy
+from weftex.parameters import numbers_of
+
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from weftex.analysis.lattice import Lattice
     from weftex.exemplar import Exemplar
 
     Floats = NDArray[np.float64]
 
+__all__ = ["DrawnLattice", "Lattice", "LatticeRating", "Rated", "draw"]
+
+_LARGEST_SIDE = 1024  # pixels of the sample by which lines are put into joints
 _BINS = 48  # phases of a line that are tried
 _UPRIGHT = 0.05  # of its length, that a vector along an axis may be off it
 _LONGEST = 12.0  # a piece, for its height
@@ -48,9 +57,74 @@ def draw_lattice(exemplar: Exemplar, lattice: Lattice | None) -> NDArray[np.uint
     return picture
 
 
-def lattice_lines(exemplar: Exemplar, lattice: Lattice) -> list[tuple[Floats, float]]:
-    """Return where `draw_lattice` draws lines, for whoever draws them."""
-    return _lines_over(_levels(exemplar), lattice)
+@dataclass(frozen=True)
+class DrawnLattice:
+    """A lattice, or rows, for whoever draws it over the sample.
+
+    Attributes
+    ----------
+    vectors : list of list of float
+        Two vectors (x, y) in pixels; one of rows.
+    numbers : str
+        The lattice as the option ``--lattice`` takes it.
+    words : str
+        Width and height of its pieces, and their shift.
+    lines : list of dict
+        The sides of its tiles: along each line ``x * across[0] + y * across[1]`` is an integer
+        plus ``phase``.
+    goodness : float or None
+        See `weftex.analysis.lattice.Rated`; None if it was not rated.
+    """
+
+    vectors: list[list[float]]
+    numbers: str
+    words: str
+    lines: list[dict[str, object]]
+    goodness: float | None
+
+
+def draw(
+    exemplar: Exemplar,
+    vectors: tuple[tuple[float, float], ...],
+    goodness: float | None = None,
+) -> DrawnLattice:
+    """Return a lattice with lines where the sample changes most."""
+    lattice = Lattice(vectors)
+    small, step = smaller_copy(exemplar, _LARGEST_SIDE)
+    reduced = Lattice(tuple((x / step, y / step) for x, y in vectors))
+    return DrawnLattice(
+        vectors=[list(map(float, vector)) for vector in vectors],
+        numbers=",".join(f"{number:g}" for number in four_numbers(lattice)),
+        words=courses(lattice),
+        lines=[
+            {"across": [float(part) / step for part in across], "phase": phase}
+            for across, phase in _lines_over(_levels(small), reduced)
+        ],
+        goodness=goodness,
+    )
+
+
+class LatticeRating:
+    """Rates lattices of a sample, of which it keeps the correlations: 64 bytes per pixel."""
+
+    def __init__(self, exemplar: Exemplar) -> None:
+        self._exemplar = exemplar
+        self._fields = autocorrelations(exemplar)
+
+    def rate(self, numbers: str) -> DrawnLattice:
+        """Draw and rate a lattice given as x1,y1,x2,y2.
+
+        Raises
+        ------
+        InvalidInputError
+            If it does not fit into the sample.
+        """
+        plain = numbers_of("lattice", numbers, 4)
+        check_lattice(plain, self._exemplar)
+        lattice = given_lattice(plain)
+        found, _ = rate_lattices(self._exemplar, lattice, runners_up=0, fields=self._fields)
+        assert found is not None
+        return draw(self._exemplar, lattice.vectors, found.goodness)
 
 
 def _levels(exemplar: Exemplar) -> NDArray[np.uint8]:

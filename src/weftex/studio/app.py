@@ -32,7 +32,7 @@ _MARK = 60  # sweeps between two marks of the folders in use
 _PAUSE = 0.004  # seconds between two imports, in which files of the page are sent
 #: Imported one after the other while the page loads; a thread would delay the page's files more.
 _MODULES = (
-    *("weftex.exemplar", "weftex.recipe.opening", "weftex.quality", "weftex.analysis.drawn"),
+    *("weftex.exemplar", "weftex.recipe.opening", "weftex.quality", "weftex.analysis.overlay"),
     "weftex.studio.routes",
 )
 _PAGE = "index.html"

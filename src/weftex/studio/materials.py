@@ -10,7 +10,7 @@ from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import weftex
-from weftex.analysis.drawn import Lattice, LatticeRating, Rated, draw
+from weftex.analysis.overlay import Lattice, LatticeRating, Rated, draw
 from weftex.errors import InvalidInputError
 from weftex.recipe import checked_material, pictures_of
 from weftex.recipe.opening import PreparedMaterial, prepare_material, read_described
