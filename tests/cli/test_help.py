@@ -19,7 +19,7 @@ def test_methods(capsys):
         for field in dataclasses.fields(weftex.METHODS[slug]):
             assert f"--{field.name.replace('_', '-')}\n    {field.metadata['help']}\n" in text
     assert weft_run("methods", "quilting") == 0
-    assert f"to 1; default: {weftex.Quilting().variance:g}" in capsys.readouterr().out
+    assert f"to 10; default: {weftex.Quilting().repeat_distance:g}" in capsys.readouterr().out
 
 
 def test_samples_version_and_help(capsys):

@@ -73,7 +73,7 @@ def test_patches_are_no_larger_a_share_of_the_output_than_of_the_sample(kind, sh
     ],
 )
 def test_where_everything_matches_what_matching_needs_is_refused(kind):
-    wrong = [{"search": "exhaustive"}, {"candidates": 9}, {"variance": 0.5}, {"repeat_distance": 1}]
+    wrong = [{"search": "exhaustive"}, {"candidates": 9}, {"repeat_distance": 1}]
     if kind().slug == "patch-sampling":
         wrong.append({"choice": "similarity"})
     for given in wrong:

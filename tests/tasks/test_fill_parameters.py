@@ -57,11 +57,8 @@ def test_evenness_has_an_effect_in_a_large_hole():
 @pytest.mark.parametrize(
     ("slug", "parameters"),
     [
-        ("efros-leung", {"seed_size": 5}),
         ("wei-levoy", {"start": "noise", "levels": 2, "window_width": 5}),
         ("exact-matching", {"init": "random", "repeat_distance": 3}),
-        ("patch-sampling", {"variance": 0.5}),
-        ("quilting", {"variance": 0.5, "search": "pca"}),
     ],
 )
 def test_what_is_idle_in_a_hole_is_refused_by_task_and_model(slug, parameters):

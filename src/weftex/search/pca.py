@@ -18,6 +18,7 @@ import numpy as np
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+_VARIANCE = 0.97  # that components keep, as in the paper
 MOST_COMPONENTS = 48  # keeps a sum of squares in the kernel under 2**31
 _MOST_LEARNED = 4096  # windows that the components are learned from
 _LONGEST_VECTOR = 2047  # of coordinates
@@ -52,23 +53,23 @@ def one_blas_thread() -> AbstractContextManager[Any]:
     return limit
 
 
-def fit_pca(windows: NDArray[np.uint8], variance: float, most: int = MOST_COMPONENTS) -> ZonePCA:
+def fit_pca(windows: NDArray[np.uint8], variance: float = _VARIANCE) -> ZonePCA:
     """Return the components of the columns of `windows`, (K, n), and the columns' coordinates.
 
-    At most `most` components keep this share of the variance; the paper keeps 0.97.
+    At most 48 components keep this share of the variance.
     """
     with one_blas_thread():
-        return _fit(windows, variance, most)
+        return _fit(windows, variance)
 
 
-def _fit(windows: NDArray[np.uint8], variance: float, most: int) -> ZonePCA:
+def _fit(windows: NDArray[np.uint8], variance: float) -> ZonePCA:
     size, count = windows.shape
     learn = windows[:, np.linspace(0, count - 1, min(count, _MOST_LEARNED)).astype(np.int64)]
     learn = learn.astype(np.float64)
     # Integers in float64: the products and sums are exact, so every machine gets this matrix.
     scatter = learn.shape[1] * (learn @ learn.T) - np.outer(learn.sum(axis=1), learn.sum(axis=1))
     power, vectors = np.linalg.eigh(scatter)
-    vectors = main_components(power, vectors, variance, most)
+    vectors = main_components(power, vectors, variance)
     unit = min(2000.0, 0.95 * 2**24 / (255 * size**0.5))
     basis = np.ascontiguousarray(np.rint(vectors * unit), np.int16)
     weights = basis.astype(np.float32)
@@ -80,16 +81,16 @@ def _fit(windows: NDArray[np.uint8], variance: float, most: int) -> ZonePCA:
 
 
 def main_components(
-    power: NDArray[np.float64], vectors: NDArray[np.float64], variance: float, most: int
+    power: NDArray[np.float64], vectors: NDArray[np.float64], variance: float
 ) -> NDArray[np.float64]:
     """Return the main eigenvectors from `eigh` as rows, with a positive largest entry.
 
-    They keep this share of the variance, unless that takes more than `most`.
+    They keep this share of the variance, unless that takes more than `MOST_COMPONENTS`.
     """
     power, vectors = power[::-1].clip(0), vectors[:, ::-1]
     reached = np.cumsum(power) >= variance * power.sum()
     needed = int(np.argmax(reached)) + 1 if reached.any() else len(power)
-    kept = vectors[:, : min(needed, most)].T
+    kept = vectors[:, : min(needed, MOST_COMPONENTS)].T
     largest = np.abs(kept).argmax(axis=1)
     result: NDArray[np.float64] = kept * np.sign(kept[np.arange(len(kept)), largest])[:, None]
     return result

@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING, ClassVar, Self
 
 import numpy as np
 
-from weftex.errors import InvalidInputError
 from weftex.methods.efros_leung.layers import (
     Waves,
     seed_piece,
@@ -28,8 +27,9 @@ if TYPE_CHECKING:
     from weftex.methods.pixels.growth import Growth
     from weftex.search.windows import Windows
 
-_PROPOSED_WIDTH, _PROPOSED_SEED = 15, 3  # pixels
+_PROPOSED_WIDTH, _SEED_WIDTH = 15, 3  # pixels
 _SIGMAS = 6.4  # standard deviations of the Gaussian in a window's width
+_THRESHOLD = 0.3  # of a pixel's mean squared difference; 1 is black against white
 _RISE = 1.1  # of the threshold when a layer makes no progress
 _TRIES = 8  # for each pixel on average; then the threshold rises with every layer
 
@@ -40,11 +40,6 @@ class EfrosLeung(WindowedMethod):
 
     The picture grows in layers from a seed, or into a hole from its border. A pixel is drawn from
     the sample pixels whose window matches its known neighbors nearly as well as the best one.
-
-    Raises
-    ------
-    InvalidInputError
-        If `seed_size` is above `window_width`.
 
     Examples
     --------
@@ -78,38 +73,13 @@ class EfrosLeung(WindowedMethod):
         low=0.0,
         high=1000.0,
     )
-    threshold: float = parameter(
-        0.3,
-        "mean squared difference above which a pixel waits for more neighbors; 1 is black "
-        "against white",
-        low=1e-6,
-        high=1.0,
-    )
-    seed_size: int | None = parameter(
-        None,
-        "side of the piece of the sample that growth starts from",
-        low=1,
-        unit="px",
-        default_text="3, or the window width if that is smaller",
-        idle_canvas="known",
-    )
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        if self.seed_size and self.window_width and self.seed_size > self.window_width:
-            raise InvalidInputError(
-                f"seed_size is {self.seed_size}; it must be from 1 to the window_width of "
-                f"{self.window_width}"
-            )
 
     def resolved(self, exemplar: Exemplar) -> Self:
         """See `Method.resolved`."""
         width = width_for(self.window_width, exemplar, _PROPOSED_WIDTH)
         if self.window_width is None:
             width = narrowed(width, partial(square_windows, exemplar))
-        return replace(
-            self, window_width=width, seed_size=self.seed_size or min(_PROPOSED_SEED, width)
-        )
+        return replace(self, window_width=width)
 
     def fit_exemplar(self, exemplar: Exemplar) -> PixelModel:
         """Find the sample's windows, and weigh their pixels."""
@@ -133,16 +103,17 @@ class Prepared:
 def grow_in_layers(prepared: Prepared, growth: Growth) -> None:
     """Grow the texture around a seed, or around the known pixels, in layers (section III.A)."""
     method, wrap = prepared.method, growth.canvas.wrap
-    assert method.window_width and method.seed_size  # resolved
+    assert method.window_width  # resolved
     sample = prepared.windows.pixels.reshape(-1, prepared.windows.pixels.shape[2])
     source, done = growth.source.reshape(-1), growth.done.reshape(-1)
     pixels = growth.pixels.reshape(done.size, -1)
     # "... grown in layers taken randomly from the sample image": a random piece of it is the seed.
     if not done.any():
-        at, piece = seed_piece(prepared.windows, method.seed_size, growth.canvas.shape, growth.seed)
+        side = min(_SEED_WIDTH, method.window_width)
+        at, piece = seed_piece(prepared.windows, side, growth.canvas.shape, growth.seed)
         source[at], pixels[at], done[at] = piece, sample[piece], 1
     progress = growth.progress(int((done == 0).sum()), "pixels")
-    threshold, tries_left = method.threshold, _TRIES * progress.total
+    threshold, tries_left = _THRESHOLD, _TRIES * progress.total
     waves = Waves(growth.canvas.shape, wrap, method.window_width, growth.seed)
     # The context is the "already synthesized pixels in a square window"; similarity is the
     # "Gaussian weighted sum of differences": "find the best match [...] and take all samples

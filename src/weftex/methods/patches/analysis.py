@@ -148,7 +148,6 @@ class PatchAnalysis:
             *self.windows(*zone.weight.shape),
             search="exhaustive" if method.anything else method.search,
             candidates=method.candidates or 0,
-            variance=method.variance,
             often=often,
         )
         if not of_hole:

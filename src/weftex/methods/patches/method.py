@@ -25,7 +25,7 @@ _CANDIDATES = 40
 #: (The power is 7 to 15 between the windows of bricks, grass, leaves, pebbles, tiles, weave, wood.)
 _MATCHING_POWER = 8
 #: Parameters without effect where every window matches.
-_OF_MATCHING = {"search", "candidates", "variance", "choice"}
+_OF_MATCHING = {"search", "candidates", "choice"}
 _HOLE_ZONE, _HOLE_CANDIDATES = 4, 400  # boundary width in px and candidates for holes
 
 
@@ -66,13 +66,6 @@ class PatchMethod(Method):
         default_text="40, more for a wide tolerance",
         hole_text=f"{_HOLE_CANDIDATES}",
         needs=("search", ("quadtree", "pca", "kdtree", "kdtree-pca")),
-    )
-    variance: float = parameter(
-        0.97,
-        "with pca: share of the variance that is compared; higher is more exact and slower",
-        low=0.01,
-        high=1.0,
-        needs=("search", ("pca", "kdtree-pca")),
     )
     edge_weight: float = parameter(
         0.0,
@@ -178,20 +171,6 @@ class PatchMethod(Method):
         if self.patch_size is not None or size >= resolved.patch_size:
             return resolved
         return replace(resolved, patch_size=size, boundary_width=self.boundary_of(size))
-
-    def takes(self, name: str, canvas: Canvas | None = None) -> bool:
-        """See `Method.takes`: a zone of a hole is met once, which repays no components."""
-        if name == "variance" and canvas is not None and "known" in canvas.kinds:
-            return self.search == "kdtree-pca"
-        return super().takes(name, canvas)
-
-    def require(self, canvas: Canvas) -> None:
-        """See `Method.require`."""
-        super().require(canvas)
-        if self.variance != type(self).variance and not self.takes("variance", canvas):
-            raise InvalidInputError(
-                "variance has no effect with known pixels unless search is 'kdtree-pca'"
-            )
 
     @property
     def hole_reach(self) -> int:

@@ -84,7 +84,6 @@ class ZoneSearch:
         *,
         search: str,
         candidates: int,
-        variance: float,
         often: bool,
     ) -> None:
         self.zone, self.usable, self.positions = zone, usable, positions
@@ -100,7 +99,7 @@ class ZoneSearch:
             places, windows = self._low_resolution(pyramid)
             points: NDArray[np.integer] = windows
             if "pca" in search:
-                self.pca, self.positions = fit_pca(windows, variance), places
+                self.pca, self.positions = fit_pca(windows), places
                 self.source, points = _COMPONENTS, self.pca.features
             if "kdtree" in search:
                 self.source, self.tree = _TREE, KDTree(points.T, places, _TREE_ERROR)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any, Protocol, Self, TypeVar
+from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 
@@ -90,34 +90,22 @@ class Growth:
         return pixels
 
 
-class Prepared(Protocol):
-    """A sample as a method has prepared it; immutable and picklable."""
-
-    @property
-    def windows(self) -> Windows:
-        """The windows that `Growth.source` indexes."""
-
-
-_P = TypeVar("_P", bound=Prepared)
-
-
 class PixelModel(Model):
     """The model of a method that chooses pixels: a prepared sample and the algorithm.
 
     ``grow(prepared, growth)``, a function of a module, makes `pixels` and `source` of every unknown
-    pixel. `prepared.windows` are indexed by `Growth.source`.
+    pixel. `prepared.windows` are indexed by `Growth.source`; it is immutable and picklable.
     """
 
     def __init__(
         self,
         method: Method,
         exemplar: Exemplar,
-        prepared: _P,
-        grow: Callable[[_P, Growth], None],
+        prepared: Any,
+        grow: Callable[[Any, Growth], None],
     ) -> None:
         self.method, self.exemplar = method, exemplar
-        self.prepared: Any = prepared
-        self._grow: Callable[[Any, Growth], None] = grow
+        self.prepared, self._grow = prepared, grow
 
     def sample(
         self,

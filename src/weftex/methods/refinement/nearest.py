@@ -16,7 +16,6 @@ import numpy as np
 
 from weftex.methods.refinement import nearest_kernels
 from weftex.search.pca import (
-    MOST_COMPONENTS,
     ZonePCA,
     coordinates_of,
     main_components,
@@ -110,7 +109,7 @@ def _main_vectors(windows: Windows, reach: int, part: NDArray[np.bool_]) -> NDAr
     lengths = np.sqrt((found * found).sum(axis=0))
     found /= np.maximum(lengths, 1e-3)
     found[:, lengths < 1e-3] = 0  # a constant sample varies by rounding only
-    return main_components(power, found, 1.0, MOST_COMPONENTS)
+    return main_components(power, found, 1.0)
 
 
 def _correlations(
