@@ -69,6 +69,12 @@ def chunk(kind, body):
     return struct.pack(">I", len(body)) + kind + body + struct.pack(">I", zlib.crc32(kind + body))
 
 
+def bomb(width, height):
+    """A PNG that says how large it is, and has the pixels of a small picture."""
+    header = chunk(b"IHDR", struct.pack(">IIBBBBB", width, height, 8, 2, 0, 0, 0))
+    return PNG + header + chunk(b"IDAT", zlib.compress(b"\0" * 1000)) + chunk(b"IEND", b"")
+
+
 def open_way(folder):
     """Let another user come to this folder of pytest's."""
     while str(folder) not in ("/", "/tmp"):

@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import re
-import struct
-import zlib
 
 import numpy as np
 import pytest
@@ -12,6 +10,7 @@ import pytest
 import weftex
 from commands import fails
 from families import noise
+from picture_files import bomb
 from weftex.io.pictures import write_image
 
 #: What S and P stand for in commands: a picture, and a plane on disk.
@@ -88,10 +87,7 @@ def test_bad_input_is_one_line_and_leaves_everything(here, capsys, words, messag
     whole = (here / "sample.png").read_bytes()
     (here / "old.png").write_bytes(whole)
     (here / "cut.png").write_bytes(whole[: len(whole) // 2])
-    header = b"IHDR" + struct.pack(">IIBBBBB", 100_000, 100_000, 8, 2, 0, 0, 0)
-    chunks = (header, b"IDAT" + zlib.compress(bytes(1000)), b"IEND")
-    packed = [struct.pack(">I", len(c) - 4) + c + struct.pack(">I", zlib.crc32(c)) for c in chunks]
-    (here / "bomb.png").write_bytes(whole[:8] + b"".join(packed))
+    (here / "bomb.png").write_bytes(bomb(100_000, 100_000))
     write_image("nan.tif", np.full((40, 40), np.nan, np.float32))
     (here / "void").mkdir()
     (here / "uneven").mkdir()

@@ -5,13 +5,11 @@ from __future__ import annotations
 import os
 import random
 import shutil
-import struct
-import zlib
 
 import numpy as np
 import pytest
 
-from picture_files import PNG, chunk, fails, noise, oiio_write, open_way, smooth, store
+from picture_files import bomb, fails, noise, oiio_write, open_way, smooth, store
 from processes import run
 from weftex.errors import FileError
 from weftex.io import pictures as io
@@ -187,11 +185,6 @@ def test_flipped_bytes_in_a_png_are_always_found(tmp_path, capfd):
         path.write_bytes(data[:at] + bytes([data[at] ^ (1 << rng.randrange(8))]) + data[at + 1 :])
         fails(path, "damaged|cut short")
     assert capfd.readouterr().err == ""
-
-
-def bomb(width, height):
-    header = chunk(b"IHDR", struct.pack(">IIBBBBB", width, height, 8, 2, 0, 0, 0))
-    return PNG + header + chunk(b"IDAT", zlib.compress(b"\0" * 1000)) + chunk(b"IEND", b"")
 
 
 def test_zero_sized(tmp_path, capfd):

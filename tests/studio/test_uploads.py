@@ -1,7 +1,5 @@
 """Pictures that come in: how much is taken, what is said of them, what is left where one fails."""
 
-import struct
-import zlib
 from contextlib import suppress
 from hashlib import sha256
 from pathlib import Path
@@ -9,18 +7,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from picture_files import bomb
 from weftex.exemplar.material import read_material
 from weftex.io.pictures import write_image
 from weftex.studio.materials import sets_of
-
-
-def png_of(width, height):
-    """The header of a picture that nobody sent."""
-    about = b"IHDR" + struct.pack(">IIBBBBB", width, height, 8, 2, 0, 0, 0)
-    data = b"IDAT" + zlib.compress(b"\0" * 100)
-    chunks = [about, data, b"IEND"]
-    packed = [struct.pack(">I", len(c) - 4) + c + struct.pack(">I", zlib.crc32(c)) for c in chunks]
-    return b"\x89PNG\r\n\x1a\n" + b"".join(packed)
 
 
 def left_over(client):
@@ -65,13 +55,13 @@ def test_bytes_are_counted_while_they_come(client, page):
 @pytest.mark.parametrize("shape", [(10_000, 10_000), (1_000_000, 1), (513, 512)])
 def test_pixels_are_counted_before_they_are_decoded(client, page, shape):
     before = client.studio.store.bytes
-    line = page.upload(png_of(*shape), "bomb.png", status=(413,))["error"]
+    line = page.upload(bomb(*shape), "bomb.png", status=(413,))["error"]
     assert line == "bomb.png has more than 0.25 megapixels, the limit for one file"
     assert client.studio.store.bytes == before
     assert left_over(client) == []
 
 
-@pytest.mark.parametrize("content", [b"", b"GIF89a", b"<svg/>", png_of(8, 8)[:-30], b"\x89PNG\r\n"])
+@pytest.mark.parametrize("content", [b"", b"GIF89a", b"<svg/>", bomb(8, 8)[:-30], b"\x89PNG\r\n"])
 def test_what_is_no_picture(client, page, content):
     answer = page.upload(content, "x/y\n.png", status=(422,))
     assert answer["error"].startswith("y.png: ")
