@@ -97,7 +97,7 @@ def test_maps_of_other_sizes_have_other_densities(tmp_path, monkeypatch):
         (["synth", "a.png", "-o", "b.png", "--size", "2mx3"], "2k or 2mx1.5m (meters)"),
         (["synth", "a.png", "-o", "b.png", "--sample-width", "2k"], "0.6m, 60cm or 600mm"),
         (["synth", "a.png", "-o", "b.png", "--sample-width", "0m"], "a length above 0"),
-        (["batch", ".", "out", "--size", "2m"], "batch takes pixels, as samples may differ"),
+        (["batch", ".", "-o", "out", "--size", "2m"], "batch takes pixels, as samples may differ"),
     ],
 )  # fmt: skip
 def test_bad_input(tmp_path, monkeypatch, capsys, words, message):
