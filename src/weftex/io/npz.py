@@ -12,12 +12,15 @@ from typing import IO, TYPE_CHECKING, Any
 
 import numpy as np
 
+from weftex.errors import FileError
+from weftex.io.formats import path_text, show
+
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterator, Mapping
 
     from numpy.typing import NDArray
 
-__all__ = ["open_npz", "open_regular"]
+__all__ = ["DamageError", "one_line_errors", "open_npz", "open_regular", "write_npz"]
 
 _FLAGS = os.O_RDONLY | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_BINARY", 0)
 MOST_FACTS = 2**24  #: bytes: far more than any facts
@@ -64,6 +67,33 @@ class Arrays:
             shape, _, dtype = read(member)
             said = math.prod(map(abs, shape)) * int(dtype.itemsize)
             return said, entry.file_size - member.tell()
+
+
+def write_npz(
+    path: str | os.PathLike[str], facts: Mapping[str, Any], arrays: Mapping[str, NDArray[Any]]
+) -> None:
+    """Write facts and arrays, compressed; the file appears whole or not at all."""
+    from weftex.io.pictures import atomic  # a run on arrays needs no files
+
+    about = np.array(json.dumps(facts))
+    with atomic(path) as temporary, open(temporary, "wb") as file:
+        np.savez_compressed(file, about=about, **arrays)  # type: ignore[arg-type]
+
+
+@contextmanager
+def one_line_errors(path: str | os.PathLike[str], what: str) -> Iterator[None]:
+    """Turn whatever goes wrong while a file is read into a `FileError`; `what` should be in it."""
+    name = path_text(path)
+    try:
+        yield
+    except FileNotFoundError:
+        raise FileError(f"{show(name)} does not exist") from None
+    except MemoryError:
+        raise FileError(f"{show(name)} does not fit in memory") from None
+    except DamageError as error:
+        raise FileError(f"{show(name)} is damaged: {error}") from None
+    except Exception:  # numpy and zipfile raise many kinds, with advice that does not fit here
+        raise FileError(f"{show(name)} is not {what}") from None
 
 
 @contextmanager

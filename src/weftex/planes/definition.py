@@ -15,9 +15,8 @@ import numpy as np
 
 import weftex
 from weftex import Exemplar, Method
-from weftex.errors import FileError, InvalidInputError, shown
-from weftex.io.npz import open_npz
-from weftex.io.pictures import atomic
+from weftex.errors import InvalidInputError, shown
+from weftex.io.npz import DamageError, one_line_errors, open_npz, write_npz
 from weftex.planes.layout import Layout, check_block
 from weftex.planes.tiff import TiffStore
 from weftex.random import seed_number
@@ -77,26 +76,6 @@ def unpacked(facts: Iterable[Any], arrays: Mapping[str, NDArray[Any]]) -> list[E
                 raise ValueError("its copies do not fit its sample")
         found.append(sample.changed(**made_of))
     return found
-
-
-def save(path: str, header: dict[str, Any], arrays: Mapping[str, NDArray[Any]]) -> None:
-    """Write a file; it appears whole or not at all."""
-    about = np.array(json.dumps({"format": _FORMAT, **header}))
-    with atomic(path) as temporary, open(temporary, "wb") as file:
-        np.savez_compressed(file, about=about, **arrays)  # type: ignore[arg-type]
-
-
-def load(path: str) -> tuple[dict[str, Any], dict[str, NDArray[Any]]]:
-    """Return what was written, or raise `FileError`."""
-    try:
-        with open_npz(path) as file:
-            if file.facts["format"] != _FORMAT or file.size > _MOST_BYTES:
-                raise ValueError
-            return file.facts, file.read()
-    except FileNotFoundError:
-        raise FileError(f"{path} does not exist") from None
-    except Exception:  # numpy and zipfile raise many kinds, with advice that does not fit here
-        raise FileError(f"{path} is not a saved plane of weftex") from None
 
 
 @dataclass(frozen=True, eq=False)
@@ -223,32 +202,41 @@ class Definition:
         """Write it to an `.npz` file, with the name of the run that it belongs to."""
         facts, arrays = self._packed()
         about = {"about": self.about, "facts": facts, "reason": self.reason, "run": run}
-        save(path, about, arrays)
+        write_npz(path, {"format": _FORMAT, **about}, arrays)
 
     @classmethod
     def load(cls, path: str, run: str | None = None) -> Definition:
         """Read what `save` wrote; `FileError` if it is damaged, or belongs to another run."""
-        header, arrays = load(path)
-        try:
-            if run is not None and header["run"] != run:
-                raise ValueError("it belongs to another run")
-            about, facts = header["about"], header["facts"]
-            _check_plain(about, [*facts["maps"], *about["stems"].values()])
-            own, *samples = unpacked(facts["samples"], arrays)
-            maps = dict(zip(facts["maps"], samples, strict=True))
-            return cls(
-                own.changed(maps=maps, weights=facts["weights"]),
-                _method(facts["method"], about),
-                about["seed"],
-                about["height"],
-                about["width"],
-                tuple(about["wrap"]),
-                about["block"],
-                about["stems"],
-                header["reason"],
-            )
-        except (LookupError, TypeError, ValueError, AttributeError) as error:
-            raise FileError(f"{path} is damaged: {error}") from None
+        with one_line_errors(path, "a saved plane of weftex"):
+            with open_npz(path) as file:
+                if file.facts["format"] != _FORMAT or file.size > _MOST_BYTES:
+                    raise ValueError
+                header, arrays = file.facts, file.read()
+            if run is not None and header.get("run") != run:
+                raise DamageError("it belongs to another run")
+            try:
+                return cls._unpacked(header, arrays)
+            except (LookupError, TypeError, ValueError, AttributeError) as error:
+                raise DamageError(str(error)) from None
+
+    @classmethod
+    def _unpacked(cls, header: Mapping[str, Any], arrays: Mapping[str, NDArray[Any]]) -> Definition:
+        """Return what `save` packed; what is wrong with it raises errors of many kinds."""
+        about, facts = header["about"], header["facts"]
+        _check_plain(about, [*facts["maps"], *about["stems"].values()])
+        own, *samples = unpacked(facts["samples"], arrays)
+        maps = dict(zip(facts["maps"], samples, strict=True))
+        return cls(
+            own.changed(maps=maps, weights=facts["weights"]),
+            _method(facts["method"], about),
+            about["seed"],
+            about["height"],
+            about["width"],
+            tuple(about["wrap"]),
+            about["block"],
+            about["stems"],
+            header["reason"],
+        )
 
 
 def define(

@@ -2,23 +2,19 @@
 
 from __future__ import annotations
 
-import json
 import math
 import os
-from contextlib import contextmanager
 from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from weftex.canvas import MAX_PIXELS
-from weftex.errors import FileError
-from weftex.io.formats import path_text, show
-from weftex.io.npz import MOST_FACTS, DamageError, open_npz
+from weftex.io.npz import MOST_FACTS, DamageError, open_npz, write_npz
 from weftex.raster.turning import gap_of
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping
+    from collections.abc import Mapping
 
     from numpy.typing import NDArray
 
@@ -92,12 +88,8 @@ def write_result(
     hole: NDArray[np.bool_] | None,
 ) -> None:
     """Write a result to a compressed `.npz` file; nothing is left behind if that fails."""
-    from weftex.io.pictures import atomic  # a run on arrays needs no files
-
-    about = np.array(json.dumps({"format": _FORMAT, **asdict(facts)}))
     bits = {} if hole is None else {"hole": np.packbits(hole, axis=1)}
-    with atomic(path) as temporary, open(temporary, "wb") as file:
-        np.savez_compressed(file, about=about, **arrays, **bits)  # type: ignore[arg-type]
+    write_npz(path, {"format": _FORMAT, **asdict(facts)}, {**arrays, **bits})
 
 
 def read_result(path: str | os.PathLike[str]) -> tuple[Facts, dict[str, NDArray[Any]]]:
@@ -125,19 +117,3 @@ def arrays_of(types: Mapping[str, type], arrays: Mapping[str, NDArray[Any]]) -> 
 
 def _whole(pair: Any) -> bool:
     return isinstance(pair, tuple) and [*map(type, pair)] == [int, int]
-
-
-@contextmanager
-def one_line_errors(path: str | os.PathLike[str]) -> Iterator[None]:
-    """Turn whatever goes wrong while a saved result is read into a `FileError`."""
-    name = path_text(path)
-    try:
-        yield
-    except FileNotFoundError:
-        raise FileError(f"{show(name)} does not exist") from None
-    except MemoryError:
-        raise FileError(f"{show(name)} does not fit in memory") from None
-    except DamageError as error:
-        raise FileError(f"{show(name)} is damaged: {error}") from None
-    except Exception:  # numpy and zipfile raise many kinds, with advice that does not fit here
-        raise FileError(f"{show(name)} is not a saved weftex result") from None

@@ -13,10 +13,11 @@ from weftex.errors import InvalidInputError, UnsupportedError, shown
 from weftex.exemplar import Exemplar
 from weftex.exemplar.turns import as_copies, as_made_from
 from weftex.io.display import Displayable
+from weftex.io.npz import one_line_errors
 from weftex.raster.turning import in_first_copy
 from weftex.results import drawing, scales
 from weftex.results.cloning import TONE_REACH, join_filling
-from weftex.results.files import ABOUT, Facts, arrays_of, one_line_errors, read_result, write_result
+from weftex.results.files import ABOUT, Facts, arrays_of, read_result, write_result
 from weftex.results.joining import PastedPieces, join_steps, reach_of
 
 if TYPE_CHECKING:
@@ -417,7 +418,7 @@ class Synthesis(Displayable, ABC):
         FileError
             If the file is missing, damaged, or something else.
         """
-        with one_line_errors(path):
+        with one_line_errors(path, "a saved weftex result"):
             facts, arrays = read_result(path)
             hole = facts.check_hole(arrays.pop("hole", None))
             kind = next(kind for kind in cls._KINDS if kind.ARRAYS.keys() <= arrays.keys())
