@@ -95,7 +95,10 @@ def test_progress_counts_methods_and_cancels_within_one():
 
     with pytest.raises(CancelledError):
         compare(WEAVE, 90, methods=["quilting", "ashikhmin"], seed=1, progress=callback)
-    assert seen[-1][0] in (0, 1) and set(seen) <= {(n, 2, "methods") for n in (0, 1)}
+    assert seen[-1][0] in (0, 1) and {now.split()[-1] for *_, now in seen} == {
+        "quilting",
+        "ashikhmin",
+    }
 
 
 def test_the_command(tmp_path, monkeypatch, capsys):
@@ -108,8 +111,9 @@ def test_the_command(tmp_path, monkeypatch, capsys):
     assert {m["method"] for m in about["methods"]} == {"quilting", "best-tile"}
     assert (about["height"], about["width"], about["seed"]) == (50, 60, 1)
     assert "compared 2 methods" in err and (tmp_path / "c.html").exists()
+    assert main(words) == 0
+    assert capsys.readouterr().err.count("\n") >= 3  # a line for each method, and the best
     for wrong, message in (
-        (words, "nothing to do"),
         ([*words, "-o", "c.png"], "cannot write '.png'"),
         ([*words, "--json", "--seed", "-1"], "--seed is"),
         ([*words, "--json", "--methods", "quiltin"], "did you mean"),

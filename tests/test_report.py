@@ -62,6 +62,14 @@ def test_without_a_source(files, tmp_path):
     assert len(page.pictures) == 3
 
 
+def test_without_a_page_each_measure_has_a_line(files, capsys):
+    assert run(*files[:2]) == 0
+    verdict, *lines = capsys.readouterr().out.splitlines()
+    assert verdict[0].isupper() and len(lines) >= 4
+    for line in lines:
+        assert line.endswith(".") and any(c.isdigit() for c in line.partition(": ")[2]), line
+
+
 def test_json_has_all_figures(files, capsys):
     sample, made, source = files
     assert run(sample, made, "--source", source, "--json") == 0
@@ -84,7 +92,6 @@ def test_tileable_may_be_said(files, capsys):
 @pytest.mark.parametrize(
     "change, message",
     [
-        (lambda s, m, z, t: [s, m], "give -o report.html, --json, or both"),
         (lambda s, m, z, t: [s], "RESULT"),
         (lambda s, m, z, t: [s, t / "no.png", "--json"], "no.png: cannot read"),
         (lambda s, m, z, t: [t / "no.png", m, "--json"], "no.png: cannot read"),

@@ -22,6 +22,7 @@ PAUSE = 0.2  # seconds from one drawing to the next
 _REST = 200  # times what a drawing took, which the process must have worked before the next
 _LONGEST = 2.0  # seconds after which it need not, as others may work for it
 _WORTH = 3.2  # seconds of work beside which loading tqdm, 0.03 s, is little
+_UNKNOWN = 0.8  # seconds after which a bar appears if nobody knows how long the work takes
 
 
 class Bar:
@@ -64,6 +65,8 @@ class Bar:
             return False
         done, total, _ = self._now
         left = (clock - self._begun) * (total - done) / done if done else 0.0
+        if not done and clock - self._start >= _UNKNOWN:
+            left = _WORTH
         if "tqdm" not in sys.modules and clock - self._start + left < _WORTH:
             return False
         return process_time() >= self._rested or clock >= self._next + _LONGEST
@@ -71,21 +74,26 @@ class Bar:
     def draw(self) -> None:
         """Show how far it is."""
         done, total, stage = self._now
-        if not total:
-            return
+        if self._bar is not None and self._bar.total is None and total:
+            self._bar.close()
+            self._bar = None
         if self._bar is None:
             if "IPython" in sys.modules:
                 from tqdm.auto import tqdm
             else:  # the same, in half the time
                 from tqdm import tqdm
 
-            self._bar = tqdm(total=total, unit=f" {stage}", leave=False, miniters=1, mininterval=0)
+            how = {} if total else {"bar_format": f"{stage} {{elapsed}}"}  # nothing to count yet
+            self._bar = tqdm(
+                total=total or None, unit=f" {stage}", leave=False, miniters=1, mininterval=0, **how
+            )
             self._drawn = (0, total, stage)
         start = thread_time()
         if (total, stage) != self._drawn[1:] or done < self._drawn[0]:  # another count begins
             self._bar.unit = f" {stage}"
             self._bar.reset(total)
         self._bar.update(done - self._bar.n)
+        self._bar.refresh()  # the time goes on where no step ends
         self._drawn = self._now
         self._next = perf_counter() + PAUSE
         self._rested = process_time() + _REST * (thread_time() - start)

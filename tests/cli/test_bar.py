@@ -35,6 +35,27 @@ def test_a_slow_stage_after_a_fast_one_is_shown(monkeypatch):
     assert [*bar.seconds] == ["preparing", "pixels", "repairs"] and bar.seconds["repairs"] > 0.1
 
 
+@pytest.mark.parametrize("total", [0, 5])
+def test_work_that_has_not_counted_yet_is_shown(monkeypatch, total):
+    """Such as the first analysis, or the first of few steps; its time goes on."""
+    screen, clock = io.StringIO(), [100.0]
+    monkeypatch.setattr(terminal.sys, "stderr", screen)
+    monkeypatch.setattr(progress, "perf_counter", lambda: clock[0])
+    monkeypatch.delitem(terminal.sys.modules, "tqdm")  # as if nobody had shown a bar before
+    bar = progress.Bar()
+    if total:
+        bar(0, total, "rows", lambda: None)
+    for _ in range(4):
+        assert bar._is_time(clock[0]) == (clock[0] >= 100.8), clock[0]
+        clock[0] += 0.4
+    bar.draw()
+    assert ("rows" if total else "preparing") in screen.getvalue()
+    bar(1, 5, "rows", lambda: None)
+    bar.draw()
+    bar.close()
+    assert "1/5" in screen.getvalue()
+
+
 def test_a_program_gets_objects(here, capfd):
     words = ("synth", "sample.png", "-o", "a.png", "--size", 300, "--method", "efros-leung")
     assert weft_run("--for-program", *words) == 0

@@ -14,7 +14,7 @@ from weftex.pages.html import Page, document, number, parameters, pictures, show
 from weftex.progress import Progress
 from weftex.quality import FIGURES, SCORE, as_shown
 from weftex.random import seed_number
-from weftex.tasks.auto import Auto, AutoModel
+from weftex.tasks.auto import MARGIN, Auto, AutoModel
 from weftex.tasks.method_names import AUTO, make_method
 
 if TYPE_CHECKING:
@@ -99,6 +99,19 @@ class Comparison(Page):
         scores = ", ".join(f"{one.method} {one.rank:.2f}" for one in self.entries)
         return f"<Comparison on {self.exemplar.name!r}, by score: {scores}>"
 
+    @property
+    def contradiction(self) -> str:
+        """Why "auto" chooses another method than the one with the best score; "" if it does not."""
+        best, auto = self.entries[0], self.choice.method
+        mine = [entry for entry in self.entries if entry.method in (auto, AUTO)]
+        if best in mine or not mine or best.rank == mine[0].rank:
+            return ""
+        return (
+            f"{best.method} has a better score than {auto} ({best.rank:.2f}, {mine[0].rank:.2f}), "
+            f"but auto chooses by what the sample is like, before anything is made; of what it "
+            f"tries, another wins only if its score is lower by {MARGIN:g}"
+        )
+
     def as_dict(self) -> dict[str, Any]:
         """Return all figures as numbers, texts, lists, dicts and None, as JSON has them."""
         return {
@@ -118,7 +131,7 @@ class Comparison(Page):
         limits = "; ".join(f"{figure.title} {figure.within()}" for figure in limited.values())
         parts = [
             f'<p class="verdict">Auto: {escape(self.choice.reason)}</p>',
-            *map(small, self.choice.warnings),
+            *map(small, [one for one in (self.contradiction, *self.choice.warnings) if one]),
             f"<p>All made {width}x{height} pixels from this sample, with seed {self.seed}.</p>",
             show(as_shown(self.exemplar, self.exemplar.pixels), "Sample", name),
             "<h2>Measures</h2>",
@@ -224,6 +237,7 @@ def compare(
     options: dict[str, Any] = {"seed": number, "threads": threads, "progress": count.within()}
     for name, method in made.items():
         start = perf_counter()
+        count.stage = f"methods, now {name}"
         try:
             method.require(canvas)
             result = method.fit(exemplar).sample(canvas, **options)

@@ -24,11 +24,12 @@ _LARGEST_PICTURE = 1024  # pixels a side of a picture in the page
 _STYLE = """
 :root { color-scheme: light dark; --line: #8886; --bad: #b3261e; --good: #1b6e2c; }
 @media (prefers-color-scheme: dark) { :root { --bad: #ff8a80; --good: #81d58f; } }
-body { font: 16px/1.5 system-ui, sans-serif; max-width: 72rem; margin: 2rem auto; padding: 0 1rem; }
+body { font: 16px/1.5 system-ui, sans-serif; max-width: 84rem; margin: 2rem auto; padding: 0 1rem; }
 h1 { font-size: 1.6rem; } h2 { font-size: 1.2rem; margin-top: 2.5rem; }
 .verdict { font-size: 1.2rem; border-left: .4rem solid var(--line); padding: .4rem 1rem; }
 .verdict.good { border-color: var(--good); } .verdict.bad { border-color: var(--bad); }
-.pictures { display: flex; flex-wrap: wrap; gap: 1rem; align-items: flex-start; }
+.pictures { display: grid; gap: 1rem; align-items: start;
+  grid-template-columns: repeat(auto-fit, minmax(min(100%, 16rem), 1fr)); }
 figure { margin: 0; max-width: 100%; } img { max-width: 100%; height: auto; display: block; }
 figcaption { font-size: .9rem; max-width: 32rem; }
 .table { overflow-x: auto; } table { border-collapse: collapse; width: 100%; }

@@ -96,6 +96,17 @@ class Report(Page):
         told = [f"{name}: {one.assessment.verdict()}" for name, one in self.of_maps.items()]
         return "\n".join([self.assessment.verdict(), *told])
 
+    def told(self) -> str:
+        """Return the verdict, and a line for each measure that could be taken."""
+        lines = [self.verdict()]
+        for name, figure in FIGURES.items():
+            value = getattr(self.assessment, name)
+            if value is not None:
+                limit = f" (limit {figure.within()})" if figure.within() else ""
+                said = f"{figure.title}: {number(value, figure)}{limit}"
+                lines.append(f"{said}. {_sentence(self, name)}")
+        return "\n".join(lines)
+
     def as_dict(self) -> dict[str, Any]:
         """Return all figures as numbers, texts, lists, dicts and None, as JSON has them."""
         return {
@@ -134,7 +145,8 @@ class Report(Page):
         rows = (_figure_row(self, name) for name in FIGURES)
         parts += ["<h2>Measures</h2>", table(rows, _HEAD), small(_LEGEND)]
         if self.provenance:
-            parts += ["<h2>How it was made</h2>", parameters(self.provenance)]
+            parts += ["<details><summary>How it was made</summary>", parameters(self.provenance)]
+            parts.append("</details>")
         return document(f"{self.result_name} from {self.name}", parts)
 
 
@@ -149,9 +161,17 @@ def _figure_row(found: Report, name: str) -> str:
         f'<td class="number">{number(value, figure)}</td>'
         f'<td class="number">{number(found.real.get(name), figure)}</td>'
         f'<td class="number">{escape(limit)}</td><td class="{mark}">{mark}</td>'
-        f'<td class="number">{agrees}</td><td>{escape(figure.meaning)} '
+        f'<td class="number">{agrees}</td><td>{escape(_sentence(found, name))} '
         f'<span class="small">Blind to {escape(figure.blind)}.</span></td>'
     )
+
+
+def _sentence(found: Report, name: str) -> str:
+    """Return what a measure says of this result, or means."""
+    figure = FIGURES[name]
+    if name not in found.assessment.flags:
+        return figure.meaning
+    return f"The result {figure.fault(getattr(found.assessment, name))}."
 
 
 _SAME = 2.0  # levels; a picture further than this from that of its source is another one

@@ -2,10 +2,17 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 from weftex.cli.files import load_sample
 from weftex.cli.parser import Parser
-from weftex.cli.terminal import print_json
+from weftex.cli.terminal import Bar, Outputs, print_json
+from weftex.cli.terminal import run as run_work
 from weftex.recipe import MATERIAL
+
+if TYPE_CHECKING:
+    from weftex.exemplar import Exemplar
+    from weftex.tasks.analyze import Analysis
 
 _ABOUT = """\
 Measure the scale, the lattice and the evenness of a sample, and recommend window sizes.\
@@ -39,8 +46,13 @@ def run(argv: list[str]) -> None:
 
     if args.overlay is not None:
         check_output(args.overlay)
-    exemplar = load_sample(args.sample, args, "maps")
-    found = analyze(exemplar, lattice=args.lattice, runners_up=args.runners_up)
+    how = {"lattice": args.lattice, "runners_up": args.runners_up}
+
+    def work(bar: Bar, outputs: Outputs) -> tuple[Exemplar, Analysis]:
+        exemplar = load_sample(args.sample, args, "maps")
+        return exemplar, analyze(exemplar, **how)
+
+    (exemplar, found), _ = run_work(work, False)
     if args.overlay is not None:
         from weftex.analysis.overlay import draw_lattice
 

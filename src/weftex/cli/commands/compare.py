@@ -5,7 +5,6 @@ from __future__ import annotations
 from weftex.cli.options import check_numbers, check_size
 from weftex.cli.parser import Parser
 from weftex.cli.terminal import Bar, Outputs, finish, print_json
-from weftex.errors import InvalidInputError
 from weftex.recipe import MATERIAL, SEED
 from weftex.recipe.command_line import value_of
 from weftex.recipe.declared import OUTPUT_SIZE, TILEABLE
@@ -39,8 +38,6 @@ def run(argv: list[str]) -> None:
     add("--json", action="store_true", help="print the scores and times as JSON")
     parser.share("--threads", "--quiet", "--allow-huge")
     args = parser.parse(argv)
-    if args.output is None and not args.json:
-        raise InvalidInputError("nothing to do; give -o compare.html, --json, or both")
     values = {one.name: value_of(one, vars(args)) for one in (size, seed, TILEABLE)}
     if values["size"] is not None:
         check_size(values["size"], args)
@@ -64,6 +61,9 @@ def run(argv: list[str]) -> None:
         best = found.entries[0]
         said = f"compared {len(found.entries)} methods in {bar.took:.1f} s"
         said += f"; the best score has {best.method}" if best.assessment is not None else ""
-        return said + (f"; {args.output} shows all" if args.output is not None else "")
+        said += f"; {args.output} shows all" if args.output is not None else ""
+        entries = () if args.output or args.json else found.entries
+        lines = [f"{entry.method} {entry.rank:.2f}" for entry in entries]
+        return "\n".join([*lines, *filter(None, [found.contradiction]), said])
 
     finish(work, args.quiet)

@@ -41,8 +41,14 @@ def run(argv: list[str]) -> None:
     spec = described_material(args.sample, vars(args), names)
     remove = value_of(_LANDMARKS, vars(args)) == "remove"
     if not remove and not spec.keys() & PREPARATION:
+        from weftex.cli.files import load_sample
+        from weftex.tasks.auto import Auto, AutoModel
+
+        photo = load_sample(args.sample, args, "maps")
+        found = AutoModel(Auto(), photo).choose(photo.shape).warnings
         raise InvalidInputError(
-            "nothing to do; give --straighten, --even-light, --landmarks or --sample-width"
+            "nothing to do; give --straighten, --even-light, --landmarks or --sample-width. "
+            + ("; ".join(found) or "The light is even, and nothing is slanted")
         )
 
     def work(bar: Bar, outputs: Outputs) -> str:

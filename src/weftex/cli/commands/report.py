@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from weftex.cli.files import load_sample
 from weftex.cli.parser import Parser
-from weftex.cli.terminal import print_json
-from weftex.errors import InvalidInputError
+from weftex.cli.terminal import Bar, Outputs, print_json
+from weftex.cli.terminal import run as run_work
 from weftex.recipe import MATERIAL
 from weftex.recipe.declared import TILEABLE
 
 _ABOUT = """\
-Measure how well a result matches its sample, and write a page with images, maps of the flaws, and
-each score next to the scores of real photos of the surface.\
+Measure how well a result matches its sample: print a line for each measure, or write a page with
+images, maps of the flaws, and each score next to the scores of real photos of the surface.\
 """
 
 _EXAMPLES = """\
@@ -38,20 +38,23 @@ def run(argv: list[str]) -> None:
     add("--json", action="store_true", help="print the scores as JSON")
     parser.share("--allow-huge")
     args = parser.parse(argv)
-    if args.output is None and not args.json:
-        raise InvalidInputError("nothing to do; give -o report.html, --json, or both")
     from weftex.io.pictures import check_output
+    from weftex.pages.reports import Report
     from weftex.pages.reports import report as measure
 
     if args.output is not None:
         check_output(args.output, suffixes=(".html",))
-    sample, result = load_sample(args.sample, args, "maps"), load_sample(args.result, args)
     axes = None if args.tileable is None else TILEABLE.read(args.tileable)
     wrap = None if axes is None else (axes in (True, "y"), axes in (True, "x"))
-    found = measure(sample, result, args.source, tileable=wrap)
+
+    def work(bar: Bar, outputs: Outputs) -> Report:
+        sample, result = load_sample(args.sample, args, "maps"), load_sample(args.result, args)
+        return measure(sample, result, args.source, tileable=wrap)
+
+    found, _ = run_work(work, False)
     if args.output is not None:
         found.save(args.output)
     if args.json:
         print_json(found.as_dict())
     else:
-        print(found.verdict())
+        print(found.verdict() if args.output is not None else found.told())

@@ -23,6 +23,7 @@ from weftex.random import seed_number
 from weftex.tasks.auto.findings import Findings, look, with_full
 from weftex.tasks.auto.rule import choose, choose_for_hole, is_sure, places_freely
 from weftex.tasks.auto.trial import (
+    MARGIN,
     PREVIEW,
     best_of_choices,
     others,
@@ -198,4 +199,4 @@ class AutoModel(Model):
         return made
 
 
-__all__ = ["Auto", "AutoModel", "Findings", "choose", "choose_for_hole", "look"]
+__all__ = ["MARGIN", "Auto", "AutoModel", "Findings", "choose", "choose_for_hole", "look"]
