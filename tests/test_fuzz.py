@@ -17,7 +17,7 @@ from weftex.io.manifest import MANIFEST, Manifest
 from weftex.naming import method_of
 from weftex.planes.definition import Definition
 from weftex.studio.limits import Limits, LruCache
-from weftex.studio.sessions import Session, Store, key_of
+from weftex.studio.sessions import STEPS, Session, Store, key_of
 
 FUZZ = Path(__file__).parent.parent / "fuzz"
 DEEP = "[" * 10**5
@@ -137,11 +137,11 @@ def test_json_that_is_too_deep_or_something_else(tmp_path):
     (folder / f"{name}.png").touch()
     upload = {"id": name, "suffix": ".png", "bytes": 1}
     for text in (DEEP, "7", "[7]", '{"id": 7}', json.dumps([{"recipe": 7}]), json.dumps(upload)):
-        for file in (f"{name}.json", "kept.json"):
+        for file in (f"{name}.json", STEPS):
             (folder / file).write_text(text)
         (tmp_path / MANIFEST).write_text(text)
-        kept = Session(Store(tmp_path, Limits()), LruCache(1), "")
-        assert kept.kept == [] and kept.uploads == {}
+        session = Session(Store(tmp_path, Limits()), LruCache(1), "")
+        assert session.steps == [] and session.uploads == {}
         Manifest(str(tmp_path)).sweep()
 
 
