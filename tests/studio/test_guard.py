@@ -184,3 +184,13 @@ def test_tabs_do_not_see_each_other(page, other, tmp_path, rng):
     answer = page.ask("GET", "about", headers={"x-weftex-session": None})
     assert answer.status_code == 200  # nobody's own
     assert page.ask("GET", "jobs", headers={"x-weftex-session": "x" * 43}).status_code == 401
+
+
+@pytest.mark.parametrize(
+    "wrong", [{"id": "../x"}, {"thumb": "data:text/html;base64,AA"}, {"recipe": {}}, {"parent": 3}]
+)
+def test_steps_that_no_page_writes_are_refused(page, wrong):
+    step = {"id": "a" * 12, "recipe": {"materials": [{"sample": "bricks"}]}} | wrong
+    assert page.refused("steps", step)["error"]
+    for name in ("..", "%2e%2e", "steps", "0" * 64):
+        assert page.ask("DELETE", f"works/{name}").status_code in (404, 405)

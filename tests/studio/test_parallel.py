@@ -148,6 +148,14 @@ def use_as_sample(client, page):
     assert client.studio.store.bytes == stored(client)
 
 
+def estimates(client, page):
+    path = f"materials/{page.post('materials', color(page.upload(png(0))))['id']}/estimates"
+    answers = at_once(page, [("POST", path, b"")] * TIMES)
+    (spec,) = {answer.text for answer in answers}
+    assert json.loads(spec)["maps"].keys() == {"color", "height", "normal_gl", "ao", "roughness"}
+    assert client.studio.store.bytes == stored(client)
+
+
 def left_work(client):
     """The key of a tab that uploaded, made a step and went."""
     left = client.page()
@@ -187,6 +195,7 @@ CASES = {
     "POST /session": same("session", None), "POST /leave": leave, "POST /uploads": upload,
     "POST /sets": same("sets", lambda page: {"uploads": [page.upload(png(0))["id"]]}),
     "POST /materials": same("materials", lambda page: color(page.upload(png(0)))),
+    "POST /materials/{id}/estimates": estimates,
     "POST /jobs": jobs, "POST /batches": batches, "POST /planes": same("planes", WEAVE),
     "POST /results/{id}/exports": export, "POST /results/{id}/sample": use_as_sample,
     "POST /steps": steps, "POST /works/{id}/open": continue_work,

@@ -189,6 +189,19 @@ def test_what_is_left_over_is_swept(tmp_path):
     assert found.bytes == 200
 
 
+def test_the_oldest_work_that_nobody_uses_gives_way(tmp_path):
+    names = [key_of(str(k)) for k in range(3)]
+    for k, name in enumerate(names):
+        (tmp_path / name).mkdir()
+        (tmp_path / name / "a.png").write_bytes(b"x" * 100)
+        os.utime(tmp_path / name, (time.time() - (2 - k) * DAY / 2,) * 2)
+    found = Store(tmp_path, Limits(stored_bytes=300))
+    found.reserve(150)
+    assert ({one.name for one in tmp_path.iterdir()}, found.bytes) == ({names[2]}, 250)
+    with pytest.raises(Refusal, match="remove earlier work"):
+        found.reserve(51)
+
+
 def test_pages_that_are_open_are_bounded(tmp_path):
     limits = Limits(sessions=2)
     sessions = Sessions(Store(tmp_path, limits), LruCache(1), ended := [].append)

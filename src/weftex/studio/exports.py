@@ -16,12 +16,14 @@ from weftex.io.formats import written_as
 from weftex.io.packing import write_preset
 from weftex.io.pictures import write_text
 from weftex.io.presets import presets, read_preset
+from weftex.prepare import estimate_maps, light_joints
 from weftex.studio.results import formats_of
 from weftex.studio.uploads import file_in, label_of
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
+    from weftex.recipe.opening import PreparedMaterial
     from weftex.studio.downloads import Downloads
     from weftex.studio.sessions import Session
     from weftex.studio.synthesis import Result
@@ -128,6 +130,24 @@ def as_sample(made: Result, downloads: Downloads, session: Session) -> dict[str,
     if options.get("tileable") is True or options.get("axes") is True:
         spec["repeats"] = True
     return spec
+
+
+def with_estimates(
+    loaded: PreparedMaterial, invert: bool, downloads: Downloads, session: Session
+) -> dict[str, Any]:
+    """Store a material as uploads, with estimates of the maps it lacks; return its description."""
+    invert = invert or (not loaded.exemplar.maps and light_joints(loaded.exemplar))
+    found = estimate_maps(loaded.exemplar, invert=invert)
+    maps: dict[str, str] = {}
+    with tempfile.TemporaryDirectory(dir=downloads.folder) as folder:
+        for name in (loaded.material.main, *found.maps):
+            one = found if name == loaded.material.main else found.map(name)
+            suffix = ".exr" if one.pixels.dtype.kind == "f" else ".png"
+            file = Path(folder) / f"{name}{suffix}"
+            weftex.write_image(file, one.pixels, alpha=one.alpha, icc=one.icc)
+            maps[name] = file_in(file, session)["id"]
+    spec = {"name": os.path.splitext(label_of(loaded.material.name))[0], "maps": maps}
+    return spec | ({"repeats": True} if found.tileable else {})
 
 
 def _files(made: Result, wanted: ExportOptions) -> dict[str, str]:

@@ -158,6 +158,14 @@ async def look(call: Call) -> Any:
     return await call.work(materials.analysis_of, await _loaded(call), call.session)
 
 
+@route("POST", "/materials/{id}/estimates")
+async def estimate(call: Call) -> Any:
+    """Make a material with estimates of the maps that this one lacks."""
+    invert = bool((await call.object("invert")).get("invert"))
+    wanted = await _loaded(call), invert, call.studio.downloads, call.session
+    return await call.work(exports.with_estimates, *wanted)
+
+
 @route("GET", "/materials/{id}/lattice")
 async def lattice(call: Call) -> Any:
     """Say how good a lattice is that somebody drew."""

@@ -137,7 +137,7 @@ def test_keys_alone(tab: Any, address: str) -> None:
     """Choose, make, paint and undo without a pointer; the focus is always seen."""
     one = tab()
     page = one.open(address)
-    for _ in range(12):
+    for _ in range(16):
         page.keyboard.press("Tab")
         assert one.probe("outline") != "none", one.probe("focused")
         if "grass" in one.probe("focused"):

@@ -99,7 +99,7 @@ function buildStrip() {
       const branch = entry.parent !== (entries[k - 1]?.id ?? null);
       return h(
         "button",
-        { type: "button", class: path.has(entry) ? "" : "aside", title: branch ? t("history.branch", { name: app.history.get(entry.parent)?.label ?? "" }) : null, "aria-current": entry === now ? "true" : null, onclick: () => app.guard(() => app.travel(app.history.go(entry))) },
+        { type: "button", class: path.has(entry) ? "" : "aside", "aria-label": `${entry.label}, ${about}`, title: branch ? t("history.branch", { name: app.history.get(entry.parent)?.label ?? "" }) : null, "aria-current": entry === now ? "true" : null, onclick: () => app.guard(() => app.travel(app.history.go(entry))) },
         branch ? icon("branch") : null,
         canvas,
         h("span", { class: "what" }, h("span", {}, entry.label), h("span", {}, about)),

@@ -13,6 +13,7 @@ export class MakeScreen {
     this.app = app;
     this.stage = stage;
     this.live = true;
+    this.brightIsDeep = false; // for estimates
     this.took = 0; // milliseconds of the last preview
     this.update = (event) => this.panel && this.refresh(event.detail?.passing);
     this.tell = () => this.panel && fill(this.toldBox, this.told() ?? []);
@@ -75,7 +76,7 @@ export class MakeScreen {
     const present = { tile: "tile", fill: "remove", fuse: "blend" }[task] ?? (app.wish === "maps" ? "maps" : "bigger");
     const beside = others.some((one) => one.name === this.fault?.parameter); // the error stands at its control
     const result = sameJson(app.result?.recipe, recipe) ? app.result : null;
-    const reason = chosen.slug === "auto" ? (result?.reason ?? app.look?.auto.reason) : chosen.title;
+    const reason = chosen.slug === "auto" ? (result?.reason ?? (free ? app.look?.auto.reason : "")) : chosen.title;
     fill(
       this.panel,
       h("h2", {}, t("make.title")),
@@ -128,7 +129,13 @@ export class MakeScreen {
     return [
       h("p", { class: "hint" }, t("do.maps.help")),
       h("p", {}, t("sample.maps", { names: app.material.maps.map((one) => one.name).join(", ") })),
-      h("button", { type: "button", onclick: () => files.click() }, icon("open"), t("maps.add")),
+      h(
+        "div",
+        { class: "row" },
+        h("button", { type: "button", onclick: () => files.click() }, icon("open"), t("maps.add")),
+        h("button", { type: "button", title: t("maps.estimate.help"), onclick: () => this.attempt(() => estimate(app, this.brightIsDeep)) }, icon("wand"), t("maps.estimate")),
+      ),
+      tick(t("maps.invert"), this.brightIsDeep, (on) => (this.brightIsDeep = on)),
       files,
     ];
   }
@@ -282,4 +289,11 @@ async function addMaps(app, files) {
   const named = materials.flatMap((one) => Object.entries(one.maps)).filter(([role, id]) => role !== "color" && uploads.includes(id));
   if (!named.length) throw new Error(t("maps.unnamed"));
   await app.mend({ name: app.material.name.replace(/\.[^.]*$/, ""), maps: { ...spec.maps, ...Object.fromEntries(named) } }, t("history.maps"));
+}
+
+/** Begin from the sample with estimates of the maps that it lacks, by its brightness. */
+async function estimate(app, invert) {
+  app.tell("notice", { text: t("maps.estimating") });
+  const spec = await app.api.post(`materials/${app.material.id}/estimates`, { invert });
+  await app.mend({ ...Object.fromEntries(Object.keys(app.recipe.materials[0]).map((key) => [key, null])), ...spec }, t("history.estimated"));
 }
