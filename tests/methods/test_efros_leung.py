@@ -45,12 +45,3 @@ def test_the_window_shrinks_to_what_is_there(rng):
 def test_a_window_wider_than_the_sample_is_refused(rng):
     with pytest.raises(weftex.InvalidInputError, match="window_width is 21.* room for 19"):
         weftex.EfrosLeung(window_width=21).fit(weftex.Exemplar(noise((20, 20, 1), rng=rng)))
-
-
-def test_a_mask_without_room_for_the_window_is_refused(rng):
-    mask = np.indices((20, 20)).sum(axis=0) % 2 == 0
-    exemplar = weftex.Exemplar(noise((20, 20, 1), values=9, rng=rng), mask=mask)
-    with pytest.raises(weftex.InvalidInputError, match="no whole window"):
-        weftex.EfrosLeung(window_width=3).fit(exemplar)
-    result = weftex.EfrosLeung().fit(exemplar).sample(9, seed=1)
-    assert mask[tuple(result.source.reshape(-1, 2).T)].all()

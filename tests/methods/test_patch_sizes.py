@@ -166,15 +166,6 @@ def test_a_patch_larger_than_the_sample_names_the_largest(method):
         weftex.METHODS[method](patch_size=1, boundary_width=40).fit(exemplar)
 
 
-def test_a_mask_without_room_for_a_patch_is_refused():
-    mask = np.zeros((60, 100), bool)
-    mask[:9, :9] = True
-    with pytest.raises(weftex.InvalidInputError, match="no 10x10 window lies in the usable part"):
-        weftex.PatchSampling(patch_size=10).fit(
-            weftex.Exemplar(np.zeros((60, 100), np.uint8), mask=mask)
-        )
-
-
 @every("method", family="patch")
 @pytest.mark.parametrize(
     ("side", "parameters", "said"),
