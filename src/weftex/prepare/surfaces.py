@@ -123,8 +123,10 @@ def height_from_normals(
             (np.fft.fftfreq(right.shape[0])[:, None], np.fft.rfftfreq(right.shape[1])))  # fmt: skip
     power = y * y + x * x
     power[power < 1e-12] = np.inf
-    slopes = x * np.fft.rfft2(right) + y * np.fft.rfft2(down)
-    surface: Floats = np.fft.irfft2(-1j * slopes / power, right.shape)[:height, :width]
+    spectrum = x * np.fft.rfft2(right)
+    spectrum += y * np.fft.rfft2(down)
+    spectrum *= -1j / power
+    surface: Floats = np.fft.irfft2(spectrum, right.shape)[:height, :width].copy()
     surface -= surface.min()
     return surface
 

@@ -139,7 +139,8 @@ def view_of(sample: Exemplar) -> View:
     """Return the view of a sample."""
     values = sample.as_matching(sample.pixels)
     usable = np.ones(sample.shape, bool) if sample.mask is None else sample.mask
-    return View(values, usable, _axis(values[usable]), sample.shape)
+    colors = values.reshape(-1, values.shape[2]) if sample.mask is None else values[usable]
+    return View(values, usable, _axis(colors), sample.shape)
 
 
 def view_beside(own: View, sample: Exemplar, result: NDArray[Any]) -> View:
