@@ -41,9 +41,12 @@ def test_save_writes_what_the_name_says(tmp_path):
     made = weftex.synthesize("sample:grass", 40, seed=1)
     made.save(tmp_path / "a.png")
     assert np.array_equal(weftex.read_image(tmp_path / "a.png").pixels, made.image)
-    assert np.array_equal(np.asarray(made), made.image)
+    assert np.array_equal(np.asarray(made.to_pil()), made.image)
     with pytest.raises(weftex.FileError, match="known: .*'?.npz"):
         made.save(tmp_path / "a.pickle")
+    deep = weftex.synthesize(np.zeros((40, 40, 3), np.uint16), 40, seed=1)
+    with pytest.raises(weftex.InvalidInputError, match="Pillow has no uint16"):
+        deep.to_pil()
 
 
 def test_a_saved_result_is_small(tmp_path):

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 
 from weftex.canvas import Canvas
-from weftex.errors import InvalidInputError, shown
+from weftex.errors import InvalidInputError, UnsupportedError, shown
 from weftex.exemplar import Exemplar
 from weftex.exemplar.turns import as_copies, as_made_from
 from weftex.io.display import Displayable
@@ -372,6 +372,28 @@ class Synthesis(Displayable, ABC):
         canvas, about = self.canvas, {name: getattr(self, name) for name in ABOUT}
         facts = Facts(shape=self.shape, wrap=canvas.wrap, origin=canvas.origin, **about)
         write_result(path, facts, self.arrays(), canvas.hole)
+
+    def to_pil(self) -> Any:
+        """Return the image as a `PIL.Image.Image`.
+
+        Raises
+        ------
+        UnsupportedError
+            If Pillow is not installed.
+        InvalidInputError
+            If Pillow has no such images: more than 8 bits with more than one channel.
+        """
+        try:
+            from PIL import Image
+        except ImportError:
+            raise UnsupportedError("to_pil needs Pillow; pip install Pillow") from None
+        try:
+            return Image.fromarray(self.image)
+        except TypeError:
+            shape, dtype = self.image.shape, self.image.dtype
+            raise InvalidInputError(
+                f"Pillow has no {dtype} images of shape {shape}; save('out.tif') keeps them"
+            ) from None
 
     @classmethod
     def load(
