@@ -120,7 +120,8 @@ class Canvas:
                 raise InvalidInputError(
                     f"{name} is {shown(at)}; it must be an integer from -2**40 to 2**40"
                 )
-        if self.origin != (0, 0) and (any(self.wrap) or self.hole is not None):
+        whole = self.shown is None and self.hole is not None  # no block of a plane
+        if self.origin != (0, 0) and (any(self.wrap) or whole):
             raise InvalidInputError(
                 "a window of an endless plane neither wraps nor has known pixels; leave origin out"
             )
@@ -143,7 +144,7 @@ class Canvas:
             "wrap": any(self.wrap),
             "known": self.hole is not None and not self.hole.all(),
             "guide": self.guide is not None,
-            "random_access": self.origin != (0, 0),
+            "random_access": self.origin != (0, 0) and self.shown is None,
         }
         return tuple(kind for kind, is_one in found.items() if is_one)
 

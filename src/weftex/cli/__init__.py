@@ -24,6 +24,7 @@ _COMMANDS = {
     "synth": "synthesize an image of any size from a sample of a material",
     "fill": "fill the holes in a photo",
     "tile": "make photos tileable, check whether they are, pad and crop them",
+    "atlas": "make all corner tiles of a material, for an endless texture in any engine",
     "batch": "synthesize from every sample in a folder",
     "fuse": "merge several materials according to a map",
     "replay": "render a saved result with another map of the same sample",

@@ -7,6 +7,7 @@ which blocks are made does not matter; `weftex.endless.grid` says which blocks t
 
 from __future__ import annotations
 
+import sys
 from collections import OrderedDict
 from collections.abc import Callable, Hashable
 from concurrent.futures import Future
@@ -102,15 +103,20 @@ def kept_of(model: Filler) -> tuple[BlockCache, SamplePieces | None]:
     """The cache of a model, and where its corners are cut from, if the sample is large enough."""
     found = _KEPT.get(model)
     if found is None:
-        last, exemplar = model.block_sizes().belt - 1, model.exemplar
-        mask = np.ones(exemplar.shape, bool) if exemplar.mask is None else exemplar.mask
-        if exemplar.tileable:
-            mask = np.pad(mask, (0, last), mode="wrap")
-        height, width = exemplar.shape
-        usable = whole_windows(mask, (0, last, 0, last))[:height, :width]
-        pieces = SamplePieces(exemplar, usable) if usable.any() else None
+        usable = usable_corners(model.exemplar, model.block_sizes().belt)
+        pieces = SamplePieces(model.exemplar, usable) if usable.any() else None
         found = _KEPT.setdefault(model, (BlockCache(MOST_BYTES), pieces))
     return found
+
+
+def usable_corners(exemplar: Exemplar, belt: int) -> NDArray[np.uint8]:
+    """1 at the top left corners of the squares of `belt` pixels that may be copied."""
+    last = belt - 1
+    mask = np.ones(exemplar.shape, bool) if exemplar.mask is None else exemplar.mask
+    if exemplar.tileable:
+        mask = np.pad(mask, (0, last), mode="wrap")
+    height, width = exemplar.shape
+    return whole_windows(mask, (0, last, 0, last))[:height, :width]
 
 
 def make_window(
@@ -136,13 +142,16 @@ def make_window(
 
 
 class Plane:
-    """One plane: a model, a seed and a period."""
+    """One plane: a model, a seed and a period; a subclass may name its blocks by another rule."""
 
-    def __init__(self, model: Filler, asked: PlaneRequest) -> None:
+    def __init__(self, model: Filler, asked: PlaneRequest, grid: Grid | None = None) -> None:
         self.model, self.asked = model, asked
-        sizes = model.block_sizes()
-        self.grid = Grid(sizes, *axes_of(sizes, asked.period))
-        self.cache, self.pieces = kept_of(model)
+        if grid is None:
+            sizes = model.block_sizes()
+            self.grid = Grid(sizes, *axes_of(sizes, asked.period))
+            self.cache, self.pieces = kept_of(model)
+        else:
+            self.grid, self.cache, self.pieces = grid, BlockCache(sys.maxsize), None
         self._start: tuple[Box, NDArray[np.int32]] | None = None
         self._pixels = model.exemplar.pixels.reshape(-1, *model.exemplar.pixels.shape[2:])
 
@@ -179,10 +188,13 @@ class Plane:
         return self.model.start_of(box, self.asked._replace(threads=threads))
 
     def _key(self, block: Block) -> tuple[Any, ...]:
-        """What a block is kept under, and its name: the same one for every time around."""
+        """What a block is kept under, and its name."""
+        return self.asked.seed, self.asked.period, self.name(block)
+
+    def name(self, block: Block) -> Block:
+        """The block that is shown in place of this one: the same one for every time around."""
         down, across = self.grid.down, self.grid.across
-        name = Block(block.kind, down.name(block.row), across.name(block.column))
-        return self.asked.seed, self.asked.period, name
+        return Block(block.kind, down.name(block.row), across.name(block.column))
 
     def block(self, block: Block, threads: int = 1) -> NDArray[np.int32]:
         """Flat indices of a block with what it replaces; -1 where it shows nothing."""
@@ -197,8 +209,9 @@ class Plane:
         if self.grid.sizes.around:
             start = self._start_of(seen, threads)
         if start is None:
-            if block.kind == CORNER and self.pieces is not None:
-                return self._piece(block, self.pieces)
+            piece = self.piece(block) if block.kind == CORNER else None
+            if piece is not None:
+                return self._cut(piece, own)
             seen = self._without_start(block, seen)
             shown = np.full(seen.shape, -1, np.int32)
         else:
@@ -209,21 +222,34 @@ class Plane:
         loose = hole[reached.within(seen)]
         free = self._may_replace(block, loose.shape)
         loose |= free
-        made = self._filled(shown, hole, seed, threads)
+        made = self._filled(shown, hole, seed, threads, self.origin(block, seen))
         result: NDArray[np.int32] = made[reached.within(seen)].copy()
         result[~(free | hole_of(own, reached))] = -1
         return result
 
-    def _piece(self, block: Block, pieces: SamplePieces) -> NDArray[np.int32]:
-        """A corner: a piece of the sample, as it is."""
+    def piece(self, block: Block) -> NDArray[np.int64] | None:
+        """Row and column in the sample of what a corner shows; None if it has no room for that."""
+        if self.pieces is None:
+            return None
         own = self.grid.own(block)
         at = own.rows.first, own.columns.first
-        corner = pieces.pick(self.asked.seed, np.array([block[1:]]), np.array([at]))[0]
+        found: NDArray[np.int64] = self.pieces.pick(
+            self.asked.seed, np.array([block[1:]]), np.array([at])
+        )[0]
+        return found
+
+    def origin(self, block: Block, seen: Box) -> tuple[int, int]:
+        """Where a block's canvas is on the plane of the sample's lattice."""
+        return canvas_of(seen).origin
+
+    def _cut(self, corner: NDArray[np.int64], own: Box) -> NDArray[np.int32]:
+        """A piece of the sample, as it is."""
+        shape = self.model.exemplar.shape
         v, u = (
             (first + np.arange(length)) % n
-            for first, length, n in zip(corner, own.shape, pieces.usable.shape, strict=True)
+            for first, length, n in zip(corner, own.shape, shape, strict=True)
         )
-        piece: NDArray[np.int32] = (v[:, None] * pieces.usable.shape[1] + u).astype(np.int32)
+        piece: NDArray[np.int32] = (v[:, None] * shape[1] + u).astype(np.int32)
         return piece
 
     def _without_start(self, block: Block, seen: Box) -> Box:
@@ -244,14 +270,19 @@ class Plane:
         return free
 
     def _filled(
-        self, shown: NDArray[np.int32], hole: NDArray[np.bool_], seed: int, threads: int
+        self,
+        shown: NDArray[np.int32],
+        hole: NDArray[np.bool_],
+        seed: int,
+        threads: int,
+        origin: tuple[int, int],
     ) -> NDArray[np.int32]:
         """Fill a hole by the method; `shown` has the pixels before, in the hole too."""
         height, width = shown.shape
         canvas = Canvas(height, width)
         if not hole.all() or (shown >= 0).any():
             known = self._pixels.take(shown, axis=0, mode="wrap")
-            canvas = Canvas(height, width, known=known, hole=hole, shown=shown)
+            canvas = Canvas(height, width, known=known, hole=hole, shown=shown, origin=origin)
         made = self.model.sample(canvas, seed=seed, threads=threads)
         if isinstance(made, PixelSynthesis):
             flat = made.index

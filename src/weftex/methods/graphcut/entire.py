@@ -141,7 +141,7 @@ class EntirePatchMatching:
         self, lattice: CanvasLattice, pixel: tuple[int, int], most: float
     ) -> NDArray[np.bool_]:
         """Mark the pixels that lattice shifts lead to a pixel of the canvas, `most` pixels off."""
-        first = lattice.phase(*(np.array(at) for at in pixel)) / _UNIT
+        first = lattice.phase(*np.add(pixel, self.canvas.origin)) / _UNIT
         y, x = (np.arange(n) - at for n, at in zip(self.usable.shape, first, strict=True))
         rest = []  # of multiples of the vectors
         for down, along in np.linalg.inv(lattice.sample).T:

@@ -1,0 +1,141 @@
+"""weftex atlas: make all corner tiles of a material, for an endless texture in any engine."""
+
+from __future__ import annotations
+
+import json
+import os
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
+
+from weftex.cli.options import parse_task
+from weftex.cli.parser import Parser
+from weftex.cli.terminal import Bar, Outputs, finish
+from weftex.recipe.command_line import value_of
+from weftex.recipe.declared import LANDMARKS, MATERIAL, SEED
+from weftex.recipe.options import SIZE, WHOLE, Option
+
+if TYPE_CHECKING:
+    import argparse
+
+    from weftex.cli.files import Plan
+    from weftex.tasks.atlas import Atlas
+
+_ABOUT = """\
+Make all corner tiles of a material. Tiles with the same corner colors at a side fit without a seam,
+so an engine gets an endless texture that does not repeat. OUT is an image with a grid of tiles; an
+index (.json) and tilesets of Tiled (.tsx) and Godot 4 (.tres) are written beside it. For a map set
+OUT is a folder. For one image, OUT without a suffix is a folder with a file for each tile.\
+"""
+
+_EXAMPLES = """\
+examples:
+  weftex atlas pebbles.png -o tiles.png
+  weftex atlas bricks.png -o tiles.png --colors 3 --tile-size 512 --seed 7
+  weftex atlas stone_wall/ -o tiles/                  a folder of aligned maps
+  weftex atlas pebbles.png -o tiles.png --gutter 8    for engines that cut tiles out
+"""
+
+_OPTIONS = (
+    Option("colors", WHOLE, "number of corner colors: 2 makes 16 tiles, 3 makes 81, which repeat "
+           "less", 2, low=2, high=3, metavar="2|3"),
+    Option("tile_size", SIZE, "size of a tile in pixels; with a lattice the nearest size with "
+           "whole periods is taken", default_text="256, or the sample's shorter side if less",
+           metavar="WxH|N"),
+    Option("gutter", WHOLE, "number of pixels around each tile that continue it, for filters that "
+           "read beyond a tile", 0, low=0, unit="px", metavar="PX"),
+    LANDMARKS._replace(choices=("remove", "keep"), default="remove", metavar="remove|keep",
+                       help="remove: replace recognizable features by the rest of the sample, as "
+                       "repeats show by them; no effect on lattices"),
+)  # fmt: skip
+
+
+def run(argv: list[str]) -> None:
+    """Run the command; `argv` is what follows its name."""
+    parser = Parser("atlas", _ABOUT, _EXAMPLES)
+    text = "image, folder of maps, or sample:NAME; several must show the same material"
+    parser.add_argument("materials", metavar="SAMPLE", nargs="+", help=text)
+    parser.share("--output", "--names")
+    parser.set_defaults(mtlx=False, save_source=None)
+    options = [*_OPTIONS, *MATERIAL.values(), SEED]
+    args, recipe = parse_task("synth", parser, argv, options, usual="graphcut, entire samples")
+    given = {option: value_of(option, vars(args)) for option in _OPTIONS}
+    own = {o.name: o.checked(value, o.flag) for o, value in given.items() if value is not None}
+
+    def work(bar: Bar, outputs: Outputs) -> str:
+        from weftex.cli.files import open_job
+        from weftex.tasks.atlas import atlas
+
+        folder = _folder_of_tiles(args, outputs)
+        job, plan = open_job(recipe, args, outputs)
+        how: dict[str, Any] = {"seed": recipe.seed, "threads": args.threads, "progress": bar}
+        made = atlas(job.sample, method=recipe.method.slug, **own, **how, **recipe.parameters)
+        if folder is None:
+            _write_grid(made, plan, args, outputs)
+        else:
+            _write_tiles(made, plan, folder, outputs)
+        used, (height, width) = made.synthesis.provenance, made.tile_size
+        notes = "".join(f"note: {note}\n" for note in made.notes)
+        return (
+            f"{plan.told}{notes}made {made.colors**4} tiles of {width}x{height} in "
+            f"{folder or args.output} with {used['method']}, seed {used['seed']}, "
+            f"in {bar.took:.2f} s"
+        )
+
+    finish(work, args.quiet)
+
+
+def _folder_of_tiles(args: argparse.Namespace, outputs: Outputs) -> str | None:
+    """Make the folder that gets a file for each tile of an image, if OUT is no image."""
+    from weftex.io.formats import suffix_of, written_as
+    from weftex.io.pictures import is_folder
+
+    folder = str(args.output)
+    if suffix_of(folder) or any(map(is_folder, args.materials)):
+        return None
+    outputs.make_folder(folder)
+    # Where an image is expected; each tile has its own name.
+    floats = written_as(args.materials[0], False).lower() == ".exr"
+    args.output = os.path.join(folder, "tile.exr" if floats else "tile.png")
+    return folder
+
+
+def _write_grid(made: Atlas, plan: Plan, args: argparse.Namespace, outputs: Outputs) -> None:
+    """Write a grid for each map, the index, and the tilesets of editors."""
+    from weftex.io.tilesets import godot_tileset, tiled_tileset
+
+    path = plan.targets[plan.main]
+    files = {name: os.path.basename(target) for name, target in plan.targets.items()}
+    stem = os.path.splitext(args.output)[0]
+    if path != args.output:  # a set
+        stem = os.path.join(args.output, "atlas")
+    image = files.pop(plan.main)
+    index = {"image": image, "maps": files, **made.index}
+    texts = {
+        ".json": json.dumps(index, indent=1) + "\n",
+        ".tsx": tiled_tileset(index, os.path.basename(stem), image),
+        ".tres": godot_tileset(index, image),
+    }
+    planned = replace(plan, documents={stem + suffix: text for suffix, text in texts.items()})
+    planned.write(
+        lambda name: made.image if name == plan.main else made.maps[name], outputs, args.threads
+    )
+
+
+def _write_tiles(made: Atlas, plan: Plan, folder: str, outputs: Outputs) -> None:
+    """Write a file for each tile, named by its corner colors, and the index."""
+    from weftex.io.pictures import write_image, write_text
+
+    like, image, index = plan.pictures[plan.main], made.image, made.index
+    suffix = os.path.splitext(plan.targets[plan.main])[1]
+    height, width = (side + 2 * made.gutter for side in made.tile_size)
+    tiles = []
+    for tile in index["tiles"]:
+        top, left = tile["y"] - made.gutter, tile["x"] - made.gutter
+        name = f"tile_{''.join(map(str, tile['corners']))}{suffix}"
+        path = outputs.add(os.path.join(folder, name))
+        pixels = image[top : top + height, left : left + width]
+        write_image(path, pixels, alpha=like.alpha, icc=like.icc, half=like.half)
+        tiles.append({"file": name, "corners": tile["corners"]})
+    kept = {name: index[name] for name in ("colors", "tile_width", "tile_height", "gutter")}
+    path = outputs.add(os.path.join(folder, "atlas.json"))
+    write_text(path, json.dumps({**kept, "tiles": tiles}, indent=1) + "\n")

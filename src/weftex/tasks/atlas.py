@@ -1,0 +1,311 @@
+"""Make an atlas of corner tiles: an endless texture that does not repeat, for one lookup."""
+
+from __future__ import annotations
+
+import numbers
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from weftex.analysis.lattice import Lattice
+from weftex.canvas import Canvas
+from weftex.endless.boxes import A_BLOCK, PlaneRequest
+from weftex.endless.corners import sure_vectors
+from weftex.endless.tiles import TilePlane, belt_of, size_with_periods, torus
+from weftex.errors import InvalidInputError, shown
+from weftex.exemplar import load_exemplar
+from weftex.random import seed_number
+from weftex.results.pixels import PixelSynthesis
+from weftex.results.scales import RenderedMaps
+from weftex.tasks.auto.rule import WHOLE
+from weftex.tasks.method_names import AUTO, is_auto, make_method
+from weftex.threads import thread_count
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from numpy.typing import NDArray
+
+    from weftex.exemplar import Exemplar, Sample
+    from weftex.method import Method
+    from weftex.progress import ProgressCallback
+    from weftex.random import Seed
+    from weftex.results.synthesis import Synthesis
+
+__all__ = ["Atlas", "atlas", "corner_colors"]
+
+_USUAL, _LEAST = 256, 32  # pixels a side of a tile
+_TIMES = np.array([0x8DA6B343, 0xD8163841, 0xCB1AB31F], np.uint32)
+_MIX = np.array([0x7FEB352D, 0x846CA68B], np.uint32)
+
+
+@dataclass(frozen=True, eq=False)
+class Atlas:
+    """All corner tiles of a material, in a grid of `colors` squared rows and columns.
+
+    Without a gutter the grid is a tileable image, as every tile is beside tiles that fit it.
+
+    Attributes
+    ----------
+    synthesis : Synthesis
+        The grid without gutters, with the source of every pixel.
+    colors : int
+        Number of colors that a corner may have, 2 or 3.
+    tile_size : (int, int)
+        Height and width of a tile in pixels.
+    gutter : int
+        Pixels around each tile of `image` and `maps` that continue it.
+    notes : tuple of str
+        What a user should know, such as a tile size that was changed.
+    """
+
+    synthesis: Synthesis
+    colors: int
+    tile_size: tuple[int, int]
+    gutter: int = 0
+    notes: tuple[str, ...] = ()
+
+    @property
+    def image(self) -> NDArray[Any]:
+        """The grid of tiles with their gutters, in the sample's dtype."""
+        return self._with_gutters(self.synthesis.image)
+
+    @property
+    def maps(self) -> Mapping[str, NDArray[Any]]:
+        """The same grid of each map of the sample, rendered on access."""
+        maps = self.synthesis.maps
+        return RenderedMaps(maps, lambda name: self._with_gutters(maps[name]))
+
+    @property
+    def tiles(self) -> NDArray[Any]:
+        """The tiles without gutters, (colors**4, height, width) or (…, channels).
+
+        The number of a tile is ``top_left + colors * (top_right + colors * (bottom_left + colors *
+        bottom_right))``, by the colors of its corners.
+        """
+        return self._pieces(self.synthesis.image, self._cells)
+
+    @cached_property
+    def _cells(self) -> NDArray[np.int64]:
+        """Row and column (colors**4, 2) of each tile in the grid."""
+        nodes = torus(self.colors)
+        around = np.pad(nodes, (0, 1), mode="wrap")
+        order = np.argsort(self._numbers(around), axis=None)
+        return np.stack(np.divmod(order, len(nodes)), axis=1)
+
+    @property
+    def index(self) -> dict[str, Any]:
+        """Sizes of `image`, and position and corner colors of each tile in it, ready for JSON."""
+        count, (height, width) = self.colors**2, self.tile_size
+        down, across = height + 2 * self.gutter, width + 2 * self.gutter
+        tiles = []
+        for number, (y, x) in enumerate(self._cells.tolist()):
+            at = {"id": y * count + x, "x": x * across + self.gutter, "y": y * down + self.gutter}
+            corners = [number // self.colors**k % self.colors for k in range(4)]
+            tiles.append(at | {"corners": corners})
+        sizes = {"tile_width": width, "tile_height": height, "gutter": self.gutter}
+        grid = {"rows": count, "columns": count, "width": count * across, "height": count * down}
+        ids = [tile["id"] for tile in tiles]
+        return {"colors": self.colors, **grid, **sizes, "ids": ids, "tiles": tiles}
+
+    def plane(
+        self, rows: int, columns: int, seed: int = 0, *, name: str | None = None
+    ) -> NDArray[Any]:
+        """Return an image of `rows` x `columns` tiles, or of the map `name`.
+
+        Corner colors are those of `corner_colors`, which the samplers for shaders have too.
+        """
+        pixels = self.synthesis.image if name is None else self.synthesis.maps[name]
+        numbers = self._numbers(corner_colors(rows + 1, columns + 1, seed, self.colors))
+        found = self._pieces(pixels, self._cells[numbers]).swapaxes(1, 2)
+        height, width = found.shape[1], found.shape[3]
+        return found.reshape(rows * height, columns * width, *pixels.shape[2:])
+
+    def _numbers(self, nodes: NDArray[np.int64]) -> NDArray[np.int64]:
+        """The numbers of the tiles between nodes of these colors."""
+        upper = nodes[:, :-1] + self.colors * nodes[:, 1:]
+        found: NDArray[np.int64] = upper[:-1] + self.colors**2 * upper[1:]
+        return found
+
+    def _pieces(self, pixels: NDArray[Any], cells: NDArray[np.int64]) -> NDArray[Any]:
+        """The tiles of a grid without gutters at some cells (…, 2)."""
+        height, width = (side // self.colors**2 for side in pixels.shape[:2])
+        y, x = cells[..., 0, None] * height, cells[..., 1, None] * width
+        y, x = y + np.arange(height), x + np.arange(width)
+        found: NDArray[Any] = pixels[y[..., :, None], x[..., None, :]]
+        return found
+
+    def _with_gutters(self, pixels: NDArray[Any]) -> NDArray[Any]:
+        """The same grid of tiles, each with what is around it."""
+        count, lines = self.colors**2, []
+        for whole, own in zip(pixels.shape[:2], self.tile_size, strict=True):
+            side = whole // count
+            gutter = self.gutter * side // own
+            around = np.arange(-gutter, side + gutter)
+            lines.append((np.arange(count)[:, None] * side + around).ravel() % whole)
+        found: NDArray[Any] = pixels[np.ix_(*lines)]
+        return found
+
+
+def atlas(
+    sample: Sample,
+    *,
+    colors: int = 2,
+    tile_size: int | tuple[int, int] | None = None,
+    gutter: int = 0,
+    method: str | Method = AUTO,
+    landmarks: str = "remove",
+    seed: Seed = None,
+    threads: int | None = None,
+    progress: ProgressCallback | None = None,
+    **parameters: Any,
+) -> Atlas:
+    """Make all corner tiles of a material.
+
+    Every corner of a tile has one of a few colors. Tiles with the same colors at a side fit
+    together without a seam, so random corner colors give an endless texture that does not repeat.
+
+    Parameters
+    ----------
+    sample : path, array, PIL image or Exemplar
+        The material. All maps of a set get the same tiles.
+    colors : int
+        Number of corner colors: 2 makes 16 tiles, 3 makes 81, which repeat less.
+    tile_size : int or (int, int), optional
+        Height and width of a tile in pixels, 32 or more; by default 256, or the sample's shorter
+        side if that is less. With a lattice, such as of bricks, the nearest size with whole
+        periods is taken, and `Atlas.notes` says so.
+    gutter : int
+        Pixels around each tile that continue it, up to half of a tile.
+    method : str or Method
+        A method that fills holes. By default entire samples are cut by graph cuts, on the sample's
+        lattice if it has one.
+    landmarks : {"remove", "keep"}
+        Remove salient features of the sample, by which repeats are recognized, or keep them.
+    seed, threads, progress
+        As for `weftex.synthesize`.
+    **parameters
+        Parameters of the method.
+
+    Returns
+    -------
+    Atlas
+
+    Raises
+    ------
+    InvalidInputError
+        If an argument is out of range, the sample is too small for the tiles, or no tile size near
+        the one asked for has whole periods of the sample's lattice.
+    UnsupportedError
+        If the method does not fill holes.
+    FileError
+        If the sample cannot be read.
+
+    Examples
+    --------
+    >>> from weftex.tasks.atlas import atlas
+    >>> made = atlas("sample:pebbles", tile_size=64, seed=7)
+    >>> made.image.shape, made.tiles.shape, made.plane(3, 5).shape
+    ((256, 256, 3), (16, 64, 64, 3), (192, 320, 3))
+    """
+    if type(colors) is not int or colors not in (2, 3):
+        raise InvalidInputError(f"colors is {shown(colors)}; it must be 2 or 3")
+    if not isinstance(landmarks, str) or landmarks not in ("remove", "keep"):
+        raise InvalidInputError(f"landmarks is {shown(landmarks)}; it must be remove or keep")
+    chosen = make_method(method, parameters)
+    if not is_auto(chosen):
+        chosen.require(A_BLOCK)
+    elif parameters:
+        raise InvalidInputError(f"{next(iter(parameters))} has no effect on an atlas")
+    exemplar = load_exemplar(sample)
+    number, wish = seed_number(seed), _as_size(tile_size, exemplar)
+    vectors = getattr(chosen, "lattice", None) or sure_vectors(exemplar)
+    if len(vectors) == 2:  # rows
+        vectors = tuple(Lattice(((vectors[0], vectors[1]),)))
+    size = size_with_periods(vectors, wish, exemplar.name) if vectors else wish
+    _check_gutter(gutter, size, exemplar)
+    plain = None
+    if landmarks == "remove" and not exemplar.pieces:
+        from weftex.tasks.landmarks import plain_sample  # loads the analyses
+
+        plain = plain_sample(exemplar, "remove")
+        exemplar = plain.exemplar if plain else exemplar
+    if is_auto(chosen):
+        chosen = make_method("graphcut", WHOLE | ({"lattice": vectors} if vectors else {}))
+    else:
+        hole = np.pad(np.ones([side - belt_of(size) for side in size], bool), belt_of(size))
+        usable = np.ones(exemplar.shape, bool) if exemplar.mask is None else exemplar.mask
+        chosen = chosen.for_hole(hole, usable, frozenset(parameters))
+    model = chosen.fit(exemplar)
+    request = PlaneRequest(number, None, thread_count(threads))
+    index = TilePlane(model, request, size, colors, vectors).show_all(progress)
+    made: Synthesis = PixelSynthesis(
+        Canvas(index.shape[0], index.shape[1], (True, True)),
+        index,
+        sample_shape=model.exemplar.shape,
+        exemplar=model.exemplar,
+        provenance=model.method.describe() | {"seed": number},
+    )
+    made = plain.finished(made, number) if plain else made
+    made.is_window = True  # or steps of height would be spread into neighbors of the torus
+    notes = [f"landmarks removed from the sample: {plain.rare}"] if plain else []
+    if size != wish:
+        notes.append(
+            f"tiles are {size[1]}x{size[0]}, not {wish[1]}x{wish[0]}, to have whole periods of the "
+            "sample's lattice"
+        )
+    return Atlas(made, colors, size, gutter, tuple(notes))
+
+
+def corner_colors(rows: int, columns: int, seed: int, colors: int) -> NDArray[np.int64]:
+    """Return the colors (rows, columns) of the corners of a plane, from (0, 0) on.
+
+    A hash of 32 bits of the corner, which a shader computes as well.
+
+    >>> corner_colors(2, 4, 0, 3).tolist()
+    [[0, 2, 1, 2], [1, 0, 1, 1]]
+    """
+    with np.errstate(over="ignore"):
+        y, x = np.ogrid[:rows, :columns]
+        bits = x.astype(np.uint32) * _TIMES[0] ^ y.astype(np.uint32) * _TIMES[1]
+        bits ^= np.array([seed], np.int64).astype(np.uint32) * _TIMES[2]
+        bits = (bits ^ bits >> 16) * _MIX[0]
+        bits = (bits ^ bits >> 15) * _MIX[1]
+        bits ^= bits >> 16
+    found: NDArray[np.int64] = (bits >> 16).astype(np.int64) * colors >> 16
+    return found
+
+
+def _as_size(given: Any, exemplar: Exemplar) -> tuple[int, int]:
+    """Height and width of a tile; by default 256, or what the sample has."""
+    if given is None:
+        given = max(_LEAST, min(_USUAL, *exemplar.shape))
+    sides: Any = (given, given) if isinstance(given, numbers.Integral) else given
+    whole = isinstance(sides, (tuple, list)) and len(sides) == 2 and not isinstance(given, bool)
+    whole = whole and all(isinstance(side, numbers.Integral) for side in sides)
+    if not whole or min(sides) < _LEAST:
+        raise InvalidInputError(
+            f"tile_size is {shown(given)}; it must be a number of pixels, {_LEAST} or more, or a "
+            "height and a width"
+        )
+    return int(sides[0]), int(sides[1])
+
+
+def _check_gutter(gutter: Any, size: tuple[int, int], exemplar: Exemplar) -> None:
+    """Refuse a gutter out of range, and sizes that are no whole pixels of a coarser map."""
+    most = min(size) // 2
+    if type(gutter) is not int or not 0 <= gutter <= most:
+        raise InvalidInputError(
+            f"gutter is {shown(gutter)}; it must be from 0 to {most}, half of a tile"
+        )
+    for name in exemplar.maps:
+        step = Fraction(exemplar.scale_of(name)).denominator
+        for what, pixels in (("tile_size", size[0]), ("tile_size", size[1]), ("gutter", gutter)):
+            if pixels % step:
+                raise InvalidInputError(
+                    f"{what} is {pixels}; it must be a multiple of {step}, as map '{name}' has a "
+                    f"pixel for {step}x{step} of the sample"
+                )
