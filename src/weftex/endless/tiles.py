@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     Ints = NDArray[np.int64]
 
 _SHARE, _LEAST = 8, 8  # half of the belt is an eighth of the tile's shorter side; at least, pixels
-_KEPT = 8  # pixels on both sides of a tile's border that insides do not change
+_KEPT = 8  # pixels on both sides of a border that insides leave, or an eighth of the belt
 _CANDIDATES = 256  # pieces of the sample from which corners are chosen
 _CELLS = 8  # of a piece, a side, whose colors say whether it has a landmark
 _OFF = 0.75  # pixels that a corner may lie off the lattice
@@ -79,7 +79,7 @@ class TilePlane(Plane):
         vectors: tuple[float, ...],
     ) -> None:
         self.torus, n, belt = torus(colors), colors**2, belt_of(size)
-        loose = belt // 2 - _KEPT if model.block_sizes().loose else 0
+        loose = belt // 2 - min(_KEPT, belt // 8) if model.block_sizes().loose else 0
         axes = (Axis(n * side, n, wraps=True) for side in size)
         super().__init__(model, asked, Grid(Sizes(min(size), belt, loose), *axes))
         self._corners = typical_pieces(model.exemplar, belt, colors, asked.seed, vectors)

@@ -14,9 +14,11 @@ from weftex.analysis.lattice import Lattice
 from weftex.canvas import Canvas
 from weftex.endless.boxes import A_BLOCK, PlaneRequest
 from weftex.endless.corners import sure_vectors
+from weftex.endless.plane import usable_corners
 from weftex.endless.tiles import TilePlane, belt_of, size_with_periods, torus
 from weftex.errors import InvalidInputError, shown
 from weftex.exemplar import load_exemplar
+from weftex.prepare.landmarks import find_landmarks
 from weftex.random import seed_number
 from weftex.results.pixels import PixelSynthesis
 from weftex.results.scales import RenderedMaps
@@ -227,12 +229,9 @@ def atlas(
         vectors = tuple(Lattice(((vectors[0], vectors[1]),)))
     size = size_with_periods(vectors, wish, exemplar.name) if vectors else wish
     _check_gutter(gutter, size, exemplar)
-    plain = None
-    if landmarks == "remove" and not exemplar.pieces:
-        from weftex.tasks.landmarks import plain_sample  # loads the analyses
-
-        plain = plain_sample(exemplar, "remove")
-        exemplar = plain.exemplar if plain else exemplar
+    found = 0
+    if landmarks == "remove" and not vectors and not exemplar.pieces:
+        exemplar, found = _without_landmarks(exemplar, belt_of(size))
     if is_auto(chosen):
         chosen = make_method("graphcut", WHOLE | ({"lattice": vectors} if vectors else {}))
     else:
@@ -242,16 +241,15 @@ def atlas(
     model = chosen.fit(exemplar)
     request = PlaneRequest(number, None, thread_count(threads))
     index = TilePlane(model, request, size, colors, vectors).show_all(progress)
-    made: Synthesis = PixelSynthesis(
+    made = PixelSynthesis(
         Canvas(index.shape[0], index.shape[1], (True, True)),
         index,
         sample_shape=model.exemplar.shape,
         exemplar=model.exemplar,
+        is_window=True,  # or steps of height would be spread into neighbors of the torus
         provenance=model.method.describe() | {"seed": number},
     )
-    made = plain.finished(made, number) if plain else made
-    made.is_window = True  # or steps of height would be spread into neighbors of the torus
-    notes = [f"landmarks removed from the sample: {plain.rare}"] if plain else []
+    notes = [f"landmarks removed from the sample: {found}"] if found else []
     if size != wish:
         notes.append(
             f"tiles are {size[1]}x{size[0]}, not {wish[1]}x{wish[0]}, to have whole periods of the "
@@ -292,6 +290,17 @@ def _as_size(given: Any, exemplar: Exemplar) -> tuple[int, int]:
             "height and a width"
         )
     return int(sides[0]), int(sides[1])
+
+
+def _without_landmarks(exemplar: Exemplar, belt: int) -> tuple[Exemplar, int]:
+    """The sample without its rare landmarks, and their number, if enough is left for corners."""
+    masks, count = find_landmarks(exemplar, others=False)
+    if not count:
+        return exemplar, 0
+    usable = ~np.logical_or.reduce(masks)
+    usable &= True if exemplar.mask is None else exemplar.mask
+    plain = exemplar.changed(mask=usable)
+    return (plain, count) if usable_corners(plain, belt).any() else (exemplar, 0)
 
 
 def _check_gutter(gutter: Any, size: tuple[int, int], exemplar: Exemplar) -> None:

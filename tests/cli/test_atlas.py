@@ -1,0 +1,84 @@
+"""weftex atlas: what is written, and that errors write nothing."""
+
+import json
+import re
+from xml.etree import ElementTree as ET
+
+import numpy as np
+import pytest
+
+from commands import weft_run
+from weftex.io.pictures import read_image
+from weftex.tasks.atlas import atlas
+
+
+def test_grid_index_and_tilesets_agree(here, capsys):
+    assert weft_run("atlas", "sample:pebbles", "-o", "out.png", "--tile-size", "64", "--gutter",
+                    "2", "--seed", "7") == 0  # fmt: skip
+    assert "made 16 tiles of 64x64 in out.png" in capsys.readouterr().err
+    made = atlas("sample:pebbles", tile_size=64, gutter=2, seed=7)
+    assert np.array_equal(read_image("out.png").pixels, made.image)
+    index = json.loads((here / "out.json").read_text())
+    assert index == {"image": "out.png", "maps": {}, **made.index}
+    tileset = ET.parse(here / "out.tsx").getroot()
+    wanted = {"tilewidth": "64", "spacing": "4", "margin": "2", "columns": "4", "tilecount": "16"}
+    assert wanted.items() <= tileset.attrib.items()
+    assert tileset.find("image").attrib == {"source": "out.png", "width": "272", "height": "272"}
+    assert tileset.find("wangsets/wangset").get("type") == "corner"
+    godot = (here / "out.tres").read_text()
+    assert "margins = Vector2i(2, 2)\nseparation = Vector2i(4, 4)" in godot
+    assert 'path="out.png"' in godot and "terrain_set_0/mode = 1" in godot
+    tiles = {tile["id"]: tile["corners"] for tile in index["tiles"]}
+    for one in tileset.iter("wangtile"):
+        wang = [int(color) for color in one.get("wangid").split(",")]
+        corners = [wang[k] - 1 for k in (7, 1, 5, 3)]  # clockwise from the top
+        assert corners == tiles.pop(int(one.get("tileid"))) and not any(wang[::2])
+    assert not tiles
+    for tile in index["tiles"]:
+        at = f"{tile['id'] % 4}:{tile['id'] // 4}/0"
+        bits = re.findall(rf"^{at}/terrains_peering_bit/(\w+)_corner = (\d)$", godot, re.M)
+        names = ("top_left", "top_right", "bottom_left", "bottom_right")
+        assert [(name, int(color)) for name, color in bits] == [
+            *zip(names, tile["corners"], strict=True)
+        ]
+
+
+def test_a_set_and_a_folder_of_tiles(here):
+    assert weft_run("atlas", "sample:stone_wall", "-o", "set", "--tile-size", "48") == 0
+    found = {path.name for path in (here / "set").iterdir()}
+    maps = {"albedo.png", "ao.png", "height.png", "normal.png", "roughness.png"}
+    assert found == maps | {"atlas.json", "atlas.tsx", "atlas.tres"}
+    assert json.loads((here / "set/atlas.json").read_text())["image"] == "albedo.png"
+    words = ("--tile-size", "48", "--colors", "3", "--method", "patch-sampling", "--seed", "7")
+    assert weft_run("atlas", "sample.png", "-o", "tiles", *words) == 0
+    index = json.loads((here / "tiles/atlas.json").read_text())
+    made = atlas("sample.png", tile_size=48, colors=3, method="patch-sampling", seed=7)
+    for pixels, tile in zip(made.tiles, index["tiles"], strict=True):
+        assert np.array_equal(read_image(here / "tiles" / tile["file"]).pixels, pixels)
+
+
+@pytest.mark.parametrize(
+    "words, said",
+    [
+        ("--colors 4", "--colors is '4'; it must be from 2 to 3"),
+        ("--gutter -1", "--gutter is '-1'; it must be 0 or more"),
+        ("--tile-size 512", "sample.png is 72x64, which has no usable 128x128 pixels"),
+        ("--method best-tile", "best-tile does not do hole filling"),
+        ("--size 64", "--size has no effect on atlas; it is for synth, fuse"),
+    ],
+)
+def test_errors_are_one_line_and_write_nothing(here, capsys, words, said):
+    before = sorted(here.iterdir())
+    assert weft_run("atlas", "sample.png", "-o", "out", *words.split()) == 2
+    assert sorted(here.iterdir()) == before
+    error = capsys.readouterr().err
+    assert said in error and error.count("\n") == 1
+
+
+def test_maps_of_unequal_size_are_refused(here, capsys):
+    (here / "set").mkdir()
+    (here / "photo.png").rename(here / "set/color.png")
+    (here / "other.png").rename(here / "set/height.png")
+    assert weft_run("atlas", "set", "-o", "out") == 2
+    assert "height" in capsys.readouterr().err
+    assert not (here / "out").exists()
