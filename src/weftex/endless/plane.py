@@ -228,7 +228,7 @@ class Plane:
         return result
 
     def piece(self, block: Block) -> NDArray[np.int64] | None:
-        """Row and column in the sample of what a corner shows; None if it has no room for that."""
+        """Row and column in the sample of what a corner shows; None if it is too small."""
         if self.pieces is None:
             return None
         own = self.grid.own(block)

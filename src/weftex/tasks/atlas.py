@@ -141,7 +141,7 @@ class Atlas:
         return found
 
     def _with_gutters(self, pixels: NDArray[Any]) -> NDArray[Any]:
-        """The same grid of tiles, each with what is around it."""
+        """The same grid of tiles, each with the pixels that surround it."""
         count, lines = self.colors**2, []
         for whole, own in zip(pixels.shape[:2], self.tile_size, strict=True):
             side = whole // count
