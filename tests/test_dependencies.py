@@ -23,7 +23,7 @@ LEVELS = [
     ["cli"],
     ["studio"],
     ["planes", "pages"],
-    ["recipe"],
+    ["recipe", "atlas"],
     ["tasks"],
     ["methods"],
     ["naming"],
@@ -349,6 +349,7 @@ Refinement WeiLevoy Method METHODS
 WeftexError CancelledError FileError InvalidInputError UnsupportedError
 """
 MODULES = {
+    "atlas": "Atlas atlas corner_colors",
     "label_maps": "Gradient",
     "pages": "compare Comparison report Report",
     "planes": "check open_plane PlaneFile repair stream Written",

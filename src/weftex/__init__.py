@@ -93,7 +93,7 @@ _PUBLIC = {
 }
 _HOME = {name: module for module, names in _PUBLIC.items() for name in names}
 #: Public modules; the names of each are its `__all__`.
-_MODULES = ["label_maps", "pages", "planes", "prepare", "reference"]
+_MODULES = ["atlas", "label_maps", "pages", "planes", "prepare", "reference"]
 
 __all__ = sorted(_HOME)
 

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from commands import weft_run
+from weftex.atlas import atlas
 from weftex.io.pictures import read_image
-from weftex.tasks.atlas import atlas
 
 
 def test_grid_index_and_tilesets_agree(here, capsys):

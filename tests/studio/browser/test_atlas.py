@@ -7,8 +7,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from weftex.atlas import atlas
 from weftex.io.pictures import read_image, write_image
-from weftex.tasks.atlas import atlas
 
 PAGE = Path(__file__).parents[3] / "docs/how-to/atlas.md"
 DRAW = """async ({image, code, width, height, down, across, linear}) => {

@@ -17,8 +17,8 @@ from weftex.recipe.options import SIZE, WHOLE, Option
 if TYPE_CHECKING:
     import argparse
 
+    from weftex.atlas import Atlas
     from weftex.cli.files import Plan
-    from weftex.tasks.atlas import Atlas
 
 _ABOUT = """\
 Make all corner tiles of a material. Tiles with the same corner colors at a side fit without a seam,
@@ -43,9 +43,10 @@ _OPTIONS = (
            metavar="WxH|N"),
     Option("gutter", WHOLE, "number of pixels around each tile that continue it, for filters that "
            "read beyond a tile", 0, low=0, unit="px", metavar="PX"),
-    LANDMARKS._replace(choices=("remove", "keep"), default="remove", metavar="remove|keep",
-                       help="remove: replace recognizable features by the rest of the sample, as "
-                       "repeats show by them; no effect on lattices"),
+    LANDMARKS._replace(choices=("auto", "keep", "remove"), metavar="auto|keep|remove",
+                       help="recognizable features of the sample, by which repeats show: keep or "
+                       "remove them; auto keeps them among joints or cracks; no effect on samples "
+                       "with a lattice or rows"),
 )  # fmt: skip
 
 
@@ -62,8 +63,8 @@ def run(argv: list[str]) -> None:
     own = {o.name: o.checked(value, o.flag) for o, value in given.items() if value is not None}
 
     def work(bar: Bar, outputs: Outputs) -> str:
+        from weftex.atlas import atlas
         from weftex.cli.files import open_job
-        from weftex.tasks.atlas import atlas
 
         folder = _folder_of_tiles(args, outputs)
         job, plan = open_job(recipe, args, outputs)

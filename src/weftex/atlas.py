@@ -18,7 +18,7 @@ from weftex.endless.plane import usable_corners
 from weftex.endless.tiles import TilePlane, belt_of, size_with_periods, torus
 from weftex.errors import InvalidInputError, shown
 from weftex.exemplar import load_exemplar
-from weftex.prepare.landmarks import find_landmarks
+from weftex.prepare.landmarks import find_landmarks, has_joint_network
 from weftex.random import seed_number
 from weftex.results.pixels import PixelSynthesis
 from weftex.results.scales import RenderedMaps
@@ -159,7 +159,7 @@ def atlas(
     tile_size: int | tuple[int, int] | None = None,
     gutter: int = 0,
     method: str | Method = AUTO,
-    landmarks: str = "remove",
+    landmarks: str = AUTO,
     seed: Seed = None,
     threads: int | None = None,
     progress: ProgressCallback | None = None,
@@ -185,8 +185,10 @@ def atlas(
     method : str or Method
         A method that fills holes. By default entire samples are cut by graph cuts, on the sample's
         lattice if it has one.
-    landmarks : {"remove", "keep"}
-        Remove salient features of the sample, by which repeats are recognized, or keep them.
+    landmarks : {"auto", "keep", "remove"}
+        Remove salient features of the sample, by which repeats are recognized, or keep them. By
+        default they are kept where joints or cracks join all sides of the sample. Samples with a
+        lattice or rows are not changed.
     seed, threads, progress
         As for `weftex.synthesize`.
     **parameters
@@ -208,15 +210,17 @@ def atlas(
 
     Examples
     --------
-    >>> from weftex.tasks.atlas import atlas
+    >>> from weftex.atlas import atlas
     >>> made = atlas("sample:pebbles", tile_size=64, seed=7)
     >>> made.image.shape, made.tiles.shape, made.plane(3, 5).shape
     ((256, 256, 3), (16, 64, 64, 3), (192, 320, 3))
     """
     if type(colors) is not int or colors not in (2, 3):
         raise InvalidInputError(f"colors is {shown(colors)}; it must be 2 or 3")
-    if not isinstance(landmarks, str) or landmarks not in ("remove", "keep"):
-        raise InvalidInputError(f"landmarks is {shown(landmarks)}; it must be remove or keep")
+    if not isinstance(landmarks, str) or landmarks not in ("auto", "keep", "remove"):
+        raise InvalidInputError(
+            f"landmarks is {shown(landmarks)}; it must be one of auto, keep, remove"
+        )
     chosen = make_method(method, parameters)
     if not is_auto(chosen):
         chosen.require(A_BLOCK)
@@ -230,7 +234,8 @@ def atlas(
     size = size_with_periods(vectors, wish, exemplar.name) if vectors else wish
     _check_gutter(gutter, size, exemplar)
     found = 0
-    if landmarks == "remove" and not vectors and not exemplar.pieces:
+    removes = landmarks == "remove" or (landmarks == "auto" and not has_joint_network(exemplar))
+    if removes and not vectors:
         exemplar, found = _without_landmarks(exemplar, belt_of(size))
     if is_auto(chosen):
         chosen = make_method("graphcut", WHOLE | ({"lattice": vectors} if vectors else {}))
