@@ -19,7 +19,7 @@ def test_grid_index_and_tilesets_agree(here, capsys):
     made = atlas("sample:pebbles", tile_size=64, gutter=2, seed=7)
     assert np.array_equal(read_image("out.png").pixels, made.image)
     index = json.loads((here / "out.json").read_text())
-    assert index == {"image": "out.png", "maps": {}, **made.index}
+    assert index == {"image": "out.png", **made.index}
     tileset = ET.parse(here / "out.tsx").getroot()
     wanted = {"tilewidth": "64", "spacing": "4", "margin": "2", "columns": "4", "tilecount": "16"}
     assert wanted.items() <= tileset.attrib.items()

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import os
-from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from weftex.cli.options import parse_task
@@ -55,8 +54,8 @@ def run(argv: list[str]) -> None:
     parser = Parser("atlas", _ABOUT, _EXAMPLES)
     text = "image, folder of maps, or sample:NAME; several must show the same material"
     parser.add_argument("materials", metavar="SAMPLE", nargs="+", help=text)
-    parser.share("--output", "--names")
-    parser.set_defaults(mtlx=False, save_source=None)
+    parser.share("--output", "--preset")
+    parser.set_defaults(save_source=None)
     options = [*_OPTIONS, *MATERIAL.values(), SEED]
     args, recipe = parse_task("synth", parser, argv, options, usual="graphcut, entire samples")
     given = {option: value_of(option, vars(args)) for option in _OPTIONS}
@@ -70,10 +69,7 @@ def run(argv: list[str]) -> None:
         job, plan = open_job(recipe, args, outputs)
         how: dict[str, Any] = {"seed": recipe.seed, "threads": args.threads, "progress": bar}
         made = atlas(job.sample, method=recipe.method.slug, **own, **how, **recipe.parameters)
-        if folder is None:
-            _write_grid(made, plan, args, outputs)
-        else:
-            _write_tiles(made, plan, folder, outputs)
+        (_write_grids if folder is None else _write_tiles)(made, plan, args, outputs)
         used, (height, width) = made.synthesis.provenance, made.tile_size
         notes = "".join(f"note: {note}\n" for note in made.notes)
         return (
@@ -100,43 +96,44 @@ def _folder_of_tiles(args: argparse.Namespace, outputs: Outputs) -> str | None:
     return folder
 
 
-def _write_grid(made: Atlas, plan: Plan, args: argparse.Namespace, outputs: Outputs) -> None:
+def _write_grids(made: Atlas, plan: Plan, args: argparse.Namespace, outputs: Outputs) -> None:
     """Write a grid for each map, the index, and the tilesets of editors."""
+    from weftex.io.pictures import write_text
     from weftex.io.tilesets import godot_tileset, tiled_tileset
 
-    path = plan.targets[plan.main]
-    files = {name: os.path.basename(target) for name, target in plan.targets.items()}
-    stem = os.path.splitext(args.output)[0]
-    if path != args.output:  # a set
-        stem = os.path.join(args.output, "atlas")
-    image = files.pop(plan.main)
-    index = {"image": image, "maps": files, **made.index}
+    maps = {
+        one.name: [part.source for part in one.parts if part.source] for one in plan.files.files
+    }
+    image = next(name for name, sources in maps.items() if plan.main in sources)
+    single = plan.folder != args.output
+    stem = os.path.splitext(args.output)[0] if single else os.path.join(args.output, "atlas")
+    index = {"image": image} | ({} if single else {"maps": maps}) | made.index
     texts = {
         ".json": json.dumps(index, indent=1) + "\n",
         ".tsx": tiled_tileset(index, os.path.basename(stem), image),
         ".tres": godot_tileset(index, image),
     }
-    planned = replace(plan, documents={stem + suffix: text for suffix, text in texts.items()})
-    planned.write(
+    plan.write(
         lambda name: made.image if name == plan.main else made.maps[name], outputs, args.threads
     )
+    for suffix, text in texts.items():
+        write_text(outputs.add(stem + suffix), text)
 
 
-def _write_tiles(made: Atlas, plan: Plan, folder: str, outputs: Outputs) -> None:
+def _write_tiles(made: Atlas, plan: Plan, args: argparse.Namespace, outputs: Outputs) -> None:
     """Write a file for each tile, named by its corner colors, and the index."""
     from weftex.io.pictures import write_image, write_text
 
-    like, image, index = plan.pictures[plan.main], made.image, made.index
-    suffix = os.path.splitext(plan.targets[plan.main])[1]
+    (one,), index, tiles = plan.files.files, made.index, []
+    image, suffix = one.pixels(lambda _: made.image), os.path.splitext(one.name)[1]
     height, width = (side + 2 * made.gutter for side in made.tile_size)
-    tiles = []
     for tile in index["tiles"]:
         top, left = tile["y"] - made.gutter, tile["x"] - made.gutter
         name = f"tile_{''.join(map(str, tile['corners']))}{suffix}"
-        path = outputs.add(os.path.join(folder, name))
-        pixels = image[top : top + height, left : left + width]
-        write_image(path, pixels, alpha=like.alpha, icc=like.icc, half=like.half)
+        pixels, path = image[top:, left:][:height, :width], os.path.join(plan.folder, name)
+        how: dict[str, Any] = {"icc": one.icc, "half": one.half, "density": one.density}
+        write_image(outputs.add(path), pixels, alpha=one.alpha, **how)
         tiles.append({"file": name, "corners": tile["corners"]})
     kept = {name: index[name] for name in ("colors", "tile_width", "tile_height", "gutter")}
-    path = outputs.add(os.path.join(folder, "atlas.json"))
+    path = outputs.add(os.path.join(plan.folder, "atlas.json"))
     write_text(path, json.dumps({**kept, "tiles": tiles}, indent=1) + "\n")
