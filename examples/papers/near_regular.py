@@ -243,12 +243,12 @@ def fig411(folder: Path, suffix: str) -> None:
 
 
 def fig413(folder: Path, suffix: str) -> None:
-    """Without and with blending; and cut, with and without rectifying the sample."""
+    """Without and with blending; and cut."""
     samples = [small(name) for name in some(REGULAR)]
-    ways = [{"defaults": "paper", "blend": "none"}, {"defaults": "paper"}, {"rectify": 0}, {}]
+    ways = [{"defaults": "paper", "blend": "none"}, {"defaults": "paper"}, {}]
     rows(
         folder / f"fig413{suffix}",
-        "sample, pasted, blended, cut, cut and rectified",
+        "sample, pasted, blended, cut",
         [[s, *(make(s, **way) for way in ways)] for s in samples],
     )
 
@@ -292,30 +292,24 @@ def fig52(folder: Path, suffix: str) -> None:
 
 
 def fig510(folder: Path, suffix: str) -> None:
-    """Joints that do not meet: as in the thesis, with shifts, and on a rectified sample."""
+    """Joints that do not meet: as in the thesis, and cut."""
     s = load("bricks")[:256, :256]
-    ways = [{"defaults": "paper", "block_size": 80}, {"rectify": 0}, {}]
+    ways = [{"defaults": "paper", "block_size": 80}, {}]
     rows(
         folder / f"fig510{suffix}",
-        "sample, thesis, cut, cut and rectified",
+        "sample, thesis, cut",
         [[s, *(make(s, 384, **way) for way in ways)]],
     )
 
 
 def fig511(folder: Path, suffix: str) -> None:
-    """Vectors rounded to pixels and with their fractions; a bent sample, as it is and rectified."""
+    """Vectors rounded to pixels and with their fractions."""
     y, x = np.indices((128, 128))
     waves = 127 + 50 * np.sin(x * 2 * np.pi / 12.45) + 50 * np.sin(y * 2 * np.pi / 9.55)
     waves = np.repeat(np.rint(waves).astype(np.uint8)[..., None], 3, axis=2)
     lattices = [(12, 0, 0, 10), (12.45, 0, 0, 9.55)]
     lines = [[waves, *(paper(waves, lattice=lattice) for lattice in lattices)]]
-    straight = small("tiles")
-    bend = np.rint(2 * np.sin(np.arange(len(straight)) * 2 * np.pi / 60)).astype(int)
-    bent = np.stack([np.roll(row, b, axis=0) for row, b in zip(straight, bend, strict=True)])
-    lattice = weftex.NearRegular().fit(weftex.Exemplar(straight)).method.lattice
-    mended = make(bent, lattice=lattice, rectify=3)
-    lines.append([bent, make(bent, lattice=lattice, rectify=0), mended])
-    rows(folder / f"fig511{suffix}", "sample, rounded or bent, mended", lines)
+    rows(folder / f"fig511{suffix}", "sample, rounded, with fractions", lines)
 
 
 def fig512(folder: Path, suffix: str) -> None:

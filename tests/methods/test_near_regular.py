@@ -52,7 +52,7 @@ def test_a_regular_sample_goes_on_for_ever():
     assert np.array_equal(out, np.tile(tile, (43, 19, 1))[:300, :200])
     y, x = np.indices((90, 100))
     slanted = np.rint(127 + 60 * np.sin(x * 2 * np.pi / 12.3) + 60 * np.sin(y * 2 * np.pi / 9.7))
-    model = model_of(slanted.astype(np.uint8), lattice=(12.3, 0, 0, 9.7), rectify=0, tolerance=0)
+    model = model_of(slanted.astype(np.uint8), lattice=(12.3, 0, 0, 9.7), tolerance=0)
     far = model.window(10**6, 10**6, 150, 150, seed=1).image.astype(int)
     y, x = np.indices(far.shape) + 10**6
     ideal = 127 + 60 * np.sin(x * 2 * np.pi / 12.3) + 60 * np.sin(y * 2 * np.pi / 9.7)
@@ -114,38 +114,22 @@ def test_the_papers_defaults():
     model = model_of(wall(128, 128), lattice=LATTICE, defaults="paper")
     m = model.method
     assert (m.block_size, m.border_width, m.blend, m.blend_width) == (40, 10, "feather", 4)
-    assert (m.tolerance, m.rectify, m.variety, m.candidates) == (3, 0, 0.0, 512)
+    assert (m.tolerance, m.variety, m.candidates) == (3, 0.0, 512)
 
 
-def samples():
-    """What rectifying is not for, by the word that says so."""
-    pixels = wall(96, 96)
+@pytest.mark.parametrize("case", ["plain", "mask", "tileable"])
+def test_the_resolved_method_says_what_is_done(case):
+    """Only the blend width of cut blocks is left open."""
     mask = np.ones((96, 96), bool)
     mask[40:44, 40:44] = False
-    return {
-        "a mask": (weftex.Exemplar(pixels, mask=mask), LATTICE),
-        "tiles": (weftex.Exemplar(pixels, tileable=True), LATTICE),
-        "": (weftex.Exemplar(pixels), LATTICE),
-    }
-
-
-@pytest.mark.parametrize("case", samples())
-def test_the_resolved_method_says_what_is_done(case):
-    """Where a parameter has no effect, too; only the blend width of cut blocks is left open."""
-    exemplar, lattice = samples()[case]
-    method = weftex.NearRegular(lattice=lattice, block_size=17)
+    more = {"plain": {}, "mask": {"mask": mask}, "tileable": {"tileable": True}}[case]
+    exemplar = weftex.Exemplar(wall(96, 96), **more)
+    method = weftex.NearRegular(lattice=LATTICE, block_size=17)
     model = method.fit(exemplar)
     told = model.sample(20, seed=1).provenance
-    assert told["rectify"] == model.method.rectify == (0 if case else 1)
     assert told["blend"] == "cut" and "blend_width" not in told
     assert None not in told.values()
     assert method.resolved(exemplar) == model.method == model.method.resolved(exemplar)
-    rectifying = weftex.NearRegular(lattice=lattice, block_size=17, rectify=2)
-    if not case:
-        assert rectifying.fit(exemplar).blocks.lookup is not None
-        return
-    with pytest.raises(weftex.InvalidInputError, match=f"rectify is 2; it has no effect .*{case}"):
-        rectifying.fit(exemplar)
 
 
 def test_blends_are_as_wide_as_asked():

@@ -1,51 +1,14 @@
-"""How near-regular synthesis prepares a sample: rectified, and looked at for rows."""
+"""How near-regular synthesis looks at a sample for rows."""
 
 import numpy as np
 import pytest
 
 import weftex
-from families import noise
-from materials import wall
-from weftex.methods.near_regular.sample import axis_of_rows, rectified
+from weftex.methods.near_regular.sample import axis_of_rows
 
 
 def model_of(pixels, **parameters):
     return weftex.NearRegular(**parameters).fit(weftex.Exemplar(pixels))
-
-
-def test_a_bent_sample_is_rectified():
-    """Columns that wander come out straight, every pixel still one of the sample's."""
-    straight = wall(120, 128, spread=1)
-    y = np.arange(120)
-    bend = np.rint(2 * np.sin(y * 2 * np.pi / 120)).astype(int)
-    bent = np.stack([np.roll(line, b, axis=0) for line, b in zip(straight, bend, strict=True)])
-    found = rectified(bent, (16, 0, 8, 12), 3)
-    mended = bent.reshape(-1, 3)[found]
-    inside = (slice(6, -6), slice(6, -6))
-
-    def off(pixels):
-        return np.abs(pixels.astype(int) - straight)[inside].mean()
-
-    assert off(mended) < off(bent) / 2
-
-
-def test_rectified_results_are_saved_and_replayed(tmp_path):
-    pixels = wall(90, 96)
-    height = noise((180, 192))
-    exemplar = weftex.Exemplar(pixels)
-    result = weftex.NearRegular(lattice=(16, 0, 8, 12)).fit(exemplar).sample((70, 80), seed=1)
-    assert result.lookup is not None
-    source = result.source
-    assert np.array_equal(result.image, pixels[source[..., 0], source[..., 1]])
-    double = height.reshape(90, 2, 96, 2)[source[..., 0], :, source[..., 1]]
-    expected = double.transpose(0, 2, 1, 3).reshape(140, 160)
-    assert np.array_equal(result.render(height), expected)
-    result.save(tmp_path / "r.npz")
-    again = weftex.Synthesis.load(tmp_path / "r.npz", exemplar)
-    assert again.lookup is not None
-    assert np.array_equal(again.image, result.image) and np.array_equal(again.source, source)
-    for what in ("sources", "seams"):
-        assert np.array_equal(again.draw(what), result.draw(what))
 
 
 def boards(side, high=16, tone=40):

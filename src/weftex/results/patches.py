@@ -25,12 +25,11 @@ class PatchSynthesis(Synthesis):
 
     `placements`, `weights` and `cuts` are those of `paste_kernels.Layout`. Of a window of a larger
     result, whose patches may extend beyond its border, `frame` (4,) is height and width of the
-    larger canvas, and the window's row and column in it. Of a rectified sample, `lookup` (H, W)
-    has the flat sample index of each of its pixels.
+    larger canvas, and the window's row and column in it.
     """
 
     ARRAYS = {"placements": np.int32, "weights": np.uint16, "cuts": np.uint16}  # noqa: RUF012
-    OPTIONAL = {"frame": np.int64, "lookup": np.int32}  # noqa: RUF012
+    OPTIONAL = {"frame": np.int64}  # noqa: RUF012
 
     def __init__(
         self,
@@ -39,12 +38,11 @@ class PatchSynthesis(Synthesis):
         weights: NDArray[np.uint16],
         cuts: NDArray[np.uint16],
         frame: NDArray[np.int64] | None = None,
-        lookup: NDArray[np.int32] | None = None,
         **about: Any,
     ) -> None:
         super().__init__(canvas, **about)
         self.placements, self.weights, self.cuts = placements, weights, cuts
-        self.frame, self.lookup = frame, lookup
+        self.frame = frame
 
     @property
     def _frame(self) -> tuple[int, int, int, int]:
@@ -66,11 +64,7 @@ class PatchSynthesis(Synthesis):
         at = self.placements[shown].astype(np.int64)
         v, u = (y + top - at[:, 0]) % rows, (x + left - at[:, 1]) % columns
         coordinates = np.full((*patch.shape, 2), -1, np.int32)
-        place = np.stack([v + at[:, 2], u + at[:, 3]], axis=1) % self.sample_shape
-        if self.lookup is not None:
-            index = self.lookup[place[:, 0], place[:, 1]]
-            place = np.stack(np.divmod(index, self.sample_shape[1]), axis=1)
-        coordinates[there] = place
+        coordinates[there] = np.stack([v + at[:, 2], u + at[:, 3]], axis=1) % self.sample_shape
         total = share.sum(axis=2, keepdims=True)  # below 1 where more patches meet than are kept
         share /= np.where(total > 0, total, 1)
         return coordinates, share
@@ -80,16 +74,7 @@ class PatchSynthesis(Synthesis):
         top, left, scale = window[0] + down, window[1] + right, out.shape[0] // window[2]
         patches = self.placements, self.weights, self.cuts, rows, columns
         layout = paste_kernels.Layout(*patches, top, left, scale, *mixing)
-        given = pixels if self.lookup is None else self._rectified(pixels, self.lookup)
-        paste_kernels.paste_all(out, given, layout)
-
-    def _rectified(self, pixels: NDArray[Any], lookup: NDArray[np.int32]) -> NDArray[Any]:
-        height, width = self.sample_shape
-        scale = pixels.shape[0] // height
-        blocks = pixels.reshape(height, scale, width, scale, -1)
-        y, x = np.divmod(lookup, width)
-        moved = blocks[y, :, x].transpose(0, 2, 1, 3, 4).reshape(pixels.shape)
-        return np.ascontiguousarray(moved)
+        paste_kernels.paste_all(out, pixels, layout)
 
     def _moved_arrays(
         self, shape: tuple[int, int], sample: tuple[int, int], to: Place, source_to: Place
@@ -97,36 +82,18 @@ class PatchSynthesis(Synthesis):
         placements = self.placements.copy()
         placements[:, :2] = (placements[:, :2] + to) % shape
         placements[:, 2:4] = (placements[:, 2:4] + source_to) % sample
-        moved = self.arrays() | {"placements": placements}
-        if self.lookup is not None:
-            moved["lookup"] = self._moved_lookup(self.lookup, sample, source_to)
-        return moved
-
-    def _moved_lookup(
-        self, own: NDArray[np.int32], sample: tuple[int, int], source_to: Place
-    ) -> NDArray[np.int32]:
-        lookup = np.arange(sample[0] * sample[1], dtype=np.int32).reshape(sample)
-        places = [*np.divmod(own, self.sample_shape[1]), *map(np.arange, self.sample_shape)]
-        y, x, rows, columns = (
-            (k + at) % n for k, at, n in zip(places, [*source_to] * 2, [*sample] * 2, strict=True)
-        )
-        lookup[np.ix_(rows, columns)] = y * sample[1] + x
-        return lookup
+        return self.arrays() | {"placements": placements}
 
     @classmethod
     def _check(cls, canvas: Canvas, sample: tuple[int, int], arrays: dict[str, Any]) -> None:
         placements, weights, cuts = (arrays[name] for name in PatchSynthesis.ARRAYS)
-        frame, lookup, extent = arrays.get("frame"), arrays.get("lookup"), canvas.shape
+        frame, extent = arrays.get("frame"), canvas.shape
         if frame is not None:
             if frame.shape != (4,) or frame.min() < 0 or frame.max() >= MAX_PIXELS:
                 raise DamageError("its frame is none")
             if ((frame[2:] + canvas.shape) > frame[:2]).any():
                 raise DamageError("its canvas lies outside of its frame")
             extent = (int(frame[0]), int(frame[1]))
-        if lookup is not None and lookup.shape != sample:
-            raise DamageError("its moved pixels do not fit its sample")
-        if lookup is not None and ((lookup < 0) | (lookup >= lookup.size)).any():
-            raise DamageError("its moved pixels lie outside")
         if placements.shape[1:] != (5,) or weights.ndim != 3 or cuts.ndim != 2:
             raise DamageError("its arrays have other shapes")
         if (weights > 256).any():

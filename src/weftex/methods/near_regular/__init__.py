@@ -102,15 +102,6 @@ class NearRegular(Method):
         unit="px",
         default_text="3, less where the tile is small",
     )
-    rectify: int | None = parameter(
-        None,
-        "maximum distance that pixels of the sample move to match its mean tile; 0 is the paper's",
-        low=0,
-        high=64,
-        unit="px",
-        default_text="3, at most a tenth of the shorter vector; 0 in the paper, and for samples "
-        "that have a mask or tile",
-    )
     match: str = parameter(
         "difference",
         "how borders are compared: squared differences of colors, or their correlation",

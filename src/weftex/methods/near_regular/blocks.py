@@ -43,7 +43,7 @@ def draw_constrained_blocks(plan: Plan) -> NDArray[np.int32]:
 
     Of four colors, one after the other, no block is near another of its own color.
     """
-    layout, sample = plan.layout, plan.sample.kernel
+    layout, sample = plan.layout, plan.sample.windows.kernel
     sources = np.full(layout.bits.shape, -1, np.int32)
     i, j = layout.rows.numbers[:, None], layout.columns.numbers[None, :]
     color = (i + j) // 2 % 2 * 2 + (i - j) // 2 % 2
@@ -59,7 +59,7 @@ def fill_gaps(
 ) -> NDArray[np.int32]:
     """Return `sources` with the windows that best fit the borders of the gaps (section 4.2.2)."""
     method, sample, layout, each = plan
-    sources, kernel = sources.copy(), sample.kernel
+    sources, kernel = sources.copy(), sample.windows.kernel
     rule = method.tolerance, round(256 * method.variety), method.match == "gncc"
     progress = Progress(
         callback, len(layout.visible_gaps), "gaps", lambda: layout.preview(sample, sources)

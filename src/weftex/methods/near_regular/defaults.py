@@ -46,38 +46,23 @@ def resolve(method: Any, exemplar: Exemplar) -> Any:
         check_lattice(method.lattice, exemplar)
     vectors = _rows_first(method.lattice or _found(exemplar))
     by_rows = is_rows(vectors)
-    x1, y1, x2, y2 = vectors
-    lengths = float(np.hypot(x1, y1)), np.inf if by_rows else float(np.hypot(x2, y2))
-    tolerance, rectify = method.tolerance, method.rectify
+    tolerance = method.tolerance
     if tolerance is None:
         # In a small tile, a few pixels away is another part of it.
-        side = lengths[0] if by_rows else _area(vectors) ** 0.5
+        side = float(np.hypot(vectors[0], vectors[1])) if by_rows else _area(vectors) ** 0.5
         tolerance = _TOLERANCE if paper else min(_TOLERANCE, int(side / 4))
-    if rectify is None:
-        # Far less than the tile, or one feature would be taken for the next.
-        rectify = 0 if paper else min(_TOLERANCE, round(min(lengths) / 10))
     size, border, blend_width = _block(method, exemplar, vectors, by_rows)
     for name, default in (("match", "difference"), ("seam_cost", "gradient")):
         if border == 0 and getattr(method, name) != default:
             raise InvalidInputError(f"{name} has no effect without borders; border_width is 0")
-    around = vectors_around(vectors, exemplar)
-    unmoved = {
-        f"where {exemplar.name} has a mask": exemplar.mask is not None,
-        f"where {exemplar.name} tiles": around is not None,
-    }
-    for case in (case for case, holds in unmoved.items() if holds):
-        if method.rectify:
-            raise InvalidInputError(f"rectify is {rectify}; it has no effect {case}")
-        rectify = 0
     return replace(
         method,
-        lattice=around or vectors,
+        lattice=vectors_around(vectors, exemplar) or vectors,
         block_size=size,
         border_width=border,
         blend=blend_of(method),
         blend_width=blend_width,
         tolerance=tolerance,
-        rectify=rectify,
         candidates=method.candidates or (ALL_SIMILAR if paper else 6),
         variety=(0.0 if paper else 1.0) if method.variety is None else method.variety,
     )

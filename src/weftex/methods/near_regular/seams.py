@@ -250,4 +250,4 @@ def paste_blocks(
         "provenance": provenance | facts,
     }
     pasted = layout.canvas, table[order].astype(np.int32), joints.weights, cuts
-    return PatchSynthesis(*pasted, lookup=sample.lookup, **about)
+    return PatchSynthesis(*pasted, **about)
