@@ -6,6 +6,8 @@ import re
 from pathlib import Path
 from typing import Any
 
+import pytest
+
 
 def steps(page: Any) -> int:
     return len(page.query_selector_all(".strip button"))
@@ -17,6 +19,7 @@ def make(one: Any, words: str) -> None:
     one.settle()
 
 
+@pytest.mark.parametrize("browser", ["chromium", "firefox"], indirect=True)
 def test_results_are_retouched_and_nothing_is_lost(tab: Any, address: str, photo: Path) -> None:
     """A result is healed and becomes a sample; a branch and F5 lose no step."""
     one = tab()
@@ -41,7 +44,9 @@ def test_results_are_retouched_and_nothing_is_lost(tab: Any, address: str, photo
 
     page.click(".strip button:has-text('quilting · 1')")  # back, and on from there
     page.click("[data-screen=make]")
-    page.fill("input[type=number][step='1'][min='0']", "7")
+    page.focus("input[type=number][step='1'][min='0']")
+    for key in ("Control+a", "7", "Tab"):
+        page.keyboard.press(key)
     make(one, "quilting · 7")
     assert steps(page) > before and page.query_selector_all(".strip .aside")
     page.click("[aria-label^=Undo]")
