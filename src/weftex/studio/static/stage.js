@@ -311,7 +311,7 @@ export class Stage {
     this.silent = silent ? job.id : null;
     clearTimeout(this.ticking);
     if (silent) this.ticking = setTimeout(() => this.tellJob(), TICK);
-    const text = job.state === "waiting" ? t(job.ahead ? "job.waiting" : "job.starting", { n: job.ahead }) : silent ? t("job.analyzing") : has(`job.${job.stage}`) ? t(`job.${job.stage}`) : job.stage || t("job.starting");
+    const text = job.state === "waiting" ? t(job.ahead ? "job.waiting" : "job.ending", { n: job.ahead }) : silent ? t("job.analyzing") : has(`job.${job.stage}`) ? t(`job.${job.stage}`) : job.stage || t("job.starting");
     const count = silent ? t("job.about", { n: number(100 * share) }) : !job.total ? "" : job.total > 100 ? `${number(100 * share)} %` : t("job.count", { done: number(job.done), total: number(job.total) });
     const left = job.left >= 1 ? t("job.left", { time: duration(job.left) }) : "";
     const picture = job.many > 1 ? t("job.picture", { n: Math.min(job.many, job.results.length + 1), of: job.many }) : "";
