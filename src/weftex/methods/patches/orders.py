@@ -226,64 +226,24 @@ def _count(front: list[tuple[int, int, int]]) -> int:
 
 def scan_pixels(frame: Frame, zones: Zones, seed: int) -> Order:
     """Patches of one pixel, whose zone is the neighborhood above and to the left (section 2.5)."""
-    height, width = frame.canvas.shape
-    reach = frame.boundary_width
-    y, x = np.indices((height, width)).reshape(2, -1)
-    corners = np.stack([y, x], axis=1) + frame.margin - reach
-
-    numbers: dict[tuple[int, ...], int] = {}
-
-    def zone(row: int, column: int) -> int:
-        """Number the zone of a pixel; most have the same, which its place tells."""
-        key = (
-            min(row, reach),
-            max(row - height, -reach - 1) if frame.canvas.wrap[0] else 0,
-            min(column, reach),
-            max(column - width, -reach - 1),
-        )
-        if key not in numbers:
-            numbers[key] = zones.number(_causal(frame, row, column))
-        return numbers[key]
-
-    none = np.zeros((height * width, 0), np.int32)
+    unknown = np.zeros(frame.shape, bool)
+    unknown[frame.inside] = True
+    y, x = np.indices(frame.canvas.shape).reshape(2, -1)
+    corners = (np.stack([y, x], axis=1) + frame.margin - frame.boundary_width) % frame.shape
     return Order(
-        corners=(corners % frame.shape).astype(np.int32),
+        corners=corners.astype(np.int32),
         bits=draw(seed, "patch", y, x),
-        around=none,
-        steps=(
-            Step([runs_of([zone(row, column) for column in range(width)], row * width)], width)
-            for row in range(height)
-        ),
-        total=height * width,
+        around=np.zeros((len(corners), 0), np.int32),
+        steps=_one_by_one(frame, zones, corners, unknown),
+        total=len(corners),
         stage="pixels",
     )
-
-
-def _causal(frame: Frame, row: int, column: int) -> NDArray[np.bool_]:
-    """Which pixels of the window around a pixel come before it."""
-    (height, width), (wraps_y, wraps_x) = frame.canvas.shape, frame.canvas.wrap
-    reach = frame.boundary_width
-    y, x = (np.arange(at - reach, at + reach + 1) for at in (row, column))
-    there = np.ones((len(y), len(x)), bool)
-    if wraps_y:
-        y %= height
-    if wraps_x:
-        x %= width
-    else:
-        there &= (x >= 0) & (x < width)
-    there &= (y >= 0)[:, None]
-    before: NDArray[np.bool_] = there & (y[:, None] * width + x < row * width + column)
-    return before
 
 
 def spiral_patches(frame: Frame, zones: Zones, seed: int) -> Order:
     """Patches, or single pixels, that fill the canvas's hole."""
     unknown = np.zeros(frame.shape, bool)
     unknown[frame.inside] = frame.canvas.hole
-    total = int(unknown.sum())
-    outside = np.ones(frame.shape, bool)
-    outside[frame.inside] = False
-    frozen = ~unknown
     reach = frame.boundary_width
     if frame.method.pixelwise:
         found = [(y - reach, x - reach) for y, x in spiral(unknown)]
@@ -293,27 +253,37 @@ def spiral_patches(frame: Frame, zones: Zones, seed: int) -> Order:
     around = np.zeros((len(corners), 0), np.int32)
     if frame.method.repeat_distance > 0 and not frame.method.pixelwise:
         around = pasted_nearby(corners, 2 * np.array(frame.window))
-
-    def steps() -> Iterator[Step]:
-        for k, (y, x) in enumerate(corners.tolist()):
-            at = _window_at(frame, y, x)
-            missing = unknown[at]
-            zone = zones.number(~missing & ~outside[at], frozen[at])
-            done = missing
-            if frame.method.pixelwise:
-                done = np.zeros_like(missing)
-                done[reach, reach] = True
-            yield Step([[Run(zone, k, k + 1)]], int(done.sum()))
-            unknown[at] = missing & ~done
-
     return Order(
         corners=corners,
         bits=draw(seed, "patch", np.arange(len(corners))),
         around=around,
-        steps=steps(),
-        total=total,
+        steps=_one_by_one(frame, zones, corners, unknown, ~unknown),
+        total=int(unknown.sum()),
         stage="pixels",
     )
+
+
+def _one_by_one(
+    frame: Frame,
+    zones: Zones,
+    corners: NDArray[Any],
+    unknown: NDArray[np.bool_],
+    frozen: NDArray[np.bool_] | None = None,
+) -> Iterator[Step]:
+    """Yield a step for each patch; its zone is what is known when it is pasted, `frozen` stays."""
+    unknown, reach = unknown.copy(), frame.boundary_width
+    outside = np.ones(frame.shape, bool)
+    outside[frame.inside] = False
+    for k, (y, x) in enumerate(corners.tolist()):
+        at = _window_at(frame, y, x)
+        done = missing = unknown[at]
+        stays = None if frozen is None else frozen[at]
+        zone = zones.number(~missing & ~outside[at], stays)
+        if frame.method.pixelwise:
+            done = np.zeros_like(missing)
+            done[reach, reach] = True
+        yield Step([[Run(zone, k, k + 1)]], int(done.sum()))
+        unknown[at] = missing & ~done
 
 
 def pasted_nearby(corners: NDArray[np.int32], reach: NDArray[np.int64]) -> NDArray[np.int32]:
