@@ -270,20 +270,18 @@ def _one_by_one(
     unknown: NDArray[np.bool_],
     frozen: NDArray[np.bool_] | None = None,
 ) -> Iterator[Step]:
-    """Yield a step for each patch; its zone is what is known when it is pasted, `frozen` stays."""
+    """Yield a step for each patch, whose zone are the known pixels of its window; `frozen` stay."""
     unknown, reach = unknown.copy(), frame.boundary_width
     outside = np.ones(frame.shape, bool)
     outside[frame.inside] = False
     for k, (y, x) in enumerate(corners.tolist()):
-        at = _window_at(frame, y, x)
-        done = missing = unknown[at]
+        at = made = _window_at(frame, y, x)
         stays = None if frozen is None else frozen[at]
-        zone = zones.number(~missing & ~outside[at], stays)
+        zone = zones.number(~unknown[at] & ~outside[at], stays)
         if frame.method.pixelwise:
-            done = np.zeros_like(missing)
-            done[reach, reach] = True
-        yield Step([[Run(zone, k, k + 1)]], int(done.sum()))
-        unknown[at] = missing & ~done
+            made = at[0][reach, 0], at[1][0, reach]
+        yield Step([[Run(zone, k, k + 1)]], int(unknown[made].sum()))
+        unknown[made] = False
 
 
 def pasted_nearby(corners: NDArray[np.int32], reach: NDArray[np.int64]) -> NDArray[np.int32]:
