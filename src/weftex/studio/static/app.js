@@ -65,8 +65,10 @@ export class App extends Shelf {
     const jobs = (await this.api.get("jobs")).filter((job) => job.leave === "keep" && job.state !== "failed" && job.state !== "cancelled");
     const job = jobs.at(-1);
     const recipe = job?.recipe ?? job?.results[0]?.recipe;
-    if (!recipe) return false;
-    await this.take(recipe, t("history.made"));
+    const known = recipe && this.history.entries.findLast((one) => sameJson(one.state, recipe));
+    if (!recipe || known?.result) return false; // nothing new
+    if (known) await this.returnTo(known);
+    else await this.take(recipe, t("history.made"));
     this.tell("go", { screen: "see" });
     const done = await this.watch(job, recipe, new AbortController(), {});
     const result = done?.results[0];
