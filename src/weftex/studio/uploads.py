@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 #: By what the first bytes say; readers go by suffixes.
 _SUFFIXES = {
     "png": ".png", "jpeg": ".jpg", "tiff": ".tif", "webp": ".webp",
-    "bmp": ".bmp", "openexr": ".exr", "hdr": ".hdr", "jpegxl": ".jxl",
+    "bmp": ".bmp", "openexr": ".exr", "hdr": ".hdr", "jpegxl": ".jxl", "gif": ".gif",
 }  # fmt: skip
 _LONGEST_NAME = 100
 
