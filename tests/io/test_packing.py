@@ -12,10 +12,9 @@ from commands import fails, read_maps, weft_run
 from families import noise
 from io_sets import DATA, normals, whole_set
 from weftex.io.map_files import map_files
-from weftex.io.packing import write_preset
+from weftex.io.packing import unpack_set, write_preset
 from weftex.io.pictures import read_image, write_image
 from weftex.io.presets import presets, read_preset
-from weftex.io.unpacking import unpack_set
 from weftex.raster.levels import to_stored
 
 

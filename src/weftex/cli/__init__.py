@@ -41,6 +41,8 @@ _COMMANDS = {
     "samples": "list the samples that ship with weftex",
     "completion": "print a script that completes commands and options in bash, zsh or fish",
 }
+#: Commands that are in the module of another one.
+_BESIDE = {"samples": "methods", "unpack": "pack"}
 #: Those of `weftex.recipe.TASKS`.
 _TASKS = ("synth", "fill", "tile", "fuse")
 
@@ -133,6 +135,8 @@ def _run_command(name: str, argv: list[str]) -> None:
         from weftex.cli.commands.completion import run
 
         run(argv, _COMMANDS, _run_command)
+    elif name in _BESIDE:
+        getattr(import_module(f"weftex.cli.commands.{_BESIDE[name]}"), f"run_{name}")(argv)
     else:
         import_module(f"weftex.cli.commands.{name}").run(argv)
 

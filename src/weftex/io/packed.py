@@ -137,7 +137,7 @@ class PackedSet:
         """
         if not self.material:
             return None
-        from weftex.io.materials import Place, glb, usda
+        from weftex.io.materials import Place, glb, materialx_document, usda
 
         where, alphas = {}, {one.name for one in self.files if one.alpha}
         for one in self.files:
@@ -153,8 +153,6 @@ class PackedSet:
             return f"{self.name}.glb", glb(self.name, where, alphas, size, read)
         if self.material == "usd":
             return f"{self.name}.usda", usda(self.name, where, alphas, size).encode()
-        from weftex.io.materialx import materialx_document
-
         hextiled = self.material == "materialx-hextiled"
         text = materialx_document(self.name, where, hextiled=hextiled)
         return f"{self.name}.mtlx", text.encode()

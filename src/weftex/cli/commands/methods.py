@@ -1,4 +1,4 @@
-"""weftex methods: list the methods, or the parameters of one."""
+"""weftex methods and samples: lists of both, and the parameters of a method."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ _LINE = "{:16}{:37}{:13}{:17}{}"
 
 
 def run(argv: list[str]) -> None:
-    """Run the command; `argv` is what follows its name."""
+    """Run `weftex methods`; `argv` is what follows its name."""
     parser = Parser("methods", "List the methods, or the parameters of one.", "")
     parser.add_argument("method", metavar="NAME", nargs="?", help="method whose parameters to list")
     name = parser.parse(argv).method
@@ -29,3 +29,13 @@ def run(argv: list[str]) -> None:
     print(f"{cls.title}\n{cls.paper}\n")
     for field, values in parameters_of(cls):
         print(f"--{field.name.replace('_', '-')}\n    {field.metadata['help']}\n    {values}")
+
+
+def run_samples(argv: list[str]) -> None:
+    """Run `weftex samples`."""
+    Parser("samples", "List the samples that ship with weftex.", "").parse(argv)
+    from weftex.io.pictures import is_folder, sample_names
+
+    for name in sample_names():
+        folder = "  (a folder of aligned maps)" if is_folder(f"sample:{name}") else ""
+        print(f"sample:{name}{folder}")
