@@ -139,5 +139,5 @@ def test_bad_arguments_are_one_line(said, sample, given):
 
 def test_a_coarser_map_needs_sizes_that_divide():
     sample = weftex.Exemplar(noise((64, 64, 3)), maps={"height": noise((32, 32))})
-    with pytest.raises(weftex.InvalidInputError, match="gutter is 3; it must be a multiple of 2"):
+    with pytest.raises(weftex.InvalidInputError, match="gutter 3; both must be multiples of 2"):
         atlas(sample, tile_size=64, gutter=3)

@@ -207,3 +207,13 @@ def test_two_threads_make_a_block_once_and_errors_go_to_both():
     for k in range(30):
         cache.get(k, lambda: np.zeros(20))
     assert cache.size <= 1000 and 29 in cache and "a" not in cache
+
+
+def test_entire_patches_keep_the_phase_of_their_lattice_in_all_blocks():
+    tile = np.random.default_rng(0).integers(0, 255, (12, 10, 3), np.uint8)
+    model = weftex.GraphCut(placement="entire", lattice=(10, 0, 0, 12)).fit(
+        weftex.Exemplar(np.tile(tile, (6, 7, 1)))
+    )
+    made = model.window(-50, 70, 130, 120, seed=3).image
+    y, x = np.ogrid[-50:80, 70:190]
+    assert np.array_equal(made, tile[y % 12, x % 10])

@@ -317,9 +317,8 @@ def _check_gutter(gutter: Any, size: tuple[int, int], exemplar: Exemplar) -> Non
         )
     for name in exemplar.maps:
         step = Fraction(exemplar.scale_of(name)).denominator
-        for what, pixels in (("tile_size", size[0]), ("tile_size", size[1]), ("gutter", gutter)):
-            if pixels % step:
-                raise InvalidInputError(
-                    f"{what} is {pixels}; it must be a multiple of {step}, as map '{name}' has a "
-                    f"pixel for {step}x{step} of the sample"
-                )
+        if any(pixels % step for pixels in (*size, gutter)):
+            raise InvalidInputError(
+                f"tile_size is {size[1]}x{size[0]} and gutter {gutter}; both must be multiples of "
+                f"{step}, as map '{name}' has a pixel for {step}x{step} of the sample"
+            )
