@@ -5,8 +5,8 @@ python examples/papers/near_regular.py EXPERIMENT -o FOLDER [--small]
 Experiments: fig31 (from the correlation to the vectors), fig34 (peaks that mislead), fig35 (pairs
 of vectors rated), fig46 (the best and the worst tile), fig410 (both ways of matching), fig411
 (after gap filling, and a repeated tile), fig413 (blending), fig52 (5.2 to 5.9: near-regular samples
-by repetition, thesis, weftex and quilting), fig510 (where joints broke), fig511 (fractions and bent
-samples), fig512 (wide blending), fig513 (5.13 to 5.17: every other sample, unconstrained), blocks
+by repetition, thesis, weftex and quilting), fig510 (where joints broke), fig511 (fractions),
+fig512 (wide blending), fig513 (5.13 to 5.17: every other sample, unconstrained), blocks
 (section 5.2: block sizes) and figures (what weftex.assess says of fig52 and fig513, not in the
 thesis); `all` runs every one. Figures are those of the thesis: 410 is 4.10.
 Needs Pillow beside weftex: pip install '.[test]'.
