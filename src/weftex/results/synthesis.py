@@ -386,7 +386,7 @@ class Synthesis(Displayable, ABC):
         try:
             from PIL import Image
         except ImportError:
-            raise UnsupportedError("to_pil needs the package Pillow, which is not installed") from None
+            raise UnsupportedError("to_pil needs the package Pillow") from None
         try:
             return Image.fromarray(self.image)
         except TypeError:
