@@ -50,6 +50,13 @@ def test_auto_makes_any_tileable_size(name, size, effort):
     assert "strained" not in str(fitted.provenance.get("warnings"))
 
 
+def test_planes_that_wrap_say_it_too():
+    model = weftex.Auto().fit(DRAWN["bricks"])
+    made = model.window(0, 0, 20, 30, seed=1, period=(600, 640))
+    said = made.provenance["warnings"][-1]
+    assert "strained by" in said and "would do" in said
+
+
 def test_the_nearest_size_that_fits_is_found():
     """Against every size around it, for a lattice whose rows are shifted."""
     vectors, wrap = (31.05, 0.1, 15.4, 26.2), (True, True)

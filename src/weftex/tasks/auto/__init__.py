@@ -16,12 +16,12 @@ from weftex.errors import InvalidInputError
 from weftex.exemplar import Exemplar
 from weftex.method import Method, Model
 from weftex.methods import make_method
-from weftex.methods.lattices.model import is_strained
+from weftex.methods.lattices.model import LatticeModel, is_strained
 from weftex.parameters import parameter
 from weftex.progress import Progress
 from weftex.random import seed_number
 from weftex.tasks.auto.findings import Findings, look, with_full
-from weftex.tasks.auto.rule import choose, choose_for_hole, is_sure, places_freely
+from weftex.tasks.auto.rule import choose, choose_for_hole, is_sure, places_freely, strain_notes
 from weftex.tasks.auto.trial import (
     MARGIN,
     PREVIEW,
@@ -187,6 +187,9 @@ class AutoModel(Model):
         if places_freely(choice):  # patches join blocks better, in half of the time
             choice = replace(choice, parameters={})
             model = self._fitted(choice)
+        if asked.period is not None and isinstance(model, LatticeModel):
+            notes = strain_notes(model.vectors, Around(*asked.period))
+            choice = replace(choice, warnings=(*choice.warnings, *notes))
         cut = choice.method != "near-regular" and "lattice" in choice.parameters
         if asked.period is not None and (cut or is_strained(model, Around(*asked.period))):
             because = f"{choice.because}, but the plane wraps around"

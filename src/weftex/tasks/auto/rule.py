@@ -21,6 +21,7 @@ from weftex.choice import Choice
 from weftex.tasks.auto.findings import LOOK, SMALLEST_ANALYZED, Findings
 
 if TYPE_CHECKING:
+    from weftex.analysis.canvas_lattice import Around
     from weftex.canvas import Canvas
     from weftex.exemplar import Exemplar
 
@@ -81,7 +82,7 @@ def _regular(findings: Findings, canvas: Canvas) -> Choice | None:
         vectors = four_numbers(full[1])
         strain, given = CanvasLattice(vectors, canvas).strain, {"lattice": vectors}
     refused = strain > (_STIFF if len(full) > 1 else VISIBLE_STRAIN)
-    notes = (unfitting(vectors, canvas),) if strain > _STIFF else ()
+    notes = strain_notes(vectors, canvas)
     if refused:
         because = f"{because}, which do not fit a tileable {_size(canvas.shape)}"
         if len(lattice.vectors) == 1:  # rows keep their distance if cut seldom
@@ -207,12 +208,14 @@ def _size(shape: tuple[int, int]) -> str:
     return f"{shape[1]}x{shape[0]}"
 
 
-def unfitting(vectors: tuple[float, ...], canvas: Canvas) -> str:
-    """Return by how much a lattice does not fit a canvas that wraps, and the sizes that fit."""
+def strain_notes(vectors: tuple[float, ...], canvas: Canvas | Around) -> tuple[str, ...]:
+    """Return by how much a canvas strains a lattice, and sizes that fit; () if little."""
     strain = CanvasLattice(vectors, canvas).strain
+    if strain <= _STIFF:
+        return ()
     sizes = " or ".join(map(_size, fitting_sizes(vectors, canvas)))
     better = f"{sizes} would do (--fit takes the nearest)"
     if not sizes:  # such as where it lies at a slant
         better = "no size near it would do; straighten the sample (--straighten)"
     size = _size(canvas.shape)
-    return f"the lattice has to be strained by {100 * strain:.1f} % to fit {size}; {better}"
+    return (f"the lattice has to be strained by {100 * strain:.1f} % to fit {size}; {better}",)
