@@ -124,7 +124,6 @@ def test_the_same_seed_gives_the_same_bytes_with_any_threads():
             {"tile_size": 20},
         ),
         ("192x192, which has no usable 200x200 pixels", "pebbles", {"tile_size": 800}),
-        ("landmarks is 'thin'; it must be one of auto, keep", "pebbles", {"landmarks": "thin"}),
         ("the lattice of .*bricks; the nearest is 126x84", "bricks", {"tile_size": 40}),
         ("near-regular does not do hole filling", "pebbles", {"method": "near-regular"}),
         ("effort has no effect on an atlas", "pebbles", {"effort": "best"}),

@@ -139,7 +139,7 @@ def test_named_scripts_are_run_by_a_test(page):
         f"benchmarks/{folder}/{name}.py"
         for folder, names in {
             "guards": ("digests", "many_threads", "size", "soak"),
-            "pages": ("pictures", "references"),
+            "pages": ("notebooks", "pictures", "references"),
             "quality": ("fusion", "gallery", "lattices", "planes", "repeats"),
             "speed": ("commits", "everyday", "planes_on_disk", "run", "studio", "studio_page"),
         }.items()

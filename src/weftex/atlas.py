@@ -159,7 +159,6 @@ def atlas(
     tile_size: int | tuple[int, int] | None = None,
     gutter: int = 0,
     method: str | Method = AUTO,
-    landmarks: str = AUTO,
     seed: Seed = None,
     threads: int | None = None,
     progress: ProgressCallback | None = None,
@@ -169,6 +168,8 @@ def atlas(
 
     Every corner of a tile has one of a few colors. Tiles with the same colors at a side fit
     together without a seam, so random corner colors give an endless texture that does not repeat.
+    Salient features of the sample, by which repeats are recognized, are left out, unless it has a
+    lattice or rows, or joints or cracks join all its sides.
 
     Parameters
     ----------
@@ -185,10 +186,6 @@ def atlas(
     method : str or Method
         A method that fills holes. By default entire samples are cut by graph cuts, on the sample's
         lattice if it has one.
-    landmarks : {"auto", "keep", "remove"}
-        Remove salient features of the sample, by which repeats are recognized, or keep them. By
-        default they are kept where joints or cracks join all sides of the sample. Samples with a
-        lattice or rows are not changed.
     seed, threads, progress
         As for `weftex.synthesize`.
     **parameters
@@ -217,10 +214,6 @@ def atlas(
     """
     if type(colors) is not int or colors not in (2, 3):
         raise InvalidInputError(f"colors is {shown(colors)}; it must be 2 or 3")
-    if not isinstance(landmarks, str) or landmarks not in ("auto", "keep", "remove"):
-        raise InvalidInputError(
-            f"landmarks is {shown(landmarks)}; it must be one of auto, keep, remove"
-        )
     chosen = make_method(method, parameters)
     if not is_auto(chosen):
         chosen.require(A_BLOCK)
@@ -234,8 +227,7 @@ def atlas(
     size = size_with_periods(vectors, wish, exemplar.name) if vectors else wish
     _check_gutter(gutter, size, exemplar)
     found = 0
-    removes = landmarks == "remove" or (landmarks == "auto" and not has_joint_network(exemplar))
-    if removes and not vectors:
+    if not vectors and not has_joint_network(exemplar):
         exemplar, found = _without_landmarks(exemplar, belt_of(size))
     if is_auto(chosen):
         chosen = make_method("graphcut", WHOLE | ({"lattice": vectors} if vectors else {}))

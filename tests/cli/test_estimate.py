@@ -9,12 +9,12 @@ from weftex.io.pictures import read_image
 
 
 def test_the_command(here, capsys):
-    words = ["--relief", 9, "--ao-radius", 5, "--ao-strength", 2]
+    words = ["--relief", 9, "--ao-radius", 5]
     assert weft_run("estimate", "sample.png", "-o", "out", *words) == 0
     assert "note: roughness is a guess" in capsys.readouterr().err
     found = weftex.load_exemplar("out")
     assert sorted(found.maps) == ["ao", "height", "normal_gl", "roughness"]
-    expected = weftex.prepare.estimate_maps("sample.png", relief=9, radius=5, strength=2)
+    expected = weftex.prepare.estimate_maps("sample.png", relief=9, radius=5)
     assert np.array_equal(found.pixels, expected.pixels)
     assert all(np.array_equal(found.maps[k], expected.maps[k]) for k in found.maps)
     assert read_image(here / "out" / "height_estimated.png").pixels.dtype == np.uint16

@@ -5,6 +5,8 @@ from __future__ import annotations
 import json
 import struct
 from collections.abc import Callable, Collection, Mapping
+from pathlib import Path
+from string import Template
 from typing import Any, NamedTuple
 
 from weftex.errors import missing_packages
@@ -111,51 +113,13 @@ _USD = {
     "ao": ("occlusion", "float"), "height": ("displacement", "float"),
     "emission": ("emissiveColor", "color3f"), "opacity": ("opacity", "float"),
 }  # fmt: skip
+#: A stage, without its textures.
+_STAGE = Path(__file__).parent.parent / "presets" / "plane.usda"
 #: What becomes of the stored values of a map.
 _USD_SCALES = {
     "normal_gl": ((2, 2, 2, 1), (-1, -1, -1, 0)),
     "height": ((RELIEF,) * 4, (-RELIEF / 2,) * 4),
 }
-_USD_HEAD = """\
-#usda 1.0
-(
-    defaultPrim = "Root"
-    metersPerUnit = 1
-    upAxis = "Y"
-)
-
-def Xform "Root"
-{{
-    def Mesh "Plane" (
-        prepend apiSchemas = ["MaterialBindingAPI"]
-    )
-    {{
-        float3[] extent = [{low}, {high}]
-        int[] faceVertexCounts = [4]
-        int[] faceVertexIndices = [0, 1, 2, 3]
-        normal3f[] normals = [(0, 0, 1), (0, 0, 1), (0, 0, 1), (0, 0, 1)] (
-            interpolation = "vertex"
-        )
-        point3f[] points = [{points}]
-        texCoord2f[] primvars:st = [(0, 0), (1, 0), (1, 1), (0, 1)] (
-            interpolation = "vertex"
-        )
-        uniform token subdivisionScheme = "none"
-        rel material:binding = </Root/{material}>
-    }}
-
-    def Material "{material}"
-    {{
-        token outputs:surface.connect = </Root/{material}/Surface.outputs:surface>
-        token outputs:displacement.connect = </Root/{material}/Surface.outputs:displacement>
-
-        def Shader "St"
-        {{
-            uniform token info:id = "UsdPrimvarReader_float2"
-            string inputs:varname = "st"
-            float2 outputs:result
-        }}
-"""
 
 
 def usda(
@@ -167,10 +131,7 @@ def usda(
     if "color" in where and where["color"].file in alphas:
         places.setdefault("opacity", Place(where["color"].file, 3, 1))
     points = [f"({x * size[0]:.9g}, {y * size[1]:.9g}, 0)" for x, y in _CORNERS]
-    text = _USD_HEAD.format(
-        material=material, points=", ".join(points), low=points[0], high=points[2]
-    )
-    lines = []
+    lines, textures = [], ""
     for role, place in places.items():
         if role not in _USD:
             continue
@@ -184,7 +145,7 @@ def usda(
         lines.append(f"            {kind} inputs:{to}.connect = <{path}>\n")
         space = "sRGB" if role in ("color", "emission") else "raw"
         scale, bias = _USD_SCALES.get(role, ((1, 1, 1, 1), (0, 0, 0, 0)))
-        text += f"""
+        textures += f"""
         def Shader "{role}"
         {{
             uniform token info:id = "UsdUVTexture"
@@ -198,16 +159,10 @@ def usda(
             {stored}
         }}
 """
-    return f"""{text}
-        def Shader "Surface"
-        {{
-            uniform token info:id = "UsdPreviewSurface"
-{"".join(lines)}            token outputs:surface
-            token outputs:displacement
-        }}
-    }}
-}}
-"""
+    return Template(_STAGE.read_text("utf-8")).substitute(
+        material=material, points=", ".join(points), low=points[0], high=points[2],
+        textures=textures, inputs="".join(lines),
+    )  # fmt: skip
 
 
 def _identifier(name: str) -> str:
@@ -234,84 +189,60 @@ def materialx_document(name: str, where: Mapping[str, Place], *, hextiled: bool 
         import MaterialX as mx
     except ImportError:
         raise missing_packages("preset materialx needs MaterialX", "materialx") from None
-    surface = _Surface(mx, _identifier(name), hextiled)
-    for role, place in where.items():
-        surface.take(role, place)
-    return str(mx.writeToXmlString(surface.document))
+    document, own = mx.createDocument(), _identifier(name)
+    document.setColorSpace("lin_rec709")
 
-
-class _Surface:
-    """A material of one Standard Surface."""
-
-    def __init__(self, mx: Any, name: str, hextiled: bool) -> None:
-        self._mx, self._hextiled, self.document = mx, hextiled, mx.createDocument()
-        self.document.setColorSpace("lin_rec709")
-        self._shader = self._node("standard_surface", f"{name}_surface", "surfaceshader")
-        self._material = self.document.addMaterialNode(name, self._shader)
-
-    def take(self, role: str, place: Place) -> None:
-        """Connect a map."""
-        if role in _COLORS:
-            space = "lin_rec709" if place.file.endswith(".exr") else "srgb_texture"
-            self._connect(_COLORS[role], self._image(role, place, "color3", space))
-            if role == "emission":
-                self._shader.setInputValue("emission", 1.0)
-        elif ROLES[role].kind == "normal":
-            self._normal(role, place)
-        elif role in _NUMBERS or role in ("opacity", "height"):
-            self._number(role, self._value(role, place))
-
-    def _number(self, role: str, node: Any) -> None:
-        if role == "opacity":
-            node = self._then("convert", "opacity_color", node, "color3")
-        if role == "height":
-            middle = self._then("subtract", "height_from_middle", node, in2=0.5)
-            shader = self._node("displacement", "relief", "displacementshader", scale=RELIEF)
-            shader.setConnectedNode("displacement", middle)
-            self._material.setConnectedNode("displacementshader", shader)
-        else:
-            self._connect(_NUMBERS.get(role, role), node)
-
-    def _normal(self, role: str, place: Place) -> None:
-        if self._hextiled:
-            node = self._node("hextilednormalmap", "normal_map", "vector3")
-            self._file(node, place.file)
-        else:
-            image = self._image(role, place, "vector3")
-            node = self._then("normalmap", "normal_map", image, "vector3")
-        self._connect("normal", node)
-
-    def _value(self, role: str, place: Place) -> Any:
-        """A node with one channel."""
-        if not self._hextiled and not place.width:
-            return self._image(role, place, "float")
-        node = self._image(role, place, "color3" if self._hextiled else "vector4")
-        one = self._node("extract", f"{role}_channel", "float", index=place.first)
-        one.setConnectedNode("in", node)
-        return one
-
-    def _image(self, role: str, place: Place, kind: str, space: str = "") -> Any:
-        what = "hextiledimage" if self._hextiled else "image"
-        node = self._node(what, f"{role}_image", kind)
-        self._file(node, place.file, space)
+    def add(what: str, name: str, kind: str, inputs: Mapping[str, Any]) -> Any:
+        """Add a node whose inputs are values, or what other nodes make."""
+        node = document.addNode(what, name, kind)
+        for key, value in inputs.items():
+            (node.setConnectedNode if isinstance(value, mx.Node) else node.setInputValue)(
+                key, value
+            )
         return node
 
-    def _file(self, node: Any, file: str, space: str = "") -> None:
+    def picture(file: str, name: str, kind: str, what: str = "image", space: str = "") -> Any:
+        node = add(f"hextiled{what}" if hextiled else what, name, kind, {})
         source = node.addInput("file", "filename")
         source.setValueString(file)
         if space:
             source.setColorSpace(space)
-
-    def _then(self, what: str, name: str, node: Any, kind: str = "float", **values: Any) -> Any:
-        after = self._node(what, name, kind, **values)
-        after.setConnectedNode("in1" if values else "in", node)
-        return after
-
-    def _node(self, what: str, name: str, kind: str, **values: Any) -> Any:
-        node = self.document.addNode(what, name, kind)
-        for key, value in values.items():
-            node.setInputValue(key, value)
         return node
 
-    def _connect(self, to: str, node: Any) -> None:
-        self._shader.setConnectedNode(to, node)
+    def number(role: str, place: Place) -> Any:
+        if not hextiled and not place.width:
+            return picture(place.file, f"{role}_image", "float")
+        whole = picture(place.file, f"{role}_image", "color3" if hextiled else "vector4")
+        inputs = {"index": place.first, "in": whole}
+        return add("extract", f"{role}_channel", "float", inputs)
+
+    shader = add("standard_surface", f"{own}_surface", "surfaceshader", {})
+    material = document.addMaterialNode(own, shader)
+    for role, place in where.items():
+        if role in _COLORS:
+            space = "lin_rec709" if place.file.endswith(".exr") else "srgb_texture"
+            node = picture(place.file, f"{role}_image", "color3", space=space)
+            shader.setConnectedNode(_COLORS[role], node)
+            if role == "emission":
+                shader.setInputValue("emission", 1.0)
+        elif ROLES[role].kind == "normal":
+            if hextiled:
+                node = picture(place.file, "normal_map", "vector3", "normalmap")
+            else:
+                node = picture(place.file, f"{role}_image", "vector3")
+                node = add("normalmap", "normal_map", "vector3", {"in": node})
+            shader.setConnectedNode("normal", node)
+        elif role == "height":
+            inputs = {"in2": 0.5, "in1": number(role, place)}
+            inputs = {
+                "scale": RELIEF,
+                "displacement": add("subtract", "height_from_middle", "float", inputs),
+            }
+            node = add("displacement", "relief", "displacementshader", inputs)
+            material.setConnectedNode("displacementshader", node)
+        elif role == "opacity":
+            inputs = {"in": number(role, place)}
+            shader.setConnectedNode(role, add("convert", "opacity_color", "color3", inputs))
+        elif role in _NUMBERS:
+            shader.setConnectedNode(_NUMBERS[role], number(role, place))
+    return str(mx.writeToXmlString(document))

@@ -10,7 +10,7 @@ from weftex.analysis.lattice import find_lattice
 from weftex.errors import InvalidInputError, did_you_mean, shown
 from weftex.exemplar import Exemplar, load_exemplar
 from weftex.prepare.surfaces import (
-    check_number,
+    check_relief,
     height_from_normals,
     heights_of,
     normals_from_height,
@@ -33,7 +33,6 @@ _USUAL = ("height", "normal_gl", "ao", "roughness")
 _GRAIN = 1.0  # pixels: the standard deviation of the blur that removes noise
 _LIGHT = 8  # structure wider than 1 / 8 of the shorter side counts as light
 _ENDS = (0.01, 0.99)  # quantiles of the height that become black and white
-_MOST = 1000  # pixels
 _ROUGH, _ROUGHER = 0.65, 0.1  # the roughness of weak detail, and how much more strong detail has
 _FINE, _AROUND = 2.0, 6.0  # pixels: what is fine detail, and where its strength is averaged
 _BIN = 2  # pixels of the mean tile of a lattice
@@ -47,7 +46,6 @@ def estimate_maps(
     relief: float = 6.0,
     invert: bool = False,
     radius: int = 16,
-    strength: float = 1.0,
 ) -> Exemplar:
     """Estimate maps that a photo or a map set lacks.
 
@@ -69,7 +67,7 @@ def estimate_maps(
         no effect if it has normals and no height.
     invert : bool
         Bright pixels are deep.
-    radius, strength
+    radius : int
         Of the ambient occlusion; see `occlusion_from_height`.
 
     Returns
@@ -92,7 +90,7 @@ def estimate_maps(
     (True, (32, 32, 3))
     """
     exemplar = load_exemplar(sample)
-    check_number("relief", relief, 0, _MOST, above=True)
+    check_relief(relief)
     if not isinstance(invert, bool):
         raise InvalidInputError(f"invert is {shown(invert)}; it must be True or False")
     there = {name: exemplar.map(name) for name in exemplar.maps}
@@ -115,8 +113,7 @@ def estimate_maps(
         if name == "height":
             made[name] = np.rint(high / top * 65535).astype(np.uint16)
         elif name == "ao":
-            how: dict[str, Any] = {"radius": radius, "strength": strength, "tileable": wraps}
-            made[name] = _bytes(occlusion_from_height(high, 1, **how))
+            made[name] = _bytes(occlusion_from_height(high, 1, radius=radius, tileable=wraps))
         elif name == "roughness":
             made[name] = _bytes(_roughness(exemplar))
         else:

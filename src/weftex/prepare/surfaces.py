@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float64]
 
 _STEEPEST = 0.05  # the least z of a normal; below it, slopes are 20
+_MOST = 1000  # pixels of relief
 _DIRECTIONS = 16
 _STEPS = 12  # in each direction, about
 
@@ -36,7 +37,7 @@ def normals_from_height(
     height : array (H, W)
         uint8 or uint16 from deep to high, or floats.
     relief : float
-        Height in pixels of the largest integer, or of 1.0 for floats.
+        Height in pixels of the largest integer, or of 1.0 for floats; up to 1000.
     y_up : bool
         Green points up (OpenGL, glTF, Blender); False for down (DirectX, Unreal).
     tileable : bool
@@ -136,7 +137,6 @@ def occlusion_from_height(
     relief: float,
     *,
     radius: int = 16,
-    strength: float = 1.0,
     tileable: bool = False,
 ) -> NDArray[np.float32]:
     """Return ambient occlusion: the share of a bright sky that reaches each pixel of a surface.
@@ -150,8 +150,6 @@ def occlusion_from_height(
         As for `normals_from_height`.
     radius : int
         Distance in pixels at which a surface can still occlude, 1 or more.
-    strength : float
-        Factor of the occlusion, 0 to 10; 1 is physical.
 
     Returns
     -------
@@ -172,7 +170,6 @@ def occlusion_from_height(
     surface = heights_of(height, relief).astype(np.float32)
     if isinstance(radius, bool) or not isinstance(radius, numbers.Integral) or radius < 1:
         raise InvalidInputError(f"radius is {shown(radius)}; it must be 1 or more")
-    check_number("strength", strength, 0, 10)
     margin = min(int(radius), max(surface.shape))
     padded = np.pad(surface, margin, "wrap" if tileable else "symmetric")
     distances = np.unique(np.rint(np.geomspace(1, margin, _STEPS)).astype(int))
@@ -185,13 +182,13 @@ def occlusion_from_height(
             other = padded[margin + y :, margin + x :][:rows, :columns]
             np.maximum(slope, (other - surface) / np.float32(np.hypot(y, x)), out=slope)
         open_sky += 1 / (1 + slope * slope)
-    found: NDArray[np.float32] = np.clip(1 - strength * (1 - open_sky / _DIRECTIONS), 0, 1)
+    found: NDArray[np.float32] = open_sky / _DIRECTIONS
     return found
 
 
 def heights_of(height: NDArray[Any], relief: float) -> Floats:
     """Return heights in pixels."""
-    check_number("relief", relief, 0, np.inf, above=True)
+    check_relief(relief)
     pixels = check_pixels(height, "height")
     if pixels.ndim != 2:
         raise InvalidInputError(f"height has the shape {pixels.shape}; it must be (H, W)")
@@ -200,10 +197,8 @@ def heights_of(height: NDArray[Any], relief: float) -> Floats:
     return surface
 
 
-def check_number(name: str, value: Any, low: float, high: float, *, above: bool = False) -> None:
-    """Raise `InvalidInputError` unless a value is a number from `low`, or above it, to `high`."""
-    number = isinstance(value, numbers.Real) and not isinstance(value, bool)
-    if not number or not (low < value if above else low <= value) or not value <= high:
-        least = f"above {low:g}" if above else f"from {low:g}"
-        most = "" if high == np.inf else f", at most {high:g}" if above else f" to {high:g}"
-        raise InvalidInputError(f"{name} is {shown(value)}; it must be {least}{most}")
+def check_relief(relief: Any) -> None:
+    """Raise `InvalidInputError` unless a relief is a number of pixels above 0, at most 1000."""
+    number = isinstance(relief, numbers.Real) and not isinstance(relief, bool)
+    if not number or not 0 < relief <= _MOST:
+        raise InvalidInputError(f"relief is {shown(relief)}; it must be above 0, at most {_MOST}")

@@ -209,7 +209,7 @@ class OpenedRecipe:
         """Height and width of the result."""
         if not self.recipe.options.get("fit"):
             return self.asked
-        from weftex.tasks.fitting import fitting_canvas
+        from weftex.tasks.auto import fitting_canvas
 
         canvas = as_canvas(self.asked, self.recipe.options["tileable"])
         return fitting_canvas(canvas, self.sample, self.recipe.method).shape

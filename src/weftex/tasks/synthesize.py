@@ -121,7 +121,7 @@ def synthesize(
     if exemplar.guide is None and canvas.guide is not None:
         canvas = dataclasses.replace(canvas, guide=_like(canvas.guide, exemplar))
     if fit:
-        from weftex.tasks.fitting import fitting_canvas
+        from weftex.tasks.auto import fitting_canvas
 
         canvas = fitting_canvas(canvas, exemplar, chosen)
     number = seed_number(seed)

@@ -11,7 +11,7 @@ from weftex.cli.options import parse_task
 from weftex.cli.parser import Parser
 from weftex.cli.terminal import Bar, Outputs, finish
 from weftex.recipe.command_line import value_of
-from weftex.recipe.declared import LANDMARKS, MATERIAL, SEED
+from weftex.recipe.declared import MATERIAL, SEED
 from weftex.recipe.options import SIZE, WHOLE, Option
 
 if TYPE_CHECKING:
@@ -43,10 +43,6 @@ _OPTIONS = (
            metavar="WxH|N"),
     Option("gutter", WHOLE, "number of pixels around each tile that continue it, for filters that "
            "read beyond a tile", 0, low=0, unit="px", metavar="PX"),
-    LANDMARKS._replace(choices=("auto", "keep", "remove"), metavar="auto|keep|remove",
-                       help="recognizable features of the sample, by which repeats show: keep or "
-                       "remove them; auto keeps them among joints or cracks; no effect on samples "
-                       "with a lattice or rows"),
 )  # fmt: skip
 #: Colors by which editors show corner colors.
 _SHOWN = ((0xD0, 0x43, 0x3B), (0x3B, 0x7D, 0xD0), (0x4C, 0xA8, 0x4C))

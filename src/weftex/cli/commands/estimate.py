@@ -44,8 +44,6 @@ def run(argv: list[str]) -> None:
     add("--invert", action="store_true", help="bright pixels lie deeper")
     text = "distance at which a surface still occludes; default: 16"
     add("--ao-radius", type=int, default=16, metavar="PX", help=text)
-    text = "factor of the ambient occlusion, 0 to 10; default: 1, which is physical"
-    add("--ao-strength", type=float, default=1.0, metavar="N", help=text)
     add("--tileable", action="store_true", help="the photo is tileable, so its maps are too")
     parser.share("--preset", "--quiet", "--allow-huge")
     args = parser.parse(argv)
@@ -60,10 +58,8 @@ def run(argv: list[str]) -> None:
         for path, own in each_output(args.photos, args, outputs, folders=True):
             material = read_input(path, args)
             photo = material.exemplar(tileable=args.tileable)
-            made = estimate_maps(
-                photo, maps=maps, relief=args.relief, invert=args.invert,
-                radius=args.ao_radius, strength=args.ao_strength,
-            )  # fmt: skip
+            how = {"relief": args.relief, "invert": args.invert, "radius": args.ao_radius}
+            made = estimate_maps(photo, maps=maps, **how)
             whole, new = _with_maps(material, made)
             plans = plan([whole], whole.exemplar(), own)
             plans.write(lambda name, plans=plans: plans.pictures[name].pixels, outputs)  # type: ignore[misc]

@@ -82,7 +82,7 @@ class BestTileModel(LatticeModel):
     anchor : (int, int)
         Row and column of the best tile's corner in the sample.
     rows : int array (m, 3)
-        The rows of a tile with half its borders, see `parallelogram.runs_of`.
+        The rows of a tile with half its borders, see `tiles.runs_of`.
 
     Raises
     ------

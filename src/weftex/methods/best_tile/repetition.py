@@ -36,7 +36,7 @@ def repeated(
     anchor : (int, int)
         First corner of the tile in the sample.
     rows : int64 array (m, 3)
-        Of a tile, see `parallelogram.runs_of`.
+        Of a tile, see `tiles.runs_of`.
     lattice : CanvasLattice
         The vectors, stretched to wrap around the canvas or the plane's `period`.
     origin : (int, int)

@@ -9,7 +9,13 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, ClassVar
 
-from weftex.analysis.canvas_lattice import Around
+from weftex.analysis.canvas_lattice import (
+    FITTING_STRAIN,
+    VISIBLE_STRAIN,
+    Around,
+    fitting_sizes,
+    four_numbers,
+)
 from weftex.canvas import Canvas, as_canvas
 from weftex.choice import Choice
 from weftex.errors import InvalidInputError
@@ -203,3 +209,23 @@ class AutoModel(Model):
 
 
 __all__ = ["MARGIN", "Auto", "AutoModel", "Findings", "choose", "choose_for_hole", "look"]
+
+
+def fitting_canvas(canvas: Canvas, exemplar: Exemplar, method: Method) -> Canvas:
+    """Return the canvas in the nearest size that fits; as it is if the sample has no lattice."""
+    if not any(canvas.wrap):
+        raise InvalidInputError("fit has no effect without tileable")
+    if canvas.guide is not None or canvas.known is not None:
+        raise InvalidInputError("fit has no effect on a size that a guide or a photo has")
+    model = method.fit(exemplar)
+    if not isinstance(model, LatticeModel):
+        lattice = AutoModel(Auto(), exemplar).lattice
+        if lattice is None:
+            return canvas
+        vectors = four_numbers(lattice)
+    else:
+        vectors = model.vectors
+    for limit in (FITTING_STRAIN, VISIBLE_STRAIN):
+        for height, width in fitting_sizes(vectors, canvas, limit)[:1]:
+            return replace(canvas, height=height, width=width)
+    return canvas
