@@ -115,11 +115,7 @@ class Progress:
     """Reports the steps of one stage to a callback, with a function that renders a preview."""
 
     def __init__(
-        self,
-        callback: ProgressCallback | None,
-        total: int,
-        stage: str,
-        preview: Callable[[], Any],
+        self, callback: ProgressCallback | None, total: int, stage: str, preview: Callable[[], Any]
     ) -> None:
         called = Bar() if callback is True else callback
         if called is not None and not callable(called):

@@ -4,14 +4,7 @@ import numpy as np
 from scipy.ndimage import distance_transform_cdt
 
 import weftex
-from random_cases import (
-    AROUND,
-    centers_of,
-    distances,
-    random_canvas,
-    random_cases,
-    random_exemplar,
-)
+from random_cases import AROUND, centers_of, distances, random_canvas, random_cases, random_exemplar
 from weftex.random import draw
 
 #: A candidate that repeats nothing may have this times the squared distance of the best one.

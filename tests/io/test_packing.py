@@ -138,16 +138,8 @@ def test_maps_that_do_not_fit_are_refused_before_anything_is_written(tmp_path):
         ({"normal_gl": noise((6, 9, 3))}, "unreal", "normal_gl is no map of normals"),
         ({"normal_gl": noise((6, 9))}, "unreal", "normal_gl has 1 channels"),
         ({"roughness": noise((6, 9, 3))}, "gltf", "its 3 channels differ; save it as gray"),
-        (
-            {"roughness": None},
-            "terrain3d",
-            "roughness or gloss into m_nrm_rgh, and m has none",
-        ),
-        (
-            {"roughness": None},
-            "unity-urp",
-            "gloss or roughness into m_MetallicOcclusion",
-        ),
+        ({"roughness": None}, "terrain3d", "roughness or gloss into m_nrm_rgh, and m has none"),
+        ({"roughness": None}, "unity-urp", "gloss or roughness into m_MetallicOcclusion"),
         (dict.fromkeys(good) | {"cavity": noise((6, 9))}, "godot", "m has only cavity"),
         ({"height": floats["height"] + 2}, "godot", "height has values from 2 to 2"),
         ({"height": np.zeros((6, 9), np.int32)}, "godot", "height is int32"),

@@ -105,13 +105,7 @@ def begun(folder, run):
 @pytest.mark.parametrize(
     "change",
     [{"files": ["../a"]}, {"files": ["/etc/a"]}, {"files": "a"}, {"files": ["a/b"]}, {"more": 1}]
-    + [
-        {"files": [7]},
-        {"files": [".."]},
-        {"name": 7},
-        {"about": 7},
-        {"begun": "no"},
-    ],
+    + [{"files": [7]}, {"files": [".."]}, {"name": 7}, {"about": 7}, {"begun": "no"}],
 )
 def test_runs_that_are_none(tmp_path, change):
     record = begun(tmp_path, "a" * 32)

@@ -18,8 +18,7 @@ def stones():
 @pytest.mark.parametrize("y_up", [True, False])
 @pytest.mark.parametrize("tileable", [True, False])
 @pytest.mark.parametrize(
-    ("dtype", "error"),
-    [(np.float64, 1e-9), (np.float32, 1e-4), (np.uint16, 1e-3), (np.uint8, 0.1)],
+    ("dtype", "error"), [(np.float64, 1e-9), (np.float32, 1e-4), (np.uint16, 1e-3), (np.uint8, 0.1)]
 )
 def test_normals_and_back_give_the_same_height(tileable, y_up, dtype, error):
     high = stones()

@@ -227,9 +227,6 @@ def test_the_command(tmp_path, capsys):
     ):
         assert main([*command, "--map", path["map.png"], *wrong]) == 2
         assert "error: " in capsys.readouterr().err
-    for wrong in (
-        ["--direction", "down"],
-        ["--width", "0"],
-    ):
+    for wrong in (["--direction", "down"], ["--width", "0"]):
         assert main([*command, "--map", "gradient", "--size", "50", *wrong]) == 2
         assert "error: " in capsys.readouterr().err

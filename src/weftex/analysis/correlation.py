@@ -37,9 +37,7 @@ _EMPTY = 1e-9  # of the highest power; less is rounding
 
 
 def correlate(
-    levels: Floats,
-    usable: NDArray[np.bool_] | None = None,
-    reach: tuple[int, int] | None = None,
+    levels: Floats, usable: NDArray[np.bool_] | None = None, reach: tuple[int, int] | None = None
 ) -> Floats:
     """Return the correlation of (K, H, W) with itself at every shift, or at those within reach.
 

@@ -84,9 +84,7 @@ class DrawnLattice:
 
 
 def draw(
-    exemplar: Exemplar,
-    vectors: tuple[tuple[float, float], ...],
-    goodness: float | None = None,
+    exemplar: Exemplar, vectors: tuple[tuple[float, float], ...], goodness: float | None = None
 ) -> DrawnLattice:
     """Return a lattice with lines where the sample changes most."""
     lattice = Lattice(vectors)

@@ -56,14 +56,7 @@ ABOUT = {
 
 
 #: Headings of the help, in their order, after the options that most people need.
-HEADINGS = (
-    "output",
-    "tiling",
-    "quality",
-    "map sets",
-    "large outputs",
-    "preparation of the sample",
-)
+HEADINGS = ("output", "tiling", "quality", "map sets", "large outputs", "preparation of the sample")
 #: Names that other programs use, and the options that mean the same here.
 SYNONYMS = {
     "--algorithm": "--method",

@@ -213,10 +213,7 @@ def straight(pixels: NDArray[Any], spec: Any, kind: str) -> tuple[NDArray[Any], 
             with np.errstate(all="ignore"):
                 np.divide(color, cover, out=color, where=cover > 0)
         else:
-            top, part = (
-                np.uint32(np.iinfo(pixels.dtype).max),
-                np.maximum(cover, 1).astype("u4"),
-            )
+            top, part = np.uint32(np.iinfo(pixels.dtype).max), np.maximum(cover, 1).astype("u4")
             whole = np.minimum((color.astype("u4") * top + part // 2) // part, top)
             color = np.where(cover > 0, whole, color).astype(pixels.dtype)
     return np.concatenate([color, cover], axis=2), True

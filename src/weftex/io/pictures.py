@@ -153,8 +153,7 @@ def read_image(path: StrPath, *, max_pixels: int | None = MAX_PIXELS) -> Picture
         # The reader that goes with the suffix is asked first, and some claim any file.
         if source.format_name() != kind:
             raise file_error(
-                given,
-                f"is a {kind} picture under the name of another format; rename it",
+                given, f"is a {kind} picture under the name of another format; rename it"
             )
         spec = source.spec()
         check_spec(spec, given, max_pixels)
@@ -273,8 +272,7 @@ def check_output(
         meant = ".png" if suffix == ".gif" else suffix
         near = did_you_mean(meant, known) if suffix else f"; known: {', '.join(sorted(known))}"
         raise file_error(
-            given,
-            f"cannot write {f'{suffix!r}' if suffix else 'without a suffix'}{near}",
+            given, f"cannot write {f'{suffix!r}' if suffix else 'without a suffix'}{near}"
         )
     if not os.path.isdir(folder):
         raise file_error(given, f"the folder {show(folder)} does not exist")

@@ -9,11 +9,7 @@ from weftex.prepare.combining import together
 from weftex.prepare.estimating import estimate_maps, light_joints
 from weftex.prepare.lighting import even_light
 from weftex.prepare.straightening import straighten
-from weftex.prepare.surfaces import (
-    height_from_normals,
-    normals_from_height,
-    occlusion_from_height,
-)
+from weftex.prepare.surfaces import height_from_normals, normals_from_height, occlusion_from_height
 
 __all__ = [
     "estimate_maps",

@@ -133,11 +133,7 @@ def height_from_normals(
 
 
 def occlusion_from_height(
-    height: NDArray[Any],
-    relief: float,
-    *,
-    radius: int = 16,
-    tileable: bool = False,
+    height: NDArray[Any], relief: float, *, radius: int = 16, tileable: bool = False
 ) -> NDArray[np.float32]:
     """Return ambient occlusion: the share of a bright sky that reaches each pixel of a surface.
 

@@ -154,9 +154,7 @@ def assess(
 
 
 def _checked(
-    exemplar: Exemplar,
-    result: Synthesis | NDArray[Any],
-    tileable: bool | tuple[bool, bool] | None,
+    exemplar: Exemplar, result: Synthesis | NDArray[Any], tileable: bool | tuple[bool, bool] | None
 ) -> tuple[NDArray[Any], tuple[bool, bool]]:
     """Return the pixels of a result, and whether each axis wraps around."""
     tiles = False if tileable is None else tileable

@@ -46,10 +46,7 @@ def mask_pyramid(
 
 
 def children(
-    parents: NDArray[np.int32],
-    columns: int,
-    y: NDArray[np.integer],
-    x: NDArray[np.integer],
+    parents: NDArray[np.int32], columns: int, y: NDArray[np.integer], x: NDArray[np.integer]
 ) -> tuple[NDArray[np.int32], NDArray[np.int32]]:
     """Rows and columns of the sources at the next finer level, for pixels (y, x) of that level.
 

@@ -32,12 +32,7 @@ TURNS: dict[str, list[list[Copy]]] = {
 
 
 def turned_pixels(
-    pixels: NDArray[Any],
-    turn: str,
-    role: Role = COLOR,
-    *,
-    gap: int = 1,
-    between: Any = None,
+    pixels: NDArray[Any], turn: str, role: Role = COLOR, *, gap: int = 1, between: Any = None
 ) -> NDArray[Any]:
     """The picture of all copies of `pixels` (H, W[, C]); vectors of normal maps are turned too.
 

@@ -155,11 +155,7 @@ class PatchPenalty:
         use = self._use(offsets.halvings)
         policy = self.policy
         factors = np.ones(offsets.allowed.shape)
-        for weight, each in (
-            (policy.nearby, nearby),
-            (policy.in_line, in_line),
-            (policy.use, use),
-        ):
+        for weight, each in ((policy.nearby, nearby), (policy.in_line, in_line), (policy.use, use)):
             factors += policy.strength * (weight * np.minimum(each[here], policy.most))
         return factors
 

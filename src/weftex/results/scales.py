@@ -72,10 +72,7 @@ def scale_to(given: Exemplar, sample: tuple[int, int]) -> Fraction | int:
 
 
 def shape_of(
-    given: Exemplar,
-    sample: tuple[int, int],
-    turn: str | None,
-    copy_shape: tuple[int, int] | None,
+    given: Exemplar, sample: tuple[int, int], turn: str | None, copy_shape: tuple[int, int] | None
 ) -> tuple[int, int]:
     """Return the size of what a map is of: a picture of copies, or the sample that was turned."""
     if copy_shape is None or given.turn == turn or scale_between(given.shape, copy_shape) is None:

@@ -13,10 +13,7 @@ if TYPE_CHECKING:
 
 
 def cut_around(
-    old: NDArray[np.uint8],
-    new: NDArray[np.uint8],
-    wide: NDArray[np.bool_],
-    hole: NDArray[np.bool_],
+    old: NDArray[np.uint8], new: NDArray[np.uint8], wide: NDArray[np.bool_], hole: NDArray[np.bool_]
 ) -> NDArray[np.bool_]:
     """Mask (H, W) of the pixels to take from `new`: within `wide`, covering `hole`.
 

@@ -46,9 +46,7 @@ def cheapest_boundary(
         return np.pad(each, around + [(0, 0)] * (each.ndim - 2), mode="wrap")
 
     side = np.roll(
-        _cut(moved(first), moved(second), moved(leaning), moved(free)),
-        [-m for m in middle],
-        (0, 1),
+        _cut(moved(first), moved(second), moved(leaning), moved(free)), [-m for m in middle], (0, 1)
     )
     at_border = np.zeros(leaning.shape, bool)
     at_border[0] = wrap[0]

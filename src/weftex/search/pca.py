@@ -96,9 +96,7 @@ def main_components(
     return result
 
 
-def coordinates_of(
-    raw: NDArray[np.integer],
-) -> tuple[NDArray[np.int32], int, NDArray[np.int16]]:
+def coordinates_of(raw: NDArray[np.integer]) -> tuple[NDArray[np.int32], int, NDArray[np.int16]]:
     """Return `offset`, `shift`, `features` of `ZonePCA`: products with components, in 16 bits.
 
     `raw` has one component a row. No window is further than 2047 from 0.

@@ -191,10 +191,7 @@ class Analysis:
 
 
 def analyze(
-    sample: Sample,
-    *,
-    lattice: Sequence[float] | str | None = None,
-    runners_up: int = _RUNNERS_UP,
+    sample: Sample, *, lattice: Sequence[float] | str | None = None, runners_up: int = _RUNNERS_UP
 ) -> Analysis:
     """Analyze a sample: scale, lattice, evenness, tiling, and the method for it.
 

@@ -184,11 +184,7 @@ def fill(
     else:
         features = source.matching_of(place)
         near = Exemplar(
-            source.matching(),
-            mask=usable,
-            tileable=source.tileable,
-            alpha=False,
-            name=source.name,
+            source.matching(), mask=usable, tileable=source.tileable, alpha=False, name=source.name
         )
     part = Canvas(
         features.shape[0],

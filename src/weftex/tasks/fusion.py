@@ -269,10 +269,7 @@ def _around(mask: NDArray[np.bool_], far: int, wrap: tuple[bool, bool]) -> tuple
 
 
 def hills(
-    place: NDArray[np.float64],
-    room: NDArray[np.float64],
-    wrap: tuple[bool, ...],
-    seed: int,
+    place: NDArray[np.float64], room: NDArray[np.float64], wrap: tuple[bool, ...], seed: int
 ) -> NDArray[np.float64]:
     """Return the noise that bends a boundary: hills as wide as its belt, of either sign.
 

@@ -38,11 +38,7 @@ class Sheet:
     """A level of the output, below the `top` rows of the band that it begins with."""
 
     def __init__(
-        self,
-        lists: ColorLists,
-        shape: tuple[int, int],
-        wrap: tuple[bool, bool],
-        top: int = 0,
+        self, lists: ColorLists, shape: tuple[int, int], wrap: tuple[bool, bool], top: int = 0
     ) -> None:
         self.lists, self.wrap, self.top = lists, wrap, top
         # (H, W, K): the bytes that are compared

@@ -63,10 +63,7 @@ class Placement(Protocol):
 
 
 def draw_offsets(
-    matches: Matches,
-    placement: Placement,
-    tolerance: float,
-    draws: tuple[int, int, int],
+    matches: Matches, placement: Placement, tolerance: float, draws: tuple[int, int, int]
 ) -> list[tuple[int, int]]:
     """Draw offsets by P(t), proportional to exp(-C(t) / (k sigma**2)), not next to each other.
 

@@ -103,9 +103,7 @@ class _Cutter:
         return paths
 
 
-def _before_and_after(
-    axis: Axis,
-) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.int64]]:
+def _before_and_after(axis: Axis) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.int64]]:
     """The blocks before and after each edge of visible blocks, and the sizes of those before."""
     edges = np.arange(axis.visible.start, axis.visible.stop + 1)
     before, after = ((edges + by) % len(axis.sizes) for by in (-1, 0))

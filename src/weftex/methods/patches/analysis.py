@@ -170,10 +170,7 @@ class Zones:
         self.weights: list[NDArray[np.uint16]] = []
 
     def number(
-        self,
-        known: NDArray[np.bool_],
-        frozen: NDArray[np.bool_] | None = None,
-        often: bool = False,
+        self, known: NDArray[np.bool_], frozen: NDArray[np.bool_] | None = None, often: bool = False
     ) -> int:
         """Return the number of the zone of a window, see `PatchAnalysis.search`."""
         key = known.tobytes(), b"" if frozen is None else frozen.tobytes()

@@ -98,11 +98,7 @@ class PixelModel(Model):
     """
 
     def __init__(
-        self,
-        method: Method,
-        exemplar: Exemplar,
-        prepared: Any,
-        grow: Callable[[Any, Growth], None],
+        self, method: Method, exemplar: Exemplar, prepared: Any, grow: Callable[[Any, Growth], None]
     ) -> None:
         self.method, self.exemplar = method, exemplar
         self.prepared, self._grow = prepared, grow

@@ -9,12 +9,7 @@ from weftex.endless.grid import Sizes
 from weftex.errors import InvalidInputError
 from weftex.method import Method
 from weftex.methods.pixels.growth import PixelModel, WindowedMethod
-from weftex.methods.refinement.defaults import (
-    Starts,
-    resolved_method,
-    start_text,
-    window_width,
-)
+from weftex.methods.refinement.defaults import Starts, resolved_method, start_text, window_width
 from weftex.methods.refinement.levels import Prepared, prepare
 from weftex.methods.refinement.output import (
     finish,
@@ -26,12 +21,7 @@ from weftex.methods.refinement.output import (
     sources_shown,
 )
 from weftex.methods.refinement.seeds import seed_sources
-from weftex.methods.refinement.start import (
-    fitted_starts,
-    keep_patches,
-    result_of,
-    start_window,
-)
+from weftex.methods.refinement.start import fitted_starts, keep_patches, result_of, start_window
 from weftex.methods.refinement.sweeps import Convergence, refine_texture, sweep_of
 from weftex.parameters import parameter
 
@@ -94,9 +84,7 @@ class Refinement(WindowedMethod):
         high=1000,
     )
     threshold: float = parameter(
-        0.01,
-        "stop when an iteration changes the image by less; higher stops earlier",
-        low=0.0,
+        0.01, "stop when an iteration changes the image by less; higher stops earlier", low=0.0
     )
     init: str | Method = parameter(  # noqa: RUF009  (methods are frozen)
         "auto",

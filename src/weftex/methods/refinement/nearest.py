@@ -15,12 +15,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from weftex.methods.refinement import nearest_kernels
-from weftex.search.pca import (
-    ZonePCA,
-    coordinates_of,
-    main_components,
-    one_blas_thread,
-)
+from weftex.search.pca import ZonePCA, coordinates_of, main_components, one_blas_thread
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

@@ -28,13 +28,7 @@ from weftex.progress import Progress
 from weftex.random import seed_number
 from weftex.tasks.auto.findings import Findings, look, with_full
 from weftex.tasks.auto.rule import choose, choose_for_hole, is_sure, places_freely, strain_notes
-from weftex.tasks.auto.trial import (
-    MARGIN,
-    PREVIEW,
-    best_of_choices,
-    others,
-    refined_if_whole,
-)
+from weftex.tasks.auto.trial import MARGIN, PREVIEW, best_of_choices, others, refined_if_whole
 
 if TYPE_CHECKING:
     from weftex.analysis.lattice import Lattice
