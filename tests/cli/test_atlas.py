@@ -73,12 +73,3 @@ def test_errors_are_one_line_and_write_nothing(here, capsys, words, said):
     assert sorted(here.iterdir()) == before
     error = capsys.readouterr().err
     assert said in error and error.count("\n") == 1
-
-
-def test_maps_of_unequal_size_are_refused(here, capsys):
-    (here / "set").mkdir()
-    (here / "photo.png").rename(here / "set/color.png")
-    (here / "other.png").rename(here / "set/height.png")
-    assert weft_run("atlas", "set", "-o", "out") == 2
-    assert "height" in capsys.readouterr().err
-    assert not (here / "out").exists()

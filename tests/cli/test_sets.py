@@ -62,7 +62,7 @@ def test_synth_keeps_names_sizes_and_depths(sets, capsys):
     assert "map 'roughness' has a pixel for 2x2" in message and "61x52 must be multiples" in message
 
 
-@pytest.mark.parametrize("scheme", ["ambientcg", "polyhaven", "substance"])
+@pytest.mark.parametrize("scheme", ["ambientcg", "polyhaven", "substance", "weftex"])
 def test_names_of_a_scheme_are_read_again(sets, capsys, scheme):
     words = ["synth", "rock", "-o", "wall", "--size", 40, "--method", "quilting"]
     words += ["--preset", scheme]
@@ -211,18 +211,6 @@ def test_pictures_of_one_name_are_not_written_over_each_other(sets, capsys):
     words = ["fuse", "a_ao.png", "moss2", "-o", "x", "--map", "gradient", "--size", 40]
     message = fails(capsys, sets, *words, "--missing", "ao=1")
     assert "would both be written to a_ao.png" in message
-
-
-def test_tile_of_a_set(sets):
-    words = ["--seed", 1, "--border", 8, "--preset", "polyhaven", "--quiet"]
-    assert weft_run("tile", "rock", "-o", "tile", *words) == 0
-    made = read_maps("tile")
-    assert {stem: one.pixels.shape[:2] for stem, one in made.items()} == {
-        "tile_diff": (40, 48), "tile_disp": (40, 48), "tile_nor_gl": (80, 96),
-        "tile_rough": (20, 24),
-    }  # fmt: skip
-    rough = ROCK["Rock01_1K_Roughness.png"]
-    assert np.array_equal(made["tile_rough"].pixels[4:16, 4:20], rough[4:16, 4:20])
 
 
 def test_report_of_a_set(sets, capsys):

@@ -66,19 +66,6 @@ def repair(target):
     return planes.repair(target, threads=1).made
 
 
-def test_a_task_of_an_older_run_writes_nothing(tmp_path):
-    target = tmp_path / "p.tif"
-    old = plane_of(target, 9)
-    with at_work(old) as record:
-        late = block_maker(old)
-        late((record.run, (0, 0, 0)))
-    weftex.planes.stream(SAMPLE, target, SIZE, restart=True, **HOW)
-    before = listing(tmp_path)
-    with pytest.raises(FileError, match="it was begun again, or removed"):
-        late((record.run, (0, 0, 1)))
-    assert listing(tmp_path) == before and is_whole(target)
-
-
 def test_a_restart_waits_for_a_block_that_is_being_written(tmp_path, monkeypatch):
     """Else it would be written into the file of the new run, after the check."""
     target = tmp_path / "p.tif"
@@ -348,20 +335,6 @@ def test_pipes_devices_and_files_without_an_end_are_refused(tmp_path, target):
         path.unlink()
         path.write_bytes(data)
     _read_all(target)
-
-
-def test_a_damaged_plane_is_not_continued(tmp_path, target):
-    with pytest.raises(CancelledError):
-        weftex.planes.stream(SAMPLE, target, SIZE, progress=lambda done, *_: done < 24, **HOW)
-    for path, data in pixels_of(tmp_path).items():
-        path.write_bytes(data[:100])
-        try:
-            weftex.planes.stream(SAMPLE, target, SIZE, **HOW)
-        except FileError as error:
-            assert "'weftex check --repair' makes it again" in str(error)
-            assert "\n" not in str(error)
-        repair(target)
-    assert is_whole(target)
 
 
 def test_a_tiff_of_too_many_tiles(tmp_path):
