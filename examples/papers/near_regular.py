@@ -217,9 +217,7 @@ def fig46(folder: Path, suffix: str) -> None:
         line = [outline(p, tiles, sides) for p in (shown.astype(np.uint8), pixels)]
         canvas, lattice = weftex.Canvas(256, 256), CanvasLattice(model.vectors)
         for corner in corners:
-            index = repeated_tiles(
-                sample, corner[None], model.rows, lattice, canvas, (0, 0), 0, None
-            )
+            index = repeated_tiles(sample, corner, model.rows, lattice, canvas, (0, 0), None)
             line.append(pixels.reshape(-1, pixels.shape[2])[index])
         lines.append(line)
     rows(folder / f"fig46{suffix}", "differences, sample, best tile, worst tile", lines)
