@@ -54,7 +54,7 @@ def test_planes_that_wrap_say_it_too():
     model = weftex.Auto().fit(DRAWN["bricks"])
     made = model.window(0, 0, 20, 30, seed=1, period=(600, 640))
     said = made.provenance["warnings"][-1]
-    assert "strained by" in said and "would do" in said
+    assert "stretched by" in said and "would do" in said
 
 
 def test_the_nearest_size_that_fits_is_found():

@@ -66,7 +66,7 @@ class CanvasLattice:
             if not self.strain <= limit:
                 better = [f"{w}x{h} would do" for h, w in fitting_sizes(vectors, canvas, limit)]
                 raise InvalidInputError(
-                    f"the lattice would have to be strained by {100 * self.strain:.1f} % to go "
+                    f"the lattice would have to be stretched by {100 * self.strain:.1f} % to go "
                     f"around {canvas.width}x{canvas.height}, at most {100 * limit:.1f} % look "
                     f"right; {[*better, 'make it larger'][0]}"
                 )

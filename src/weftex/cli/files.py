@@ -216,7 +216,7 @@ def _looked_at(result: Synthesis) -> str:
     if "window_width" in used:
         return f", window width {used['window_width'] or 'by sample'}"
     if "lattice" in used:
-        strain = f", strained by {100 * used['strain']:.2g} %" if used.get("strain") else ""
+        strain = f", stretched by {100 * used['strain']:.2g} %" if used.get("strain") else ""
         return ", lattice " + ",".join(f"{part:g}" for part in used["lattice"]) + strain
     size = used.get("patch_size") or ("weights" in arrays and max(arrays["weights"].shape[1:]))
     return f", patch size {size}" if size else ""

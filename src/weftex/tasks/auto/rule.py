@@ -218,4 +218,4 @@ def strain_notes(vectors: tuple[float, ...], canvas: Canvas | Around) -> tuple[s
     if not sizes:  # such as where it lies at a slant
         better = "no size near it would do; straighten the sample (--straighten)"
     size = _size(canvas.shape)
-    return (f"the lattice has to be strained by {100 * strain:.1f} % to fit {size}; {better}",)
+    return (f"the lattice has to be stretched by {100 * strain:.1f} % to fit {size}; {better}",)
