@@ -59,8 +59,9 @@ usage: weftex COMMAND ...      (weftex COMMAND --help shows its options)
   weftex --version
 
 exit codes: 0 success; 1 'tile --check' found an image that is not tileable; 2 error, explained in
-one line; 130 Ctrl-C; 143 SIGTERM; 129 SIGHUP; 141 closed pipe. A run that fails writes no output;
-only 'batch' and images written block by block keep the parts that were finished.
+one line; 130 Ctrl-C; 143 SIGTERM; 129 SIGHUP, or standard input of --for-program was closed; 141
+closed pipe. A run that fails writes no output; only 'batch' and images written block by block keep
+the parts that were finished.
 """
 
 
