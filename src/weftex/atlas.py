@@ -12,7 +12,7 @@ import numpy as np
 
 from weftex.analysis.lattice import Lattice
 from weftex.canvas import Canvas
-from weftex.endless.boxes import A_BLOCK, PlaneRequest
+from weftex.endless.boxes import A_BLOCK, PlaneRequest, box_of
 from weftex.endless.corners import sure_vectors
 from weftex.endless.plane import usable_corners
 from weftex.endless.tiles import TilePlane, belt_of, size_with_periods, torus
@@ -237,7 +237,8 @@ def atlas(
         chosen = chosen.for_hole(hole, usable, frozenset(parameters))
     model = chosen.fit(exemplar)
     request = PlaneRequest(number, None, thread_count(threads))
-    index = TilePlane(model, request, size, colors, vectors).show_all(progress)
+    torus_box = box_of(0, 0, *(side * colors**2 for side in size))
+    index = TilePlane(model, request, size, colors, vectors).show(torus_box, progress)
     made = PixelSynthesis(
         Canvas(index.shape[0], index.shape[1], (True, True)),
         index,

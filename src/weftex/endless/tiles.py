@@ -15,7 +15,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from weftex.analysis.canvas_lattice import CanvasLattice
-from weftex.endless.boxes import box_of
 from weftex.endless.grid import ACROSS, CORNER, DOWN, Axis, Block, Grid, Sizes
 from weftex.endless.plane import Plane, usable_corners
 from weftex.errors import InvalidInputError
@@ -27,7 +26,6 @@ if TYPE_CHECKING:
     from weftex.endless.boxes import Box, PlaneRequest
     from weftex.endless.plane import Filler
     from weftex.exemplar import Exemplar
-    from weftex.progress import ProgressCallback
 
     Ints = NDArray[np.int64]
 
@@ -83,15 +81,10 @@ class TilePlane(Plane):
         axes = (Axis(n * side, n, wraps=True) for side in size)
         super().__init__(model, asked, Grid(Sizes(min(size), belt, loose), *axes))
         self._corners = typical_pieces(model.exemplar, belt, colors, asked.seed, vectors)
-        self._shape = n * size[0], n * size[1]
         self._first: dict[tuple[int, ...], Block] = {}
         for kind, i, j in np.ndindex(4, n, n):
             block = Block(kind, i, j)
             self._first.setdefault(self._colors(block), block)
-
-    def show_all(self, callback: ProgressCallback | None = None) -> NDArray[np.int32]:
-        """Flat indices (H, W) of the sample's pixels on all of the torus."""
-        return self.show(box_of(0, 0, *self._shape), callback)
 
     def name(self, block: Block) -> Block:
         """See `Plane.name`: the first block with these colors at its ends."""

@@ -24,6 +24,7 @@ from weftex.io.packed import (
 )
 from weftex.io.pictures import Picture, atomic, read_image
 from weftex.io.presets import UNUSED, Preset, PresetFile, read_preset, width_of
+from weftex.raster.arrays import check_pixels
 from weftex.raster.mixing import Kind, mixing_of
 from weftex.roles import ROLES, Role, as_role
 
@@ -274,13 +275,9 @@ def write_preset(
 def _picture(key: str, given: Pixels | Picture, role: Role) -> Picture:
     if isinstance(given, Picture):
         return given
-    pixels = np.asarray(given)
+    pixels = check_pixels(given, key)
     if pixels.dtype == np.float64:
         pixels = pixels.astype(np.float32)
-    if pixels.ndim not in (2, 3) or 0 in pixels.shape:
-        raise InvalidInputError(f"{key} has the shape {pixels.shape}; use (H, W) or (H, W, C)")
-    if pixels.dtype.name not in ("uint8", "uint16", "float32"):
-        raise InvalidInputError(f"{key} is {pixels.dtype}; use uint8, uint16 or float32")
     alpha = pixels.ndim == 3 and pixels.shape[2] in (2, 4) and role.srgb
     return Picture(pixels, alpha, None, key)
 

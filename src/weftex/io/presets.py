@@ -56,7 +56,6 @@ class Preset:
     name: str
     files: tuple[PresetFile, ...] = ()
     about: str = ""
-    url: str = ""
     material: str = ""  # one of `MATERIALS`
     others: str = ""  # the name of each map that no file lists; such a preset only renames
     missing: Mapping[str, float] = field(default_factory=dict)  # neutral values by role
@@ -148,8 +147,7 @@ def _preset(name: str, found: dict[str, Any]) -> Preset:
                 "others is for presets that only rename maps: without material, and with files of "
                 "one role"
             )
-    preset = Preset(name, tuple(files), found.get("about", ""), found.get("url", ""), material,
-                    others, missing)  # fmt: skip
+    preset = Preset(name, tuple(files), found.get("about", ""), material, others, missing)
     _check_whole(preset)
     return preset
 
