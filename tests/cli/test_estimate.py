@@ -41,7 +41,6 @@ def test_light_joints_are_said(here, capsys):
     "words, message",
     [
         (["sample.png", "-o", "b", "--relief", "-1"], "above 0"),
-        (["sample.png", "-o", "foo.png"], "several files are written; name a folder"),
         (["sample.png", "photo.png", "-o", "b", "--maps", "rough"], "maps has 'rough'"),
     ],
 )

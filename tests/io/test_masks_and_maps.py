@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import os
-
 import numpy as np
 import pytest
 
@@ -78,14 +76,8 @@ def test_maps(tmp_path):
     assert maps["normal"].path == str(tmp_path / "normal.PNG")
     fails(tmp_path / "albedo.2.exr", "4 x 5 pixels are more than max_pixels = 16",
           lambda p: read_maps(tmp_path, max_pixels=16))  # fmt: skip
-    io.write_image(tmp_path / "height.bmp", noise((4, 4)))
-    assert read_maps(tmp_path)["height"].pixels.dtype == np.uint16  # the deeper of the two
-    os.unlink(tmp_path / "height.tif")
-    io.write_image(tmp_path / "height.png", noise((4, 4)))
-    fails(tmp_path, "two pictures named 'height'", read_maps)
-    os.unlink(tmp_path / "height.bmp")
-    (tmp_path / "height.png").write_text("x")
-    fails(tmp_path / "height.png", "not a picture", lambda p: read_maps(tmp_path))
+    (tmp_path / "height.tif").write_text("x")
+    fails(tmp_path / "height.tif", "not a picture", lambda p: read_maps(tmp_path))
 
 
 def test_maps_that_are_not_there(tmp_path):

@@ -17,7 +17,6 @@ from weftex.io import pictures as io
     ("suffix", "dtype", "shape", "alpha", "advice"),
     [
         (".png", "float32", (4, 4, 3), False, ".exr, .tif, .tiff"),
-        (".png", "float64", (4, 4), False, ".exr, .tif, .tiff"),
         (".jpg", "uint16", (4, 4, 3), False, ".png, .tif, .tiff"),
         (".jpg", "uint8", (4, 4, 4), True, ".png, .tif, .tiff, .webp"),
         (".bmp", "uint8", (4, 4, 2), True, ".png, .tif, .tiff, .webp"),
@@ -26,7 +25,6 @@ from weftex.io import pictures as io
         (".exr", "uint16", (4, 4, 3), False, ".png, .tif, .tiff"),
         (".png", "uint8", (4, 4, 4), False, ".tif, .tiff"),
         (".png", "uint8", (4, 4, 5), True, ".tif, .tiff"),
-        (".png", "uint8", (4, 4, 2), False, ".tif, .tiff"),
     ],
 )
 def test_what_a_format_cannot_hold(tmp_path, suffix, dtype, shape, alpha, advice):
@@ -45,14 +43,11 @@ def test_what_a_format_cannot_hold(tmp_path, suffix, dtype, shape, alpha, advice
     ("pixels", "alpha", "match"),
     [
         (np.zeros((0, 5), "uint8"), False, "not empty"),
-        (np.zeros((5, 0, 3), "uint8"), False, "not empty"),
         (np.zeros((5, 5, 0), "uint8"), False, "not empty"),
         (np.zeros(5, "uint8"), False, "shape"),
         (np.zeros((2, 2, 2, 2), "uint8"), False, "shape"),
         (np.zeros((5, 5), "uint8"), True, "alpha needs"),
-        (np.zeros((5, 5, 1), "uint8"), True, "alpha needs"),
         (np.zeros((5, 5), "int64"), False, "int64 pixels"),
-        (np.zeros((5, 5), "int16"), False, "int16 pixels"),
         (np.zeros((5, 5), bool), False, "bool pixels"),
         (np.zeros((5, 5), complex), False, "complex128 pixels"),
         (np.full((5, 5), "a"), False, "str"),
