@@ -56,12 +56,6 @@ def test_mask_from_alpha(tmp_path):
         assert io.read_mask(path).tolist() == (color > 0).tolist()
 
 
-def test_mask_from_one_bit(tmp_path):
-    expected = noise((9, 11)) > 100
-    Image.fromarray(expected).save(tmp_path / "a.png")
-    np.testing.assert_array_equal(io.read_mask(tmp_path / "a.png"), expected)
-
-
 def test_maps(tmp_path):
     io.write_image(tmp_path / "normal.PNG", noise((4, 4, 3)))
     io.write_image(tmp_path / "albedo.jpg", noise((4, 4, 3)))

@@ -48,16 +48,6 @@ def test_png_of_few_bits_spans_the_range(tmp_path, bits):
     )
 
 
-def test_png_transparency_becomes_alpha(tmp_path):
-    pixels = noise((6, 6, 3))
-    Image.fromarray(pixels).save(tmp_path / "a.png", transparency=tuple(map(int, pixels[2, 3])))
-    back = io.read_image(tmp_path / "a.png")
-    assert back.alpha
-    np.testing.assert_array_equal(back.pixels[..., :3], pixels)
-    assert back.pixels[2, 3, 3] == 0
-    assert (back.pixels[..., 3] == 0).sum() == 1
-
-
 @pytest.mark.parametrize("dtype", ["uint8", "uint16", "float32"])
 @pytest.mark.parametrize("kind", [PREMULTIPLIED, STRAIGHT])
 def test_tiff_alpha_of_both_kinds(tmp_path, dtype, kind):
@@ -113,23 +103,6 @@ def test_tiff_from_tifffile(tmp_path, options, dtype):
     kept = np.dtype(dtype).kind == "u"
     assert back.dtype == (dtype if kept else "float32")
     np.testing.assert_array_equal(back, pixels if kept else pixels.astype("float32"))
-
-
-def test_tiff_planes_pages_and_bilevel(tmp_path):
-    pixels = noise((12, 10, 3))
-    planes = np.ascontiguousarray(np.moveaxis(pixels, 2, 0))
-    tifffile.imwrite(tmp_path / "p.tif", planes, photometric="rgb", planarconfig="separate")
-    np.testing.assert_array_equal(io.read_image(tmp_path / "p.tif").pixels, pixels)
-    with tifffile.TiffWriter(tmp_path / "m.tif") as file:
-        for k in range(3):
-            file.write(np.full((6, 5), k, "uint8"))
-    np.testing.assert_array_equal(io.read_image(tmp_path / "m.tif").pixels, np.zeros((6, 5)))
-    tifffile.imwrite(tmp_path / "b.tif", pixels[..., 0] > 100, photometric="minisblack")
-    np.testing.assert_array_equal(
-        io.read_image(tmp_path / "b.tif").pixels, np.where(pixels[..., 0] > 100, 255, 0)
-    )
-    tifffile.imwrite(tmp_path / "w.tif", pixels[..., 0], photometric="miniswhite")
-    np.testing.assert_array_equal(io.read_image(tmp_path / "w.tif").pixels, 255 - pixels[..., 0])
 
 
 def test_exr_first_part_data_window_and_layers(tmp_path):
