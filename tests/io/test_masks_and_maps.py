@@ -10,8 +10,6 @@ from picture_files import fails, noise
 from weftex.errors import FileError
 from weftex.io import pictures as io
 
-Image = pytest.importorskip("PIL.Image")
-
 
 @pytest.mark.parametrize(
     ("suffix", "values"),

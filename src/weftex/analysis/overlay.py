@@ -59,28 +59,15 @@ def draw_lattice(exemplar: Exemplar, lattice: Lattice | None) -> NDArray[np.uint
 
 @dataclass(frozen=True)
 class DrawnLattice:
-    """A lattice, or rows, for whoever draws it over the sample.
+    """A lattice, or rows, for whoever draws it over the sample."""
 
-    Attributes
-    ----------
-    vectors : list of list of float
-        Two vectors (x, y) in pixels; one of rows.
-    numbers : str
-        The lattice as the option ``--lattice`` takes it.
-    words : str
-        Width and height of its pieces, and their shift.
-    lines : list of dict
-        The sides of its tiles: along each line ``x * across[0] + y * across[1]`` is an integer
-        plus ``phase``.
-    goodness : float or None
-        See `weftex.analysis.lattice.Rated`; None if it was not rated.
-    """
-
-    vectors: list[list[float]]
-    numbers: str
-    words: str
+    vectors: list[list[float]]  # two (x, y) in pixels; one of rows
+    numbers: str  # the lattice as the option --lattice takes it
+    words: str  # width and height of its pieces, and their shift
+    #: The sides of its tiles: along each line ``x * across[0] + y * across[1]`` is an integer plus
+    #: ``phase``.
     lines: list[dict[str, object]]
-    goodness: float | None
+    goodness: float | None  # see `weftex.analysis.lattice.Rated`; None if it was not rated
 
 
 def draw(
