@@ -102,15 +102,6 @@ def jobs(client, page):
     assert idle(client)
 
 
-def batches(client, page):
-    most = client.studio.limits.session_jobs
-    wanted = {"recipe": LONG, "seeds": [1]}
-    assert codes(at_once(page, [("POST", "batches", wanted)] * TIMES)).count(200) == most
-    page.post("leave")
-    assert idle(client)
-    assert folders(client) == 0  # a batch that is stopped leaves nothing
-
-
 def end_job(client, page):
     path = f"jobs/{page.post('jobs', {'recipe': LONG})['id']}"
     assert set(codes(at_once(page, [("DELETE", path, b"")] * TIMES))) <= {200, 404}
@@ -196,7 +187,7 @@ CASES = {
     "POST /sets": same("sets", lambda page: {"uploads": [page.upload(png(0))["id"]]}),
     "POST /materials": same("materials", lambda page: color(page.upload(png(0)))),
     "POST /materials/{id}/estimates": estimates,
-    "POST /jobs": jobs, "POST /batches": batches, "POST /planes": same("planes", WEAVE),
+    "POST /jobs": jobs, "POST /planes": same("planes", WEAVE),
     "POST /results/{id}/exports": export, "POST /results/{id}/sample": use_as_sample,
     "POST /steps": steps, "POST /works/{id}/open": continue_work,
     "DELETE /works/{id}": remove_work,
@@ -256,8 +247,6 @@ def test_on_a_full_disk_requests_say_so(client, page, full_disk):
     for answer in at_once(page, wanted):
         assert (answer.status_code, answer.json()["error"][:16]) == (507, "the disk is full")
         assert str(client.studio.store.folder) not in answer.text
-    job = page.wait(page.post("batches", {"recipe": QUICK, "seeds": [1]}))
-    assert (job["state"], job["error"][:16]) == ("failed", "the disk is full")
     assert page.session.steps == [kept]
     after = {one: one.stat().st_size for one in client.studio.store.folder.rglob("*")}
     assert after == before

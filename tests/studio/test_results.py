@@ -14,7 +14,6 @@ import weftex
 from weftex.io.pictures import read_image, write_image
 from weftex.io.png import SIGNATURE
 from weftex.parameters import parameter
-from weftex.recipe import Recipe
 from weftex.roles import ROLES
 from weftex.studio.pictures import shown, shown_smaller, smaller, times_smaller
 
@@ -179,26 +178,6 @@ def test_any_format_that_holds_it(wall, tmp_path):
     assert page.refused(path, {"path": "/tmp"}, 400)
     waiting = [one for one in page.client.studio.downloads.folder.rglob("*") if one.is_file()]
     assert len(waiting) <= 40
-
-
-def test_a_batch(page, tmp_path):
-    pixels = read_image("sample:pebbles").pixels[:80, :80]
-    small = {"maps": {"color": page.upload_pixels(pixels, tmp_path, "bricks.png")}}
-    given = {"recipe": {**QUICK, "materials": [BRICKS]}, "seeds": [1, 2, 3], "keep": 2,
-             "materials": [small, small | {"turn": "flip"}], "format": ".png"}  # fmt: skip
-    job = page.wait(page.post("batches", given))
-    assert (job["state"], job["done"], job["total"]) == ("done", 6, 6)
-    content = page.get(f"downloads/{job['ticket']}")
-    names = zipfile.ZipFile(BytesIO(content)).namelist()
-    assert len([one for one in names if one.startswith("001_bricks/bricks_")]) == 2
-    assert len([one for one in names if one.startswith("002_bricks/bricks_")]) == 2
-    assert len(names) == 5
-    lines = zipfile.ZipFile(BytesIO(content)).read("manifest.jsonl").splitlines()
-    told = [json.loads(line) for line in lines]
-    assert sorted(file for one in told for file in one["files"]) == sorted(names[:-1])
-    assert Recipe.from_json(told[0]["recipe"]).as_json() == told[0]["recipe"]
-    for wrong in ({"seeds": []}, {"seeds": [1, 1]}, {"keep": 9}, {"materials": []}):
-        assert page.refused("batches", {**given, **wrong})["parameter"] == next(iter(wrong))
 
 
 def test_the_endless_plane(page, tmp_path):

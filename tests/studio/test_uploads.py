@@ -74,7 +74,7 @@ def test_what_is_no_picture(client, page, content):
     "body", [b"{", b"[1,", b"\xff", b"[" * 5000, b"NaN", b'"text"', b"[]", b"7"]
 )
 def test_what_is_no_request(page, body):
-    for path in ("session", "jobs", "sets", "planes", "batches"):
+    for path in ("session", "jobs", "sets", "planes"):
         answer = page.ask("POST", path, content=body)
         assert answer.status_code in (400, 422), (path, answer.text)
         assert "\n" not in answer.json()["error"]

@@ -33,7 +33,7 @@ BESIDE = ("source", "report", "recipe")
 FIELDS = ("maps", "format", "preset", "name", *BESIDE)
 _NAME = 60  # characters
 #: Of all files in a zip, as they have none of their own.
-DATE = (1980, 1, 1, 0, 0, 0)
+_DATE = (1980, 1, 1, 0, 0, 0)
 
 
 @dataclass(frozen=True)
@@ -61,30 +61,26 @@ class ExportOptions:
             if form is not None and not read_preset(preset).others:
                 raise InvalidInputError(f"format has no effect beside the preset {preset}")
         beside = frozenset(name for name in BESIDE if given.get(name))
-        name = str(given.get("name") or usual_name)
-        return cls(tuple(maps or ()), form, preset, "", beside).named(name)
-
-    def named(self, name: str) -> ExportOptions:
-        """Return the same for files that are called after this."""
-        stem = os.path.splitext(label_of(name.replace("%", "_")))[0][:_NAME] or "result"
-        return replace(self, name=stem)
+        name = label_of(str(given.get("name") or usual_name).replace("%", "_"))
+        stem = os.path.splitext(name)[0][:_NAME] or "result"
+        return cls(tuple(maps or ()), form, preset, stem, beside)
 
 
 def export(made: Result, wanted: ExportOptions, downloads: Downloads, owner: str) -> dict[str, Any]:
     """Write the wanted parts of a result, one file or a zip; return the page's description."""
     with downloads.new_folder() as folder:
-        files, notes = write(made, wanted, folder)
+        files, notes = _write(made, wanted, folder)
         if len(files) == 1:
             return downloads.add(files[0], files[0].name, owner) | {"notes": notes}
         target = folder / ".all.zip"  # no map's file has this name
         with zipfile.ZipFile(target, "w") as packed:
             for file in files:
-                pack(packed, file, file.name)
+                _pack(packed, file)
                 file.unlink()
         return downloads.add(target, f"{wanted.name}.zip", owner) | {"notes": notes}
 
 
-def write(made: Result, wanted: ExportOptions, folder: Path) -> tuple[list[Path], list[str]]:
+def _write(made: Result, wanted: ExportOptions, folder: Path) -> tuple[list[Path], list[str]]:
     """Write what is wanted of a result into a folder; return the files, and a line a note."""
     names, notes = _files(made, wanted), list[str]()
     if wanted.preset is not None and not read_preset(wanted.preset).others:
@@ -185,9 +181,9 @@ def _suffix(made: Result, wanted: ExportOptions, name: str) -> str:
     return wanted.format
 
 
-def pack(packed: zipfile.ZipFile, file: Path, name: str) -> None:
+def _pack(packed: zipfile.ZipFile, file: Path) -> None:
     """Put a file into a zip; pictures are packed already, and the date is no file's own."""
-    about = zipfile.ZipInfo(name, DATE)
+    about = zipfile.ZipInfo(file.name, _DATE)
     about.external_attr = 0o644 << 16
     with file.open("rb") as source, packed.open(about, "w", force_zip64=True) as target:
         while chunk := source.read(2**20):

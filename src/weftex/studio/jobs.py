@@ -15,6 +15,7 @@ from weftex.studio.pictures import smaller
 from weftex.studio.refusals import Refusal, answer_of
 
 if TYPE_CHECKING:
+    from weftex.recipe import Recipe
     from weftex.studio.limits import Limits
     from weftex.studio.sessions import Session
 
@@ -35,14 +36,19 @@ class Job:
     """
 
     def __init__(
-        self, session: Session, work: Callable[[Job], None], lane: str | None, leave: str
+        self,
+        session: Session,
+        recipe: Recipe,
+        work: Callable[[Job], None],
+        lane: str | None,
+        leave: str,
     ) -> None:
-        self.id, self.session, self.work = os.urandom(12).hex(), session, work
+        self.id, self.session = os.urandom(12).hex(), session
+        self.recipe, self.work = recipe, work
         self.lane, self.leave = lane, leave
         self.state, self.version = "waiting", 1
         self.done, self.total, self.stage = 0, 0, ""
         self.results: list[dict[str, Any]] = []
-        self.more: dict[str, Any] = {}
         self.failure: dict[str, str | None] = {"error": None, "parameter": None}
         self.picture: tuple[int, Any] = (0, None)  # of the preview: its number and pixels
         self.to_show: Callable[[Any], Any] = lambda pixels: pixels
@@ -132,7 +138,7 @@ class Job:
             "preview": self.picture[0],
             **self.failure,
             "results": list(self.results),
-            **self.more,
+            "recipe": self.recipe.as_json(),
         }
 
 

@@ -9,7 +9,7 @@ from weftex.errors import WeftexError
 from weftex.recipe import FIELDS
 
 #: Fields of requests beside recipes, and of `auto`.
-_OWN = {"height", "width", "effort", "recipe", "count", "methods", "lane", "leave", "seeds", "keep"}
+_OWN = {"height", "width", "effort", "recipe", "count", "methods", "lane", "leave"}
 _OWN |= {"format", "preset"}
 #: What the library calls what a recipe calls otherwise.
 _ALIASES = {"degree": "even_light"}

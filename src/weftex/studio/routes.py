@@ -21,7 +21,7 @@ from weftex.studio.refusals import Refusal, answer_of
 from weftex.studio.requests import Call, route
 from weftex.studio.synthesis import Result, begin_plane, open_job, plane_window
 from weftex.studio.uploads import IncomingUpload, label_of
-from weftex.studio.work import Batch, compared, plain, several
+from weftex.studio.work import compared, plain, several
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Callable
@@ -199,36 +199,14 @@ async def add_job(call: Call) -> Any:
     recipes = several(recipe, given.get("count"), given.get("methods"))
     await call.work(open_job, recipe, call.session)  # what is too large never waits
     work = plain(recipes) if given.get("methods") is None else compared(recipes)
-    job = _queued(call, work, given, recipe)
-    return await _told(call, job, within / 1000, lambda: job.state in ENDED)
-
-
-@route("POST", "/batches")
-async def add_batch(call: Call) -> Any:
-    """Queue a batch."""
-    fields = ("recipe", "materials", "seeds", "keep", "format", "preset", "leave")
-    given = await call.object(*fields)
-    batch = Batch.of(Recipe.from_json(given.get("recipe")), given)
-    for recipes in batch.recipes:
-        for upload in recipes[0].pictures:
-            call.session.upload(upload)
-    job = _queued(call, batch.work(call.studio.downloads), given, None)
-    return job.as_json(call.studio.jobs.ahead(job))
-
-
-def _queued(
-    call: Call, work: Callable[[Job], None], given: dict[str, Any], recipe: Recipe | None
-) -> Job:
     lane, leave = given.get("lane"), given.get("leave") or "cancel"
     if lane is not None and not (isinstance(lane, str) and 0 < len(lane) <= _LONGEST_TEXT):
         raise InvalidInputError(f"lane is {shown(lane)}; it must be a short text")
     if leave not in ("cancel", "keep"):
         raise InvalidInputError(f"leave is {shown(leave)}; it must be 'cancel' or 'keep'")
-    job = Job(call.session, work, lane, leave)
-    if recipe is not None:
-        job.more["recipe"] = recipe.as_json()
+    job = Job(call.session, recipe, work, lane, leave)
     call.studio.jobs.add(job)
-    return job
+    return await _told(call, job, within / 1000, lambda: job.state in ENDED)
 
 
 @route("GET", "/jobs")

@@ -64,7 +64,7 @@ export class App extends Shelf {
   async resume() {
     const jobs = (await this.api.get("jobs")).filter((job) => job.leave === "keep" && job.state !== "failed" && job.state !== "cancelled");
     const job = jobs.at(-1);
-    const recipe = job?.recipe ?? job?.results[0]?.recipe;
+    const recipe = job?.recipe;
     const known = recipe && this.history.entries.findLast((one) => sameJson(one.state, recipe));
     if (!recipe || known?.result) return false; // nothing new
     if (known) await this.returnTo(known);
@@ -223,12 +223,12 @@ export class App extends Shelf {
   }
 
   /** Run a job and show how it goes; resolves to the job, or to null if it was cancelled. */
-  async run(body, { quiet = false, onresults = () => {}, path = "jobs" } = {}) {
+  async run(body, { quiet = false, onresults = () => {} } = {}) {
     this.cancel();
     const control = new AbortController();
     const within = quiet ? "?within=250" : ""; // what is quick is told at once
-    const posted = this.api.post(path + within, body, { signal: control.signal });
-    const many = body.count ?? body.methods?.length ?? (path === "jobs" ? 1 : 0); // pictures, if that is known
+    const posted = this.api.post(`jobs${within}`, body, { signal: control.signal });
+    const many = body.count ?? body.methods?.length ?? 1; // pictures
     return this.watch(posted, many === 1 ? body.recipe : null, control, { quiet, many, onresults });
   }
 

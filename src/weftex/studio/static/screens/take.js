@@ -1,7 +1,7 @@
 import { download, field, fill, h, icon, iconButton, tick } from "../dom.js";
 import { t } from "../strings.js";
 
-/** Files in any format, the command and the Python that make the same, the state to share, a batch. */
+/** Files in any format, the command and the Python that make the same, the state to share. */
 export class TakeScreen {
   constructor(app, stage) {
     this.app = app;
@@ -58,7 +58,6 @@ export class TakeScreen {
       this.handOut(result),
       this.share(result),
       h("section", { class: "section" }, h("h3", {}, t("take.command")), copyable(result.command, t("take.copy.command")), h("h3", {}, "Python"), copyable(result.python, t("take.copy.python"))),
-      this.batch(result),
     );
   }
 
@@ -124,33 +123,6 @@ export class TakeScreen {
         h("button", { type: "button", onclick: () => app.guard(() => saveState(app, result.recipe)) }, icon("take"), t("share.file")),
       ),
     );
-  }
-
-  batch(result) {
-    const seeds = h("input", { type: "number", min: 1, max: 1000, value: 8 });
-    const best = h("input", { type: "number", min: 1, placeholder: t("batch.all") });
-    return h(
-      "details",
-      {},
-      h("summary", {}, t("batch.title")),
-      h(
-        "div",
-        { class: "parameters" },
-        h("p", { class: "hint" }, t("batch.help", { n: this.app.shelf.length })),
-        h("div", { class: "row even" }, field(t("batch.seeds"), seeds), field(t("batch.best"), best)),
-        h("button", { type: "button", onclick: () => this.attempt(() => this.runBatch(result, Number(seeds.value), Number(best.value) || null)) }, t("batch.go")),
-      ),
-    );
-  }
-
-  async runBatch(result, count, keep) {
-    const { app } = this;
-    const seeds = Array.from({ length: count }, (_, k) => result.recipe.seed + k);
-    const materials = app.shelf.length > 1 ? app.shelf : null;
-    const job = await app.run({ recipe: result.recipe, materials, seeds, keep, ...this.files(), leave: "keep" }, { path: "batches" });
-    if (!job) return;
-    this.saved = ticket(job);
-    this.draw();
   }
 }
 
