@@ -150,7 +150,10 @@ def find_courses(flat: Relief, across: Floats | None = None) -> Courses | None:
     joints = _joints_of(flat)
     coarse, fine = (joints.coarser(side) for side in _SIDES)
     best, angle, distance = 0.0, 0.0, 0.0
-    for turn in _COARSE if across is None else _crossing(across):
+    turns = _COARSE
+    if across is not None:  # directions of lines that cross rows
+        turns = turns[abs(np.sin(turns - np.arctan2(-across[0], across[1]))) > _CROSSING]
+    for turn in turns:
         profile = coarse.alike(turn)
         far = _REACH * len(profile) / _FEWEST
         distances = np.arange(max(_CLOSEST / coarse.step, _FINEST), far, _STEP)
@@ -170,13 +173,6 @@ def find_courses(flat: Relief, across: Floats | None = None) -> Courses | None:
     own, number = contrast(_blurred(plain, _BLUR * distance), np.array([distance]))
     vector = distance * fine.step * np.array([-np.sin(angle), np.cos(angle)])
     return Courses(vector, float(own[0]), float(plain[0]), int(number[0]))
-
-
-def _crossing(vector: Floats) -> Floats:
-    """Return the directions of lines that cross rows."""
-    turned = _COARSE - np.arctan2(-vector[0], vector[1])
-    crossing: Floats = _COARSE[abs(np.sin(turned)) > _CROSSING]
-    return crossing
 
 
 def rated(flat: Relief, vector: Floats) -> Courses:

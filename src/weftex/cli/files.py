@@ -36,15 +36,9 @@ if TYPE_CHECKING:
 
 
 def read_input(path: str, args: argparse.Namespace, maps: dict[str, str] | None = None) -> Material:
-    """Read a picture, or a folder of maps."""
+    """Read a picture, or a folder of maps; refuse a plane, as pictures are read whole."""
     from weftex.io.pictures import MAX_PIXELS
 
-    _refuse_plane(path)
-    return read_material(path, maps, max_pixels=None if args.allow_huge else MAX_PIXELS)
-
-
-def _refuse_plane(path: str) -> None:
-    """Raise `InvalidInputError` where a picture is read whole, and a plane is given."""
     if os.path.lexists(f"{path}.run"):
         from weftex.planes.record import Record
 
@@ -53,6 +47,7 @@ def _refuse_plane(path: str) -> None:
                 f"{path} is written block by block, and may be larger than memory: only "
                 "check works on it. Use a window of it: weftex synth --window"
             )
+    return read_material(path, maps, max_pixels=None if args.allow_huge else MAX_PIXELS)
 
 
 def _readers(args: argparse.Namespace) -> tuple[OpenMaterial, OpenPicture]:

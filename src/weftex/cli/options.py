@@ -32,21 +32,19 @@ def parse_task(
     argv: list[str],
     options: Iterable[Option],
     *,
-    method: str = "",
     usual: str = "chosen for the sample",
 ) -> tuple[argparse.Namespace, Recipe]:
     """Add what all tasks take, and parse it.
 
-    The materials are the parser's "materials", of "--sample" too. `method` is the method where
-    none is named, if it is not that of the task; `usual` is that in words.
+    The materials are the parser's "materials", of "--sample" too; `usual` is the method where none
+    is named, in words.
     """
-    own = method or TASKS[task].parameters_of
     parser.take(*options)
     text = f"synthesis method; 'weftex methods' lists them; default: {usual}"
     parser.add_argument("--method", metavar="NAME", help=text)
     parser.share("--threads", "--quiet", "--allow-huge")
     name = _named(parser.filled(argv))
-    wanted = own if name in ("", "auto") else name
+    wanted = TASKS[task].parameters_of if name in ("", "auto") else name
     fields = _add_parameters(parser, argv, wanted)
     args = parser.parse(argv)
     check_numbers(args)
@@ -58,7 +56,7 @@ def parse_task(
         paths = [*paths, args.sample]
     if isinstance(given.get("--size"), str):
         given["--size"] = _in_pixels(given["--size"], paths[0], args, parser.command)
-    chosen = method or None if args.method in (None, "auto") else args.method
+    chosen = None if args.method in (None, "auto") else args.method
     recipe = Recipe.from_json(json_of(task, paths, given, chosen, parameters), local=True)
     size = recipe.options.get("size")
     if size is not None:

@@ -28,11 +28,11 @@ class Manifest:
         self._folder, self._path = folder, os.path.join(folder, MANIFEST)
         self._held, self._lock = _locked(folder), threading.Lock()
         try:
-            self._records = {record["output"]: record for record in self._read()}
-            kept = [one for one in self._records.values() if os.path.exists(self.path_of(one))]
-            self._records = {record["output"]: record for record in kept}
+            found = (one for one in self._read() if os.path.exists(self.path_of(one)))
+            self._records = {record["output"]: record for record in found}
             if os.path.exists(self._path):
-                self._rewrite()
+                with atomic(self._path) as temporary, open(temporary, "wb") as file:
+                    file.writelines(map(_line, self._records.values()))
         except BaseException:
             self._let_go()
             raise
@@ -104,10 +104,6 @@ class Manifest:
         except (OSError, UnicodeDecodeError) as error:
             raise FileError(f"{self._path}: cannot read: {error}") from None
         return found
-
-    def _rewrite(self) -> None:
-        with atomic(self._path) as temporary, open(temporary, "wb") as file:
-            file.writelines(map(_line, self._records.values()))
 
 
 def _locked(folder: str) -> int | None:

@@ -232,8 +232,8 @@ def compare(
     if size is None:
         size = (min(_USUAL, 2 * exemplar.shape[0]), min(_USUAL, 2 * exemplar.shape[1]))
     canvas, number = as_canvas(size, tileable), seed_number(seed)
-    done: list[Entry] = []
-    count = Progress(progress, len(names), "methods", lambda: done and _last(done))
+    done, images = list[Entry](), list[Any]()
+    count = Progress(progress, len(names), "methods", lambda: images and images[-1])
     options: dict[str, Any] = {"seed": number, "threads": threads, "progress": count.within()}
     for name, method in made.items():
         start = perf_counter()
@@ -241,7 +241,7 @@ def compare(
         try:
             method.require(canvas)
             result = method.fit(exemplar).sample(canvas, **options)
-            result.image  # rendering is part of the work  # noqa: B018
+            images.append(result.image)  # rendering is part of the work
         except (InvalidInputError, UnsupportedError) as error:
             done.append(Entry(name, None, perf_counter() - start, None, str(error)))
         else:
@@ -256,9 +256,3 @@ def compare(
             choice = replace(choice, method=used["method"], because=because)
     ranked = sorted(done, key=lambda entry: (entry.result is None, entry.rank))
     return Comparison(exemplar, canvas.shape, number, choice, tuple(ranked))
-
-
-def _last(done: list[Entry]) -> Any:
-    """The last picture there is."""
-    made = [entry.result for entry in done if entry.result is not None]
-    return made[-1].image if made else None

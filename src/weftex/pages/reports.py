@@ -17,7 +17,6 @@ from weftex.quality import FIGURES, LARGEST_MEASURED, SCORE, as_shown, fault_map
 if TYPE_CHECKING:
     from collections.abc import Collection, Mapping
 
-    import numpy as np
     from numpy.typing import NDArray
 
     Bytes = NDArray[np.uint8]
@@ -234,6 +233,12 @@ def report(
         tileable = source.canvas.wrap if tileable is None else tileable
     found = assess(exemplar, pixels, tileable=tileable)
     same = {name: _same_map(name, made_maps) for name in exemplar.maps}
+    of_maps = {}
+    for name, other in same.items():
+        if other is not None:
+            own, one = exemplar.map(name), made_maps[other]
+            shown_maps = as_shown(own, own.pixels), as_shown(own, one)
+            of_maps[name] = MapReport(*shown_maps, assess(own, one, tileable=tileable))
     if max(pixels.shape[:2]) > LARGEST_MEASURED:
         notes.append(
             f"The result is large: only its middle, {LARGEST_MEASURED} pixels a side, was measured."
@@ -252,11 +257,7 @@ def report(
         maps=maps,
         provenance={} if source is None else source.provenance,
         notes=tuple(notes),
-        of_maps={
-            name: _of_map(exemplar.map(name), made_maps[other], tileable)
-            for name, other in same.items()
-            if other is not None
-        },
+        of_maps=of_maps,
     )
 
 
@@ -264,14 +265,6 @@ def _same_map(name: str, made: Collection[str]) -> str | None:
     """Return the name of a map in the result; normals of either convention match."""
     normals = [other for other in made if {name, other} <= {"normal", "normal_gl", "normal_dx"}]
     return name if name in made else next(iter(normals), None)
-
-
-def _of_map(
-    own: Exemplar, made: NDArray[Any], tileable: bool | tuple[bool, bool] | None
-) -> MapReport:
-    """Measure a map of the result."""
-    found = assess(own, made, tileable=tileable)
-    return MapReport(as_shown(own, own.pixels), as_shown(own, made), found)
 
 
 def _another(source: Synthesis, exemplar: Exemplar, pixels: NDArray[Any]) -> list[str]:

@@ -106,8 +106,7 @@ def _write(made: Result, wanted: ExportOptions, folder: Path) -> tuple[list[Path
 
 def _write_map(made: Result, name: str, file: Path) -> None:
     like = made.pictures[name]
-    how: dict[str, Any] = {"alpha": like.alpha, "icc": like.icc, "half": like.half}
-    how["density"] = like.density
+    how = {one: getattr(like, one) for one in ("alpha", "icc", "half", "density")}
     weftex.write_image(file, made.pixels(name), **how)
 
 

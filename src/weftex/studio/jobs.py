@@ -19,6 +19,8 @@ if TYPE_CHECKING:
     from weftex.studio.limits import Limits
     from weftex.studio.sessions import Session
 
+    Work = Callable[["Job"], None]
+
 #: Threads that take any job, and further ones that take only those in lanes, such as previews.
 WORKERS, QUICK = 2, 1
 _PREVIEW = 512  # pixels a side
@@ -36,12 +38,7 @@ class Job:
     """
 
     def __init__(
-        self,
-        session: Session,
-        recipe: Recipe,
-        work: Callable[[Job], None],
-        lane: str | None,
-        leave: str,
+        self, session: Session, recipe: Recipe, work: Work, lane: str | None, leave: str
     ) -> None:
         self.id, self.session = os.urandom(12).hex(), session
         self.recipe, self.work = recipe, work
@@ -90,7 +87,6 @@ class Job:
     def run(self) -> None:
         """Do the work."""
         self._start = self._stage_start = time.perf_counter()
-        self.state = "running"
         self.version += 1
         try:
             self.check()
@@ -127,7 +123,6 @@ class Job:
             "id": self.id,
             "version": self.version,
             "state": self.state,
-            "lane": self.lane,
             "leave": self.leave,
             "done": self.done,
             "total": self.total,
@@ -184,10 +179,8 @@ class Jobs:
 
     def ahead(self, job: Job) -> int:
         """How many wait before it."""
-        if job.state != "waiting":
-            return 0
-        waiting = [one.id for one in list(self._jobs.values()) if one.state == "waiting"]
-        return waiting.index(job.id) if job.id in waiting else 0
+        waiting = [one for one in list(self._jobs.values()) if one.state == "waiting"]
+        return waiting.index(job) if job in waiting else 0
 
     def end(self, session: Session, *, kept: bool = True) -> None:
         """Cancel the jobs of a session; if not `kept`, those alone that end with their page."""

@@ -76,7 +76,7 @@ def picture_of(made: Result, map_name: str | None, drawing: str | None, session:
             return shown(like, made.pixels(map_name))
         return np.atleast_3d(made.result.draw(drawing))
 
-    return session.find(draw, _size, "picture", made.id, map_name, drawing)
+    return session.find(draw, lambda found: found.nbytes, "picture", made.id, map_name, drawing)
 
 
 def figures_of(made: Result, session: Session) -> dict[str, Any]:
@@ -101,11 +101,7 @@ def seams_of(made: Result, session: Session) -> Bytes:
             raise Refusal(422, "the result is too small for a map of its seams")
         return found
 
-    return session.find(draw, _size, "seams", made.id)
-
-
-def _size(picture: Bytes) -> int:
-    return picture.nbytes
+    return session.find(draw, lambda found: found.nbytes, "seams", made.id)
 
 
 def preview_of(sample: Exemplar) -> Any:

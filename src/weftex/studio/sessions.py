@@ -297,16 +297,13 @@ class Sessions:
             if known and old in self._known:
                 self._known[old].left = False
                 return self._known[old], True
-            session = self._session(old) if known else None
+            session = Session(self._store, self._memory, old) if known else None
             if session is None or not session.existed:  # nothing of it is left
-                session = self._session(secrets.token_urlsafe(32))
+                session = Session(self._store, self._memory, secrets.token_urlsafe(32))
             self._make_room()
             self._known[session.id] = session
             self.began.set()
             return session, session.existed
-
-    def _session(self, secret: str) -> Session:
-        return Session(self._store, self._memory, secret)
 
     def get(self, name: str | None) -> Session:
         """Return the session of a request, or raise `Refusal`."""

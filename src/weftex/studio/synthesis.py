@@ -80,13 +80,8 @@ class Result:
         stem = _ENDS.sub("", os.path.splitext(label_of(self.name))[0])
         return f"{stem}_{'tileable' if tileable and recipe.task != 'fill' else what}"
 
-    @property
-    def bytes(self) -> int:
-        """What it takes in memory."""
-        return _bytes(self.result)
 
-
-def _bytes(result: Synthesis) -> int:
+def bytes_of(result: Synthesis) -> int:
     """Return what a result takes in memory."""
     return int(result.image.nbytes + sum(array.nbytes for array in result.arrays().values()))
 
@@ -164,6 +159,6 @@ def plane_window(name: str, query: Mapping[str, str], session: Session) -> NDArr
     like = map_of(plane.model.exemplar, plane.main, query.get("map"))
     box = top, left, height, width
     made = session.find(
-        lambda: plane.model.window(*box, seed=plane.seed, threads=1), _bytes, "window", name, *box
+        lambda: plane.model.window(*box, seed=plane.seed, threads=1), bytes_of, "window", name, *box
     )
     return shown(like, made.image if like is plane.model.exemplar else made.render(like))

@@ -135,7 +135,5 @@ class StartMaterial:
         """Put the files among a session's uploads; the material's description."""
         if not self.files:
             return self.spec
-        from weftex.studio.uploads import file_in
-
         maps = {name: file_in(path, session)["id"] for name, path in self.files.items()}
         return {**self.spec, "maps": maps}

@@ -9,7 +9,7 @@ from weftex.errors import CancelledError, InvalidInputError, WeftexError, shown
 from weftex.studio import results
 from weftex.studio.materials import id_of
 from weftex.studio.refusals import answer_of
-from weftex.studio.synthesis import Result, make, open_job
+from weftex.studio.synthesis import Result, bytes_of, make, open_job
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -57,7 +57,9 @@ def made_of(recipe: Recipe, job: Job) -> Result:
     ready = open_job(recipe, session)
     job.to_show = results.preview_of(ready.prepared[0].exemplar)
     key = "result", id_of(ready.recipe.as_json())
-    return session.find(lambda: make(ready, session, job), lambda made: 2 * made.bytes, *key)
+    return session.find(
+        lambda: make(ready, session, job), lambda made: 2 * bytes_of(made.result), *key
+    )
 
 
 def several(recipe: Recipe, count: Any, methods: Any) -> list[Recipe]:

@@ -180,10 +180,11 @@ def _godot_tileset(index: dict[str, Any], image: str) -> str:
     terrains have tiles. The path of the image is relative to the resource.
     """
     gutter, across, down = index["gutter"], index["tile_width"], index["tile_height"]
+    path = image.replace("\\", "\\\\").replace('"', '\\"')
     lines = [
         '[gd_resource type="TileSet" load_steps=3 format=3]',
         "",
-        f'[ext_resource type="Texture2D" path="{_escaped(image)}" id="1"]',
+        f'[ext_resource type="Texture2D" path="{path}" id="1"]',
         "",
         '[sub_resource type="TileSetAtlasSource" id="atlas"]',
         'texture = ExtResource("1")',
@@ -207,10 +208,6 @@ def _godot_tileset(index: dict[str, Any], image: str) -> str:
         lines += [f'{terrain}/name = "Corner {number}"']
         lines += [f"{terrain}/color = Color({red}, {green}, {blue}, 1)"]
     return "\n".join([*lines, 'sources/0 = SubResource("atlas")', ""])
-
-
-def _escaped(text: str) -> str:
-    return text.replace("\\", "\\\\").replace('"', '\\"')
 
 
 def _attributes(values: dict[str, Any]) -> str:

@@ -358,11 +358,9 @@ class Maker:
                 self._scorer = self._scorer or MapsScorer(self._model.exemplar)
                 record["score"] = self._scorer.score(result)
             record["seconds"] = round(perf_counter() - start, 3)
-            if keep is None:
-                yield result, record
-                continue
-            score = float("inf") if record["score"] is None else record["score"]
-            best = sorted([*best, (score, order, result, record)], key=lambda one: one[:2])[:keep]
+            score = float("inf") if record.get("score") is None else record["score"]
+            best = sorted([*best, (score, order, result, record)], key=lambda one: one[:2])
+            del best[keep or 1 :]  # a job of one seed keeps it
         for _, _, result, record in sorted(best, key=lambda one: one[1]):
             yield result, record
 

@@ -44,7 +44,9 @@ def resolve(method: Any, exemplar: Exemplar) -> Any:
     paper = method.defaults == "paper"
     if method.lattice is not None:
         check_lattice(method.lattice, exemplar)
-    vectors = _rows_first(method.lattice or _found(exemplar))
+    vectors = method.lattice or _found(exemplar)
+    if is_rows(vectors):  # the one that leads from row to row first
+        vectors = four_numbers(given_lattice(vectors))
     by_rows = is_rows(vectors)
     tolerance = method.tolerance
     if tolerance is None:
@@ -111,11 +113,6 @@ def _found(exemplar: Exemplar) -> Vectors:
             "(lattice), or use graphcut, which needs none"
         )
     return four_numbers(Lattice((vectors,))) if len(vectors) == 2 else vectors
-
-
-def _rows_first(vectors: Vectors) -> Vectors:
-    """The vectors, of rows the one that leads from row to row first."""
-    return four_numbers(given_lattice(vectors)) if is_rows(vectors) else vectors
 
 
 def _area(vectors: Vectors) -> float:

@@ -148,7 +148,10 @@ def scan_patches(frame: Frame, zones: Zones, seed: int, threads: int) -> Order:
         corners=np.stack(grid, axis=-1).reshape(-1, 2).astype(np.int32),
         bits=draw(seed, "patch", *np.indices((rows, columns))).ravel(),
         around=around,
-        steps=(Step([runs(*piece) for piece in front], _count(front)) for front in fronts),
+        steps=(
+            Step([runs(*piece) for piece in front], sum(last - first for _, first, last in front))
+            for front in fronts
+        ),
         total=rows * columns,
         stage="patches",
         parallel=parallel,
@@ -218,10 +221,6 @@ def wavefronts(
                 group.append((row, first, last))
         if group:
             yield group
-
-
-def _count(front: list[tuple[int, int, int]]) -> int:
-    return sum(last - first for _, first, last in front)
 
 
 def scan_pixels(frame: Frame, zones: Zones, seed: int) -> Order:
