@@ -135,6 +135,9 @@ def test_a_wrapped_canvas_has_no_seam_at_its_border(method, real, name):
             plain += [border_against_inside(made[way], axis) for way in (False, other)]
     # Lines inside a picture lie within three spreads; a patch border may be anywhere among them.
     assert np.mean(wrapped) < 3
+    if method == "wei-levoy":  # it makes every canvas on a torus, so its border shows little
+        assert np.mean(wrapped) < np.mean(plain)
+        return
     assert np.mean(plain) > 3, "the measure must see a seam where there is one"
     assert np.mean(plain) > 3 * max(np.mean(wrapped), 0)
 
@@ -254,7 +257,7 @@ for method in METHODS:
         if tileable and "wrap" not in weftex.METHODS[method].supports:
             continue
         sample = weftex.load_exemplar("sample:pebbles").pixels[:60, :70]
-        more = {"lattice": "20,0,0,20"} if method == "near-regular" else {}
+        more = {"lattice": "20,0,0,20"} if method in ("near-regular", "best-tile") else {}
         result = weftex.synthesize(
             sample, (side, side + 3), method=method, seed=11, tileable=tileable, **more)
         print(hashlib.sha256(result.image.tobytes() + result.source.tobytes()).hexdigest())
