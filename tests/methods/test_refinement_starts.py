@@ -57,7 +57,7 @@ def test_a_canvas_that_would_strain_the_lattice_is_quilted(model, shape, wrap, i
 
 def test_a_start_that_was_asked_for_is_not_replaced(tiles):
     model = weftex.Refinement(init="near-regular").fit(tiles)
-    with pytest.raises(weftex.InvalidInputError, match="init: the lattice would have to be stretch"):
+    with pytest.raises(weftex.InvalidInputError, match="init: the lattice would have to be"):
         model.sample(Canvas(96, 60, (True, True)), seed=1)
 
 

@@ -103,7 +103,7 @@ def test_the_command_and_the_pictures_of_debug(tmp_path, monkeypatch, capsys):
     for wrong, message in (
         (["-o", "c.png", "--best-of", "0"], "--best-of is '0'; it must be from 1"),
         (["-o", "c.png", "--best-of", "graphcut"], "--best-of is 'graphcut'; it must be from 1"),
-        (["-o", "c.png", "--debug", "how/seams.png"], "it is a file"),
+        (["-o", "c.png", "--debug", "how/seams.png"], "several files are written; name a folder"),
         (["-o", "c.png", "--debug", "new", "--sample-guide", "s.png"], "without a guide"),
     ):
         assert main([*words, *wrong]) == 2
