@@ -15,20 +15,20 @@ TESTS = Path(__file__).parent
 READ = ("methods", "repeats", "search", "seams")
 #: Lower a ceiling when the code has become smaller; a feature that needs room removes something.
 CEILINGS = {
-    "lines of Python in src": 45_909,
-    "of these code": 32_154,
-    "modules": 289,
+    "lines of Python in src": 45_886,
+    "of these code": 32_031,
+    "modules": 284,
     "kernel classes": 24,
     "names that several kernel classes have": 0,
-    "lines of tests": 24_934,
+    "lines of tests": 24_904,
     "quilting: files to read": 12,
-    "quilting: lines to read": 2_808,
+    "quilting: lines to read": 2_722,
     "graphcut: files to read": 18,
-    "graphcut: lines to read": 4_174,
+    "graphcut: lines to read": 3_865,
     "efros-leung: files to read": 8,
-    "efros-leung: lines to read": 1_336,
+    "efros-leung: lines to read": 1_286,
     "near-regular: files to read": 13,
-    "near-regular: lines to read": 2_586,
+    "near-regular: lines to read": 2_452,
 }
 
 
