@@ -14,8 +14,8 @@ import weftex
 ROOT = Path(__file__).parent.parent
 #: Tests of what stays in the repository.
 _ABOUT = "benchmarks fidelity fuzz gallery notebooks packaging readme words"
-STAY = {f"tests/test_{name}.py" for name in _ABOUT.split()}
-SUFFIXES = {".py", ".pxd", ".typed", ".png", ".csv", ".json", ".html", ".css", ".js", ".svg"}
+STAY = {"tests/fidelity.toml", "tests/words.toml", *(f"tests/test_{n}.py" for n in _ABOUT.split())}
+SUFFIXES = {".py", ".pxd", ".typed", ".png", ".csv", ".json", ".html", ".css", ".js", ".svg", ".toml", ".usda"}
 
 
 def under(*folders):
