@@ -15,7 +15,7 @@ ROOT = Path(__file__).parent.parent
 #: Tests of what stays in the repository.
 _ABOUT = "benchmarks fidelity fuzz gallery notebooks packaging readme words"
 STAY = {"tests/fidelity.toml", "tests/words.toml", *(f"tests/test_{n}.py" for n in _ABOUT.split())}
-SUFFIXES = {".py", ".pxd", ".typed", ".png", ".csv", ".json", ".html", ".css", ".js", ".svg", ".toml", ".usda"}
+SUFFIXES = {f".{s}" for s in "py pxd typed png csv json html css js svg toml usda".split()}
 
 
 def under(*folders):
