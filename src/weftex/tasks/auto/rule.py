@@ -84,7 +84,7 @@ def _regular(findings: Findings, canvas: Canvas) -> Choice | None:
     refused = strain > (_STIFF if len(full) > 1 else VISIBLE_STRAIN)
     notes = strain_notes(vectors, canvas)
     if refused:
-        because = f"{because}, which do not fit a tileable {_size(canvas.shape)}"
+        because = f"{because}, and its repeats do not fit a tileable {_size(canvas.shape)}"
         if len(lattice.vectors) == 1:  # rows keep their distance if cut seldom
             return replace(_whole(findings, canvas, because), warnings=notes)
         return Choice("quilting", {}, because, notes)
