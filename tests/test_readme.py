@@ -81,9 +81,8 @@ def test_commands_of_pages(page, tmp_path, monkeypatch, capsys):
 @pytest.mark.pages
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
 def test_python_of_pages(page, tmp_path, monkeypatch):
-    """As in an activated environment: a page may run the command `weftex`."""
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setenv("PATH", sysconfig.get_path("scripts"), prepend=os.pathsep)
+    monkeypatch.setenv("PATH", sysconfig.get_path("scripts"), prepend=os.pathsep)  # activated
     for block in blocks(page, "python"):
         exec(compile(block, str(page), "exec"), {})
 
