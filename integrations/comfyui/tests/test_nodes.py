@@ -259,7 +259,7 @@ def test_a_set_that_cannot_be_saved_leaves_nothing(host, monkeypatch):
         raise OSError("disk full")
 
     material, _ = run("LoadSet", folder="sample:stone_wall")
-    monkeypatch.setattr("weftex_comfyui.folders.write_image", fail)
+    monkeypatch.setattr("weftex_comfyui.folders.write_preset", fail)
     with pytest.raises(OSError, match="disk full"):
         run("SaveSet", set=material)
     assert os.listdir(os.path.join(host.output, "weftex")) == []
