@@ -26,7 +26,7 @@ class Displayable:
         found = self._displayed_picture()
         if found is None:
             raise ValueError("this result was loaded without its sample; render a map of it")
-        return np.array(found[0], dtype=dtype, copy=copy)
+        return np.asarray(found[0], dtype) if copy is None else np.array(found[0], dtype, copy=copy)
 
     def _repr_png_(self) -> bytes | None:
         from weftex.io.png import png_bytes  # takes its time, and few pictures are looked at
