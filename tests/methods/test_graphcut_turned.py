@@ -59,12 +59,14 @@ def test_nothing_meets_its_mirror_image():
     assert (apart[beside] < 8).mean() < 0.1
 
 
-def test_half_turns_are_laid_by_name_and_replayed(tmp_path):
-    result = laid("sample:leaves", orientations="half-turns")
-    assert result.provenance["orientations"] == "half-turns"
-    assert result.turn == "half"
-    leaves = weftex.read_image("sample:leaves").pixels
-    half = leaves.shape[1]
+@pytest.mark.parametrize(("orientations", "turn"), [("half-turns", "half"), ("all", "8")])
+def test_copies_are_laid_by_name_and_replayed(orientations, turn, tmp_path):
+    result = laid("sample:leaves", orientations=orientations)
+    assert result.provenance["orientations"] == orientations
+    assert result.turn == turn
+    leaves = weftex.prepare.turned("sample:leaves", turn)
+    np.testing.assert_array_equal(result.image, laid(leaves).image)
+    half = leaves.copy_shape[1]
     share = (result.pictured_source()[..., 1] > half).mean()
     assert 0.02 < share < 0.98
     result.save(tmp_path / "r.npz")

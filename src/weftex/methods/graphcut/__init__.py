@@ -35,6 +35,7 @@ if TYPE_CHECKING:
 
 _LARGE = 2**14  # pixels of a patch from which on candidates are cut in threads
 _PATCHES = 2  # in a row between two belts of a plane
+_TURNS = {"half-turns": "half", "all": "8"}  # orientations, as `turned` names them
 _IDLE = 4  # refinements that improve nothing, for each patch that covered the canvas, end it
 
 
@@ -146,9 +147,9 @@ class GraphCut(Method):
 
     orientations: str = parameter(
         "upright",
-        "orientations of the entire sample: upright, or also rotated by 180 degrees for "
-        "more variety",
-        choices=("upright", "half-turns"),
+        "orientations of the entire sample: upright, also rotated by 180 degrees, or all eight "
+        "(rotated by 90, 180 and 270 degrees, and mirrored); more repeat less",
+        choices=("upright", *_TURNS),
         needs=("placement", ("entire",)),
     )
 
@@ -205,11 +206,11 @@ class GraphCut(Method):
         return replace(self, patch_size=square, boundary_width=boundary)
 
     def fit_exemplar(self, exemplar: Exemplar) -> GraphCutModel:
-        """Prepare a sample, and perhaps a copy of it upside down."""
-        if self.orientations == "half-turns":
+        """Prepare a sample, and perhaps copies of it that are turned."""
+        if self.orientations in _TURNS:
             if self.lattice is not None:
                 raise InvalidInputError("copies that are turned share no lattice")
-            exemplar = turned(exemplar, "half")
+            exemplar = turned(exemplar, _TURNS[self.orientations])
         return GraphCutModel(self, exemplar)
 
 
