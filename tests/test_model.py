@@ -1,17 +1,12 @@
 """What every model declares: outputs, and windows of an endless plane."""
 
 import dataclasses
-import re
-import subprocess
-import sys
-from pathlib import Path
 
 import numpy as np
 import pytest
 
 import weftex
 from families import METHODS, method_of, noise
-from processes import ENVIRONMENT
 from weftex.method import Model
 
 
@@ -112,34 +107,3 @@ def test_bad_counts_of_samples_are_refused_at_once(count):
         model.samples(count, 20)
     with pytest.raises(weftex.InvalidInputError, match="threads is 0"):
         model.samples(1, 20, threads=0)
-
-
-LOADER = """
-from concurrent.futures import ProcessPoolExecutor
-from multiprocessing import get_context
-import numpy as np
-from page import Variations
-
-def batch(data, indices):
-    return np.stack([data[k] for k in indices])
-
-if __name__ == "__main__":
-    data = Variations("sample:pebbles", (48, 40), 50)
-    asked = [[7, 1], [0, 49], [1, 7]]
-    with ProcessPoolExecutor(2, mp_context=get_context("spawn")) as workers:
-        made = list(workers.map(batch, [data] * len(asked), asked))
-    assert all(one.shape == (2, 3, 48, 40) and one.dtype == "float32" for one in made)
-    assert all(np.array_equal(one, batch(data, k)) for one, k in zip(made, asked))
-    assert np.array_equal(made[0][::-1], made[2]) and not np.array_equal(made[0], made[1])
-"""
-
-
-@pytest.mark.pages
-def test_the_data_set_of_the_page_in_processes_of_a_loader(tmp_path):
-    """What PyTorch's DataLoader does with it, which is not needed for that."""
-    page = (Path(__file__).parents[1] / "docs" / "how-to" / "batch.md").read_text("utf-8")
-    blocks = re.findall(r"^```python\n(.*?)^```", page, re.M | re.S)
-    (tmp_path / "page.py").write_text(next(b for b in blocks if "class Variations" in b))
-    (tmp_path / "loader.py").write_text(LOADER)
-    command = [sys.executable, str(tmp_path / "loader.py")]  # the folder of a script is on its path
-    subprocess.run(command, check=True, env=ENVIRONMENT, timeout=120)

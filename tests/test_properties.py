@@ -13,6 +13,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import weftex
+from html_page import Page
 from strategies import canvases, cases, exemplars, finite, is_one_line, masks, methods, patience
 from strategies import pictures as drawn_pictures
 
@@ -164,4 +165,6 @@ def test_assess_and_report(data):
     made = data.draw(
         drawn_pictures(data.draw(st.tuples(*[st.integers(1, 40)] * 2)), exemplar.pixels)
     )
-    assert allowed(lambda: weftex.pages.report(exemplar, made).html()) != ""
+    if (html := allowed(lambda: weftex.pages.report(exemplar, made).html())) is not None:
+        Page(html)  # its tags close
+        assert "nan" not in html.partition("Measures")[2].lower()

@@ -71,40 +71,6 @@ def test_different_questions_have_different_answers(one, other):
     assert draw(*one) != draw(*other)
 
 
-def test_no_two_small_questions_collide():
-    """Small numbers everywhere, which is what people ask with."""
-    place = np.arange(-8, 32)
-    answers = {
-        int(bits)
-        for seed in range(64)
-        for purpose in ("", "a", "b", "c", "aa", "ab", "patch")
-        for bits in (*draw(seed, purpose, place), *draw(seed, purpose, place, 1))
-    }
-    assert len(answers) == 64 * 7 * 2 * len(place)
-
-
-def test_bits_are_even_and_independent():
-    """Every bit is set half of the time and no two bits or neighbors go together (6 sigma)."""
-    y, x = np.indices((128, 128))
-    words = draw(11, "patch", y, x)
-    bits = np.unpackbits(words.view(np.uint8).reshape(128, 128, 8), axis=-1).astype(float)
-    bits = bits.reshape(128, 128, 64) - 0.5
-    sigma = 0.5 / 128
-    assert np.abs(bits.mean(axis=(0, 1))).max() < 6 * sigma
-    signs = 2 * bits.reshape(-1, 64)
-    correlation = signs.T @ signs / len(signs) - np.eye(64)
-    assert np.abs(correlation).max() < 6 / 128
-    for other in (
-        draw(12, "patch", y, x),
-        draw(11, "other", y, x),
-        draw(11, "patch", y + 1, x),
-        draw(11, "patch", y, x + 1),
-        draw(11, "patch", x, y + 1000),
-    ):
-        same = np.unpackbits((words ^ other).view(np.uint8)).astype(float)
-        assert abs(same.mean() - 0.5) < 6 * 0.5 / len(same) ** 0.5
-
-
 def test_seed_numbers():
     assert seed_number(0) == 0
     assert seed_number(MASK) == MASK

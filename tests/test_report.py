@@ -11,9 +11,7 @@ import pytest
 import weftex
 from html_page import Page
 from weftex import cli
-from weftex.errors import FileError, InvalidInputError
-from weftex.io.pictures import write_image, write_text
-from weftex.io.png import png_bytes
+from weftex.io.pictures import write_image
 from weftex.pages.reports import report
 
 
@@ -123,53 +121,7 @@ def test_a_picture_of_another_source_is_noted(files):
     assert report(sample, weftex.Synthesis.load(source)).notes == ()
 
 
-@pytest.mark.parametrize(
-    "dtype, channels, own, made",
-    [
-        (np.uint8, (2,), (1, 1), (1, 1)),
-        (np.uint16, (4,), (1, 9), (20, 20)),
-        (np.float32, (), (28, 30), (5, 40)),
-        (np.uint8, (5,), (30, 20), (31, 40)),
-    ],
-)
-def test_any_picture_makes_a_page(dtype, channels, own, made, rng):
-    sample = (rng.random((*own, *channels)) * 200).astype(dtype)
-    result = (rng.random((*made, *channels)) * 200).astype(dtype)
-    found = report(sample, result)
-    Page(found.html())
-    assert "nan" not in found.html().partition("Measures")[2].lower()
-
-
 def test_large_pictures_are_shown_smaller(rng):
     sample = rng.integers(0, 256, (8, 8), np.uint8)
     text = report(sample, np.tile(sample, (2, 260))).html()
     assert "2080x16 pixels, shown at 1:3" in text
-
-
-@pytest.mark.parametrize("shape", [(1, 1), (5, 7), (1, 9, 3), (8, 1, 1), (6, 4, 3)])
-def test_png_in_memory_is_the_picture(shape, rng, tmp_path):
-    pixels = rng.integers(0, 256, shape, np.uint8)
-    (tmp_path / "p.png").write_bytes(png_bytes(pixels))
-    np.testing.assert_array_equal(
-        weftex.read_image(tmp_path / "p.png").pixels,
-        pixels.squeeze(2) if shape[2:] == (1,) else pixels,
-    )
-
-
-def test_texts_appear_whole_or_not_at_all(tmp_path):
-    write_text(tmp_path / "a.html", "ä\n")
-    assert (tmp_path / "a.html").read_bytes() == "ä\n".encode()
-    with pytest.raises(FileError):
-        write_text(tmp_path / "no" / "a.html", "x")
-    with pytest.raises(UnicodeEncodeError):
-        write_text(tmp_path / "a.html", "\ud800")
-    assert [path.name for path in tmp_path.iterdir()] == ["a.html"]
-    assert (tmp_path / "a.html").read_bytes() == "ä\n".encode()
-
-
-def test_only_a_page_can_be_saved(tmp_path, rng):
-    found = report(rng.integers(0, 9, (8, 8), np.uint8), rng.integers(0, 9, (8, 8), np.uint8))
-    with pytest.raises(FileError, match="'.png'"):
-        found.save(tmp_path / "r.png")
-    with pytest.raises(InvalidInputError, match="dtype and channels must be equal"):
-        report(np.zeros((8, 8), np.uint8), np.zeros((8, 8, 3), np.uint8))

@@ -9,7 +9,6 @@ import threading
 import numpy as np
 import pytest
 
-import weftex
 from processes import run
 from weftex.threads import quick_map, thread_count
 
@@ -28,9 +27,6 @@ def test_no_more_than_this_process_may_use():
 def test_numbers_of_numpy_are_numbers():
     assert thread_count(np.int64(2)) == 2 and type(thread_count(np.int64(2))) is int
     assert thread_count(None) >= 1 and sys.version_info
-    for wrong in (0, -1, True, 1.0, "2", [1]):
-        with pytest.raises(weftex.InvalidInputError, match="threads is"):
-            thread_count(wrong)
 
 
 def test_quick_calls_are_shared_and_end_with_the_first_that_fails():

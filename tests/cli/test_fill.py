@@ -1,4 +1,4 @@
-"""`weftex fill`: what it makes of photos and of folders."""
+"""`weftex fill`: what is a hole, and the filling replayed over a background."""
 
 from __future__ import annotations
 
@@ -7,17 +7,6 @@ import numpy as np
 import weftex
 from commands import weft_run
 from weftex.io.pictures import read_image, write_image
-
-
-def test_fill(here, capsys):
-    words = ["photo.png", "--mask", "hole.png", "-o", "out.png", "--seed", 1]
-    assert weft_run("fill", *words) == 0
-    assert "filled 400 pixels of out.png with patch-sampling" in capsys.readouterr().err
-    expected = weftex.fill("photo.png", "hole.png", seed=1).image
-    assert (read_image("out.png").pixels == expected).all()
-    assert weft_run("fill", *words, "--sample", "sample.png") == 0
-    expected = weftex.fill("photo.png", "hole.png", seed=1, sample="sample.png").image
-    assert (read_image("out.png").pixels == expected).all()
 
 
 def test_fill_nothing(here, capsys):
@@ -44,3 +33,11 @@ def test_a_hole_from_alpha(here, capsys):
     assert weft_run("fill", "photo.png", "--mask", "erased.png", "-o", "c.png", "--seed", 1) == 0
     expected = weftex.fill("photo.png", hole, seed=1).image
     assert (read_image("c.png").pixels == expected).all()
+
+
+def test_replay_over_a_background(here):
+    words = ["--sample", "sample.png", "--save-source", "f.npz"]
+    weft_run("fill", "photo.png", "--mask", "hole.png", "-o", "f.png", *words)
+    words = ["-o", "g.png", "--background", "photo.png"]
+    assert weft_run("replay", "f.npz", "sample.png", *words) == 0
+    assert (here / "f.png").read_bytes() == (here / "g.png").read_bytes()

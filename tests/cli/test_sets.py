@@ -149,7 +149,8 @@ def test_best_of_and_prepare_take_sets(sets):
     words = ["synth", "rock", "-o", "best", "--size", 48, "--best-of", 2, "--seed", 5]
     assert weft_run(*words, "--method", "quilting") == 0
     assert sorted(read_maps("best")) == sorted(name.removesuffix(".png") for name in ROCK)
-    assert weft_run("prepare", "rock", "-o", "even", "--even-light", "--preset", "ambientcg") == 0
+    words = ["--even-light", "rock", "-o", "even", "--preset", "ambientcg"]
+    assert weft_run("prepare", *words) == 0  # the folder is no value of the option before it
     assert np.array_equal(
         read_image("even/even_NormalGL.png").pixels, ROCK["Rock01_1K_NormalGL.png"]
     )
