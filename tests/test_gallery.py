@@ -81,18 +81,6 @@ def test_pictures_and_figures_are_what_the_library_makes(made):
     assert row.split(" | ")[-1].strip("*| ") == f"{value:.2f}"
 
 
-def test_a_second_run_makes_only_what_is_missing(made, tmp_path, capsys):
-    before = (made / "docs" / "quality.md").read_bytes()
-    (made / "keep/quilting/grass_gray.json").unlink()
-    run(made)
-    assert "1 kept, 1 to make" in capsys.readouterr().out
-    run(made)
-    assert "2 kept, 0 to make" in capsys.readouterr().out
-    after = (made / "docs" / "quality.md").read_bytes()
-    timed = re.compile(rb"\| seconds.*")
-    assert timed.sub(b"", after) == timed.sub(b"", before)
-
-
 def test_what_may_have_changed_is_made_again(made, monkeypatch):
     file = str(ROOT / "benchmarks/data/surfaces/grass_gray.png")
     job = gallery.Job("grass_gray", file, "quilting", 64, f"{made}/keep")
@@ -116,23 +104,6 @@ def test_a_part_is_no_page_of_the_repository(capsys):
     with pytest.raises(SystemExit):
         gallery.main(["--methods", "quilting"])
     assert "name another --docs" in capsys.readouterr().err
-
-
-def test_scores_are_shown_for_the_same_picture_only(made, tmp_path, monkeypatch):
-    name = gallery.picture_hash(read_image(made / "keep/quilting/grass_gray.png").pixels)
-    judged = tmp_path / "judged.csv"
-    judged.write_text(
-        "surface,method,score,good,flags,picture\n"
-        f"grass_gray,quilting,0.37,yes,,{name}\n"
-        "grass_gray,auto,0.38,no,swd,0123456789abcdef\n"
-        "grass_gray,real,1.25,no,seam,\n"
-    )
-    monkeypatch.setattr(gallery_page, "JUDGED", judged)
-    run(made)
-    lines = section(made / "docs" / "quality.md", "An independent measure").splitlines()[3:]
-    assert lines[0].startswith("1 of 2 judged pictures")
-    assert lines[4] == "| mean (good, of) | 1.25 (0, 1) |  | 0.37 (1, 1) |"
-    assert lines[5] == "| grass_gray | 1.25 | picture changed | **0.37** |"
 
 
 def test_the_gallery_shows_every_surface(made, monkeypatch):
