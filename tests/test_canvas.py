@@ -58,41 +58,18 @@ SAMPLE = np.random.default_rng(0).integers(0, 256, (24, 24, 3), np.uint8)
 
 
 @pytest.mark.parametrize(
-    "known",
+    "more, said",
     [
-        np.zeros((20, 20, 3), np.uint16),
-        np.zeros((20, 20, 3), np.float32),
-        np.zeros((20, 20, 4), np.uint8),
-        np.zeros((20, 20), np.uint8),
-        np.zeros((20, 20, 3), bool),
-        np.zeros((20, 20, 3), int).tolist(),
+        ({"known": SAMPLE[:20, :20].astype(np.float32)}, "known pixels are float32"),
+        ({"known": SAMPLE[:20, :20, :2]}, r"known pixels are uint8 \(2,\), the sample is"),
+        *(({"known_from": at}, "the canvas must lie in the sample") for at in [(-1, 0), (0, 5)]),
     ],
-    ids=["uint16", "float", "alpha", "gray", "bool", "list"],
 )
-def test_known_pixels_must_be_of_the_samples_kind(known):
-    hole = np.zeros((20, 20), bool)
-    hole[5:9, 5:9] = True
-    with pytest.raises(InvalidInputError, match="known"):
-        weftex.synthesize(
-            SAMPLE, Canvas(20, 20, known=known, hole=hole), method="quilting", patch_size=6
-        )
-
-
-def test_known_pixels_must_be_finite():
-    known, hole = np.zeros((20, 20, 3)), np.zeros((20, 20), bool)
-    known[0, 0], hole[5:9, 5:9] = np.nan, True
-    with pytest.raises(InvalidInputError, match="NaN"):
-        canvas = Canvas(20, 20, known=known, hole=hole)
-        weftex.synthesize(SAMPLE / 255, canvas, seed=1, method="patch-sampling", patch_size=6)
-
-
-@pytest.mark.parametrize("known_from", [(-1, 0), (0, 5), (10, 10)])
-def test_known_from_must_lie_in_the_sample(known_from):
-    hole = np.zeros((20, 20), bool)
-    hole[5:9, 5:9] = True
-    canvas = Canvas(20, 20, known=SAMPLE[:20, :20], hole=hole, known_from=known_from)
-    with pytest.raises(InvalidInputError):
-        weftex.synthesize(SAMPLE, canvas, seed=1, method="patch-sampling", patch_size=6)
+def test_known_pixels_are_of_the_samples_kind_and_place(more, said):
+    given = {"known": SAMPLE[:20, :20], "hole": np.eye(20, dtype=bool)} | more
+    model = weftex.Quilting(patch_size=6).fit(SAMPLE)
+    with pytest.raises(InvalidInputError, match=said):
+        model.sample(Canvas(20, 20, **given), seed=1)
 
 
 def test_a_guide_is_a_picture_of_the_canvas_size():

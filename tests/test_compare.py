@@ -57,13 +57,6 @@ def test_the_page_needs_nothing_but_itself(found, tmp_path):
         found.save(tmp_path / "c.png")
 
 
-def test_figures_are_plain_values(found):
-    about = json.loads(json.dumps(found.as_dict()))
-    assert [m["method"] for m in about["methods"]] == [e.method for e in found.entries]
-    assert about["methods"][0]["figures"]["score"] == found.entries[0].rank
-    assert about["auto"]["method"] in weftex.METHODS and about["width"] == 60
-
-
 def test_a_method_that_cannot_says_why():
     mask = np.ones((40, 40), bool)
     mask[::8] = False  # no whole patch of ten pixels

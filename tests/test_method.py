@@ -85,7 +85,8 @@ def test_bounds_are_enforced(slug, field):
     for end, step in (("low", -1), ("high", 1)):
         if meta[end] is None:
             continue
-        assert getattr(cls(**{field.name: meta[end]}, **more), field.name) == meta[end]
+        number = np.array(meta[end])[()]  # one of NumPy is taken, too
+        assert getattr(cls(**{field.name: number}, **more), field.name) == meta[end]
         outside = meta[end] + step if whole else np.nextafter(meta[end], step * math.inf)
         with pytest.raises(InvalidInputError) as caught:
             cls(**{field.name: outside}, **more)
@@ -106,18 +107,6 @@ def test_what_is_no_parameter_is_refused_by_the_class_too(slug):
     count = len(dataclasses.fields(METHODS[slug]))
     with pytest.raises(InvalidInputError, match=f"{slug} has {count} parameters, not 99"):
         METHODS[slug](*range(99))
-
-
-@named
-def test_numpy_numbers_are_numbers(slug, field):
-    meta = field.metadata
-    if meta["choices"] or meta["count"]:
-        return
-    value = meta["low"]
-    kinds = (np.int32, np.int64) if "int" in str(field.type) else (np.float32, np.float64)
-    for kind in kinds:
-        if float(kind(value)) >= value:
-            METHODS[slug](**{field.name: kind(value)}, **others(slug, field))
 
 
 def test_several_numbers():
