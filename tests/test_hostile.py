@@ -93,6 +93,11 @@ CALLS = {
     "synthesize progress": (lambda v: synth(progress=v), ("None", "True")),
     "fill photo": (lambda v: weftex.fill(v, HOLE), ()),
     "fill mask": (lambda v: weftex.fill(PICTURE, v), ()),
+    "fill overlap": (lambda v: weftex.fill(PICTURE, HOLE, overlap=v), ()),  # 7 covers all
+    "fill match_tone": (
+        lambda v: weftex.fill(PICTURE, HOLE, match_tone=v, seed=1),
+        ("None", "True"),
+    ),
     "fill sample": (lambda v: weftex.fill(PICTURE, HOLE, sample=v), ("None",)),
     "fill method": (lambda v: weftex.fill(PICTURE, HOLE, method=v), ()),
     "fill seed": (lambda v: weftex.fill(PICTURE, HOLE, seed=v), ("None", "7")),
@@ -232,6 +237,7 @@ def test_any_scale_of_floats(scale, dtype):
             "at most 1e+09 pixels long",
         ),
         (lambda: weftex.analyze(SMALL, lattice=(1e300, 0, 0, 1e300)), "at most 1e+09 pixels long"),
+        (lambda: weftex.write_image("a.png", SMALL, alpha=True), "alpha needs"),
         (lambda: weftex.assess(SMALL, SMALL, tileable="x"), "tileable is 'x'"),
         (lambda: weftex.assess(SMALL, SMALL, tileable=(True, False, True)), "two of them"),
         (lambda: weftex.fuse([SMALL, SMALL], SMALL, colors=[0, 0]), "color 0 is given twice"),

@@ -14,7 +14,7 @@ from weftex.analysis.candidates import SUREST, Evidence, better_pair
 from weftex.analysis.correlation import correlate, whitened
 from weftex.analysis.lattice import Lattice, find_lattice
 from weftex.analysis.relief import Relief, relief
-from weftex.analysis.rows import find_rows, ridges
+from weftex.analysis.rows import find_rows
 from weftex.exemplar import Exemplar
 
 sys.path.insert(0, str(Path(__file__).parents[2] / "benchmarks" / "quality"))
@@ -85,13 +85,6 @@ def test_a_copy_is_no_lattice(rng):
     pixels = rng.integers(0, 256, (160, 160), np.uint8)
     pixels[90:150, 80:150] = pixels[10:70, 5:75]
     assert find_lattice(Exemplar(pixels)) is None
-
-
-def test_ridges_leave_out_the_highest():
-    correlation = np.zeros((127, 127))
-    for k, height in ((10, 0.2), (20, 0.9), (30, 0.3), (40, 0.1)):
-        correlation[63 + k] = correlation[63 - k] = height
-    assert ridges(correlation, np.array([0.0, 10.0])) == (pytest.approx(0.2), 4)
 
 
 def test_confidence_grows_with_either_figure():

@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 
-from weftex.analysis import candidates
 from weftex.analysis.autocorrelations import autocorrelations
 from weftex.analysis.bonds import Bonds
 from weftex.analysis.candidates import (
@@ -12,9 +11,8 @@ from weftex.analysis.candidates import (
     bond_candidate,
     checked_by_rows,
     course_candidate,
-    lattice_of_rows,
 )
-from weftex.analysis.joints import Joints, checked, contrast, find_courses
+from weftex.analysis.joints import Joints, checked, find_courses
 from weftex.analysis.lattice import Lattice, find_lattice
 from weftex.analysis.relief import Relief, relief
 from weftex.exemplar import Exemplar
@@ -59,12 +57,6 @@ def test_a_strip_knows_nothing_of_the_others(rng):
     assert Joints(Relief(lines, np.ones((96, 96)), 1)).alike(0.0)[0] == pytest.approx(1, abs=1e-6)
 
 
-def test_contrast_is_of_multiples_above_what_is_between():
-    wave = np.cos(np.arange(80) * 2 * np.pi / 16)
-    (own, half, double), number = contrast(wave, np.array([16.0, 8.0, 32.0]))
-    assert own > 1.4 and half < 0 and double < 0.01 and number.tolist() == [3, 7, 1]
-
-
 def test_what_a_mask_leaves_out_has_no_joints(rng):
     pixels = courses(rng, [36] * 6)
     mask = np.ones(pixels.shape[:2], bool)
@@ -72,11 +64,6 @@ def test_what_a_mask_leaves_out_has_no_joints(rng):
     pixels[~mask] = rng.integers(0, 256, (int((~mask).sum()), 3))
     found = find_courses(relief(Exemplar(pixels, mask=mask)))
     assert found is not None and abs(found.vector[1]) == pytest.approx(36, abs=1)
-
-
-def test_small_and_even_samples_have_none():
-    assert find_courses(Relief(np.zeros((1, 12, 90)), np.ones((12, 90)), 1)) is None
-    assert find_courses(Relief(np.zeros((1, 60, 60)), np.ones((60, 60)), 1)) is None
 
 
 def test_confidence_of_joints_grows_with_each_figure():
@@ -141,33 +128,6 @@ def test_stripes_of_any_width_are_no_checks(rng):
         told = checked(flat, np.array([[70.0, 0.0], [0.0, high]]))
         assert told.contrast < 0.3 < told.alike
     assert checked(flat, np.array([[70.0, 0.0], [0.0, 8.0]])) is None
-
-
-def test_a_copy_in_the_whitened_sample_alone_is_no_pair(rng):
-    fields = autocorrelations(Exemplar(rng.integers(0, 256, (128, 128), np.uint8)))
-    copy, faint = (
-        Evidence(np.array([[60.0, 0], [0, 50]]), c, 14.0, 6, "pairs") for c in (-0.03, 0.01)
-    )
-    assert checked_by_rows(fields, copy) is None and checked_by_rows(fields, faint) is faint
-
-
-@pytest.mark.parametrize(
-    ("across", "within", "sure"), [(0.35, 3.7, 2), (0.1, 3.7, 1), (0.35, 2.5, 1)]
-)
-def test_a_bond_is_sure_where_joints_across_rows_and_within_them_tell_it(
-    rng, monkeypatch, across, within, sure
-):
-    """Neither alone is: rows without a bond have one or the other by chance."""
-    fields = autocorrelations(Exemplar(courses(rng, [36] * 6)))
-    vectors = np.array([[50.0, 0.0], [25.0, 36.0]])
-    crossing = Evidence(vectors, across, across, 3, "crossings")
-    bond = Evidence(vectors, 0.0, within, 1, "bonds")
-    monkeypatch.setattr(candidates, "_LEAST_CROSSINGS", 0.95)
-    monkeypatch.setattr(candidates, "crossing_candidate", lambda *_: crossing)
-    monkeypatch.setattr(candidates, "bond_candidate", lambda *_: bond)
-    rows = Evidence(vectors[1:] * [0, 1], 0.3, 5.0, 4, "rows")
-    assert bond.confidence < 0.92
-    assert len(lattice_of_rows(fields, rows).vectors) == sure
 
 
 def bond(rng, length, high, jitter, size=256):

@@ -242,14 +242,6 @@ def test_constant_and_small_samples_and_lighting_alone(pixels):
     assert scale.window_width == 3
 
 
-def test_few_usable_pixels():
-    mask = np.zeros((50, 50), bool)
-    mask[20, 30] = True
-    assert found(np.zeros((50, 50), np.uint8), mask=mask).scale == 1
-    mask[::7, ::9] = True
-    assert found(colored_noise(50, 1, 1), mask=mask).scale >= 1
-
-
 def test_the_curve():
     scale = found(levels(grating(100, 140, 10)))
     assert len(scale.frequencies) == len(scale.power) == len(scale.background)

@@ -236,17 +236,6 @@ def test_tifffile_reads_the_same(tmp_path, dtype, channels, alpha):
     np.testing.assert_array_equal(tifffile.imread(tmp_path / "a.tif"), pixels)
 
 
-def test_importing_does_not_load_the_library():
-    code = """
-        import sys
-        from weftex.io import pictures as io
-        io.check_output("a.png")
-        io.sample_names()
-        print("OpenImageIO" in sys.modules)
-    """
-    assert run(code).stdout == "False\n"
-
-
 def test_without_the_library(monkeypatch, tmp_path, capsys):
     """As on a free-threaded Python, for which there is none."""
     monkeypatch.setitem(sys.modules, "OpenImageIO", None)

@@ -40,27 +40,6 @@ def test_what_a_format_cannot_hold(tmp_path, suffix, dtype, shape, alpha, advice
 
 
 @pytest.mark.parametrize(
-    ("pixels", "alpha", "match"),
-    [
-        (np.zeros((0, 5), "uint8"), False, "not empty"),
-        (np.zeros((5, 5, 0), "uint8"), False, "not empty"),
-        (np.zeros(5, "uint8"), False, "shape"),
-        (np.zeros((2, 2, 2, 2), "uint8"), False, "shape"),
-        (np.zeros((5, 5), "uint8"), True, "alpha needs"),
-        (np.zeros((5, 5), "int64"), False, "int64 pixels"),
-        (np.zeros((5, 5), bool), False, "bool pixels"),
-        (np.zeros((5, 5), complex), False, "complex128 pixels"),
-        (np.full((5, 5), "a"), False, "str"),
-    ],
-)
-def test_what_is_no_picture(tmp_path, pixels, alpha, match):
-    for suffix in (".png", ".tif", ".exr"):
-        fails(tmp_path / f"a{suffix}", match, lambda p: io.write_image(p, pixels, alpha=alpha),
-              InvalidInputError)  # fmt: skip
-    assert files_in(tmp_path) == []
-
-
-@pytest.mark.parametrize(
     ("suffix", "side"), [(".webp", 16_383), (".jpg", 65_500), (".bmp", 65_535), (".png", 10**6)]
 )
 def test_longest_side(tmp_path, suffix, side, capfd):

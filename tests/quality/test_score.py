@@ -12,7 +12,7 @@ import pytest
 import weftex
 from weftex.exemplar import Exemplar
 from weftex.quality.figures import FIGURES
-from weftex.quality.score import WEIGHTS, Scorer, Windows, nearest, terms, weigh
+from weftex.quality.score import WEIGHTS, Scorer, terms, weigh
 from weftex.quality.view import views
 
 ROOT = Path(__file__).parents[2]
@@ -57,28 +57,6 @@ def test_variety_is_better_than_tiles(name):
     varied = scorer.windows(views(scorer.exemplar, made)[1])
     assert varied["alike"] < 0.5 < 1 < tiled["alike"]
     assert varied["uneven"] < tiled["uneven"]
-
-
-@pytest.mark.parametrize("least", [0, 3])
-def test_the_nearest_are_found_by_definition(least, rng):
-    first, second = (
-        Windows(
-            np.pad(rng.integers(0, 3, (n, 75)), [(0, 0), (0, 5)]).astype(np.int16),
-            rng.integers(0, 6, (n, 2)).astype(np.int32),
-            75,
-        )
-        for n in (7, 11)
-    )
-    for one, other in ((first, second), (second, first), (first, first)):
-        apart, which = nearest(one, other, least)
-        for i, (window, place) in enumerate(zip(one.values, one.places, strict=True)):
-            compared = abs(other.places - place).max(axis=1) >= least
-            means = ((other.values - window).astype(int) ** 2).sum(axis=1) / np.float32(75)
-            means = np.where(compared, means, np.inf)
-            assert apart[i] == means.min().astype(np.float32)
-            assert which[i] == (means.argmin() if compared.any() else -1)
-    alone = nearest(first, first, 7)[0]
-    assert np.isinf(alone).all()
 
 
 def test_the_nearest_windows_by_definition(rng):

@@ -115,6 +115,3 @@ def test_fill_matches_tones_unless_a_method_is_named(tmp_path):
     assert np.array_equal(again.render(photo, window=(50, 60, 40, 50)), own[50:90, 60:110])
     large = again.render(photo.repeat(2, 0).repeat(2, 1))
     assert abs(large[::2, ::2].astype(int) - own)[hole].mean() < 2  # steps are two pixels there
-    for value in ("yes", 1, 0.0):
-        with pytest.raises(weftex.InvalidInputError, match="match_tone is"):
-            weftex.fill(photo, hole, match_tone=value)

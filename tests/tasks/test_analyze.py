@@ -136,14 +136,6 @@ def test_the_command_prints_it(capsys):
     assert max(map(len, out.splitlines())) <= 100
 
 
-def test_the_command_prints_json(capsys):
-    assert cli.main(["analyze", "sample:stone_wall", "--json"]) == 0
-    found = json.loads(capsys.readouterr().out)
-    expected = analyze("sample:stone_wall")
-    assert found == json.loads(json.dumps(expected.as_dict()))
-    assert found["maps"] == ["ao", "height", "normal", "roughness"]
-
-
 @pytest.mark.parametrize(
     ("words", "message"),
     [

@@ -136,12 +136,6 @@ def test_painted_maps_files_and_arrays_are_the_same(tmp_path):
     assert (swapped.image[:, :30] < 60).all()
 
 
-@pytest.mark.parametrize("dtype", [np.uint16, np.float32])
-def test_any_depth(dtype):
-    result = weftex.fuse([A.astype(dtype), B.astype(dtype)], HALVES, seed=1, **FAST)
-    assert result.image.dtype == dtype
-
-
 def test_maps_and_saved_results(tmp_path):
     exemplars = [
         weftex.Exemplar(p, maps={"level": p[..., 0].astype(np.uint16), str(k): p[..., 1].copy()})

@@ -27,14 +27,6 @@ def test_a_circle_map_goes_over_from_top_to_bottom():
     assert mixed[140:260].mean() > 2 * max(mixed[:60].mean(), mixed[-60:].mean())
 
 
-@pytest.mark.parametrize("side", [100, 300])
-def test_it_is_in_shares_of_the_canvas(side):
-    labels, _ = Gradient(width=0.4).label_map((side, side), [side // 25] * 2, seed=1)
-    first = (labels == 0).mean(axis=1)
-    at = [first[int(a * side) : int(b * side)].mean() for a, b in ((0, 0.25), (0.8, 1))]
-    assert at[0] > 0.95 and at[1] < 0.1
-
-
 @pytest.mark.parametrize(
     ("direction", "near", "far"),
     [
