@@ -10,14 +10,8 @@ class Page(HTMLParser):
 
     def __init__(self, text):
         super().__init__()
-        self.open, self.tags, self.ids, self.links, self.pictures, self.text = (
-            [],
-            [],
-            [],
-            [],
-            [],
-            "",
-        )
+        self.open, self.tags, self.ids, self.links, self.pictures = [], [], [], [], []
+        self.text = ""
         self.feed(text)
         self.close()
         assert not self.open

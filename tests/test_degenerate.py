@@ -110,16 +110,6 @@ def test_absurd_boundaries_are_refused_before_work_starts(method, tileable, para
         weftex.METHODS[method](**parameters).fit(exemplar)
 
 
-@every("method", family="patch")
-def test_masks_with_one_window(method):
-    mask = np.zeros((30, 30), bool)
-    mask[11:17, 7:13] = True
-    exemplar = weftex.Exemplar(noise((30, 30)), mask=mask)
-    for search in SEARCHES:
-        assert attempt(method, exemplar, weftex.Canvas(20, 20), patch_size=6, search=search)
-    assert not attempt(method, exemplar, weftex.Canvas(20, 20), patch_size=7)
-
-
 # Every method
 
 

@@ -1,8 +1,6 @@
 """What holds for every method on every kind of canvas it declares; see `families`."""
 
-import os
 import pickle
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -10,7 +8,6 @@ import pytest
 import weftex
 from families import (
     FORMATS,
-    METHODS,
     SEARCHES,
     TRIALS,
     canvas_of,
@@ -20,7 +17,6 @@ from families import (
     method_of,
     noise,
 )
-from processes import run
 from weftex.results import paste_kernels
 
 
@@ -187,15 +183,10 @@ def _unseen_borders(result):
 
 
 @every("method", "kind", "way")
-def test_the_same_seed_the_same_bytes(method, kind, way):
-    pixels = noise((30, 31, 3))
-    first = make(method, pixels, kind, way)
-    again = make(method, pixels.copy(), kind, way)
-    assert same(first, again)
-    # Something wide, or the nearest is the only one to draw.
-    wide = TRIALS[method].wide
-    one = make(method, pixels, kind, way, **wide) if wide else first
-    other = make(method, pixels, kind, way, seed=8, **wide)
+def test_another_seed_makes_other_bytes(method, kind, way):
+    """With something wide, or the nearest is the only one to draw."""
+    pixels, wide = noise((30, 31, 3)), TRIALS[method].wide
+    one, other = (make(method, pixels, kind, way, seed=seed, **wide) for seed in (7, 8))
     assert method == "best-tile" or not np.array_equal(one.image, other.image)
 
 
@@ -246,34 +237,6 @@ def test_there_are_enough_patches_for_threads(method):
     side = TRIALS[method].largest
     result = make(method, noise((40, 41, 3)), "plain", size=(side, side - 10))
     assert len(result.placements) > _THREADS_FROM
-
-
-SCRIPT = """
-import hashlib, weftex
-from families import METHODS, TRIALS
-for method in METHODS:
-    side = min(TRIALS[method].largest, 60)
-    for tileable in (False, True):
-        if tileable and "wrap" not in weftex.METHODS[method].supports:
-            continue
-        sample = weftex.load_exemplar("sample:pebbles").pixels[:60, :70]
-        more = {"lattice": "21,0,0,20"} if method in ("near-regular", "best-tile") else {}
-        result = weftex.synthesize(
-            sample, (side, side + 3), method=method, seed=11, tileable=tileable, **more)
-        print(hashlib.sha256(result.image.tobytes() + result.source.tobytes()).hexdigest())
-"""
-
-
-@pytest.mark.pictures
-def test_processes_change_nothing(capsys):
-    exec(SCRIPT, {})
-    expected = capsys.readouterr().out
-    folders = [str(Path(__file__).parent), os.environ.get("PYTHONPATH", "")]
-    for number in ("0", "1"):  # hashing of texts differs from process to process
-        variables = {"PYTHONHASHSEED": number, "PYTHONPATH": os.pathsep.join(folders)}
-        done = run(SCRIPT, env=os.environ | variables)
-        assert done.returncode == 0, done.stderr
-        assert done.stdout == expected and len(expected.split()) >= len(METHODS)
 
 
 @pytest.mark.pictures

@@ -1,4 +1,4 @@
-"""Commands in processes of their own: full disks and signals."""
+"""Commands in processes of their own, and signals."""
 
 from __future__ import annotations
 
@@ -13,26 +13,6 @@ from commands import listing
 from families import noise
 from processes import hear_interrupts, wait_until_it_listens, weftex_process
 from weftex.io.pictures import write_image
-
-
-@pytest.mark.skipif(sys.platform == "win32", reason="no limits there")
-@pytest.mark.parametrize("output", ["old.png", "x.png", "x.tif", "x.jpg", "x.webp"])
-def test_a_full_disk(here, output):
-    import resource
-
-    (here / "old.png").write_bytes((here / "sample.png").read_bytes())
-    before = listing(here)
-
-    def limit():
-        signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
-        resource.setrlimit(resource.RLIMIT_FSIZE, (50_000, 50_000))
-
-    words = ["--size", 300, "--method", "quilting"]
-    run = weftex_process("synth", "sample.png", "-o", output, *words, preexec_fn=limit)
-    err = run.communicate()[1]
-    assert run.returncode == 2
-    assert err.startswith("weftex: error: ") and err.count("\n") == 1, err
-    assert listing(here) == before
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="signals are other there")

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from picture_files import files_in, noise, oiio_write, smooth
+from picture_files import files_in, noise, smooth
 from weftex.io import pictures as io
 
 Image = pytest.importorskip("PIL.Image")
@@ -158,11 +158,3 @@ def test_exr_channel_names(tmp_path, channels, alpha, names):
     io.write_image(tmp_path / "a.exr", noise((4, 4, channels), "float32"), alpha=alpha)
     found, kind, packed = oiio_names(tmp_path / "a.exr")
     assert (found, kind, packed) == (tuple(names), "float", "zip")
-
-
-def test_exr_half_becomes_float(tmp_path):
-    pixels = np.abs(noise((5, 6, 3), "float16"))
-    oiio_write(tmp_path / "half.exr", "openexr", pixels)
-    back = io.read_image(tmp_path / "half.exr").pixels
-    assert back.dtype == np.float32
-    np.testing.assert_array_equal(back, pixels.astype(np.float32))

@@ -3,11 +3,7 @@
 from __future__ import annotations
 
 import os
-import signal
 import stat
-import subprocess
-import sys
-import textwrap
 import threading
 import time
 from pathlib import Path
@@ -16,7 +12,7 @@ import numpy as np
 import pytest
 
 from picture_files import FULL, RGB_PROFILE, fails, files_in, noise, smooth
-from processes import ENVIRONMENT, run
+from processes import run
 from weftex.errors import FileError
 from weftex.io import pictures as io
 
@@ -100,45 +96,6 @@ def test_two_writers_at_once(tmp_path):
     for thread in threads:
         thread.join()
     assert files_in(tmp_path) == ["a.png"]
-
-
-@pytest.mark.skipif(not hasattr(signal, "SIGKILL"), reason="no SIGKILL")
-@pytest.mark.parametrize("suffix", [".png", ".tif"])
-def test_kill_leaves_the_old_file(tmp_path, suffix):
-    path = tmp_path / f"a{suffix}"
-    old = np.full((8, 8, 3), 7, "uint8")
-    code = """
-        import sys
-        import numpy as np
-        from weftex.io import pictures as io
-        pixels = np.random.default_rng(0).integers(0, 256, (1500, 1500, 3), "u1")
-        print("go", flush=True)
-        io.write_image(sys.argv[1], pixels)
-        print("done", flush=True)
-    """
-    caught = 0
-    for delay in (0.001, 0.01, 0.03, 0.06):
-        io.write_image(path, old)
-        command = [sys.executable, "-c", textwrap.dedent(code), str(path)]
-        with subprocess.Popen(command, env=ENVIRONMENT, stdout=subprocess.PIPE) as process:
-            assert process.stdout.readline() == b"go\n"
-            deadline = time.perf_counter() + 10
-            while not any(f.startswith(".weftex-") for f in os.listdir(tmp_path)):
-                assert time.perf_counter() < deadline
-                if process.poll() is not None:
-                    break
-            time.sleep(delay)
-            process.send_signal(signal.SIGKILL)
-            finished = process.stdout.read() == b"done\n"
-        back = io.read_image(path).pixels
-        if not finished and back.shape == old.shape:
-            caught += 1
-            np.testing.assert_array_equal(back, old)
-        else:
-            assert back.shape == (1500, 1500, 3)
-        for file in tmp_path.glob(".weftex-*"):
-            file.unlink()
-    assert caught
 
 
 def test_permissions(tmp_path):

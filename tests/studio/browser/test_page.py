@@ -164,18 +164,6 @@ def test_keys_alone(tab: Any, address: str) -> None:
     assert one.faults == []
 
 
-def test_a_phone(tab: Any, address: str) -> None:
-    """At 390 pixels nothing is wider than the page, on any screen."""
-    one = tab(viewport={"width": 390, "height": 844}, has_touch=True)
-    page = one.open(address)
-    assert one.probe("wide") == []
-    page.tap(".samples button:has-text('tiles')")
-    page.wait_for_selector(".facts")
-    for screen in SCREENS:
-        page.tap(f"[data-screen={screen}]")
-        assert one.probe("wide") == [], screen
-
-
 def test_a_wrong_value_is_told_beside_its_control(tab: Any, address: str) -> None:
     one = tab()
     page = one.open(address)
