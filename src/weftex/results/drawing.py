@@ -9,18 +9,12 @@ import numpy as np
 from weftex.raster.levels import tamed
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
     from numpy.typing import NDArray
-
-    #: Row and column in the sample of the pixels of some rows: (rows, W, 2), -1 for no source.
-    SourceOf = Callable[[slice], NDArray[np.int64]]
 
 __all__ = ["DRAWINGS"]
 
 #: What `Synthesis.draw` draws.
 DRAWINGS = ("sources", "seams", "patches")
-_BAND = 256  # rows
 
 
 def draw_sources(source: NDArray[np.int32], sample_shape: tuple[int, int]) -> NDArray[np.uint8]:
@@ -36,8 +30,7 @@ def draw_seams(
     gray: NDArray[np.uint8], source: NDArray[np.int32], sample_shape: tuple[int, int]
 ) -> NDArray[np.uint8]:
     """A gray picture, and in red the pixels whose source does not continue the one before."""
-    y, x = np.indices(source.shape[:2])
-    shift = (source - np.stack([y, x], axis=-1)) % sample_shape
+    shift = _shifts(source, sample_shape)
     seam = np.zeros(source.shape[:2], bool)
     seam[1:] |= (shift[1:] != shift[:-1]).any(axis=-1)
     seam[:, 1:] |= (shift[:, 1:] != shift[:, :-1]).any(axis=-1)
@@ -46,21 +39,22 @@ def draw_seams(
     return picture
 
 
-def draw_pieces(
-    source_of: SourceOf, shape: tuple[int, int], sample_shape: tuple[int, int]
-) -> NDArray[np.uint8]:
+def draw_pieces(source: NDArray[np.int32], sample_shape: tuple[int, int]) -> NDArray[np.uint8]:
     """Picture (H, W, 3) with a color per copied piece; known pixels from elsewhere are black."""
-    picture = np.zeros((*shape, 3), np.uint8)
-    for rows in bands(shape[0]):
-        source = source_of(rows)
-        y, x = np.indices(source.shape[:2])
-        shift = (source - np.stack([y + rows.start, x], axis=-1)) % sample_shape
-        name = shift[..., 0] * sample_shape[1] + shift[..., 1]
-        mixed = name.astype(np.uint64) * np.uint64(0x9E3779B97F4A7C15)  # Fibonacci hashing
-        for k in range(3):
-            picture[rows][..., k] = 64 + (mixed >> np.uint64(40 + 8 * k)) % np.uint64(192)
-        picture[rows][source[..., 0] < 0] = 0
-    return picture
+    name = _shifts(source, sample_shape) @ (sample_shape[1], 1)
+    mixed = name.astype(np.uint64) * np.uint64(0x9E3779B97F4A7C15)  # Fibonacci hashing
+    picture = np.stack(
+        [64 + (mixed >> np.uint64(k)) % np.uint64(192) for k in (40, 48, 56)], axis=2
+    )
+    picture[source[..., 0] < 0] = 0
+    return picture.astype(np.uint8)
+
+
+def _shifts(source: NDArray[np.int32], sample_shape: tuple[int, int]) -> NDArray[np.int64]:
+    """How far the source of each pixel is from it, (H, W, 2); equal within a copied piece."""
+    y, x = np.indices(source.shape[:2])
+    shifts: NDArray[np.int64] = (source - np.stack([y, x], axis=-1)) % sample_shape
+    return shifts
 
 
 def gray_of(pixels: NDArray[Any]) -> NDArray[np.uint8]:
@@ -74,8 +68,3 @@ def gray_of(pixels: NDArray[Any]) -> NDArray[np.uint8]:
         gray = (gray - low) / ((high - low) or 1) * 255
     result: NDArray[np.uint8] = np.rint(gray).astype(np.uint8)
     return result
-
-
-def bands(height: int) -> list[slice]:
-    """Return slices of rows that are looked at together."""
-    return [slice(top, min(top + _BAND, height)) for top in range(0, height, _BAND)]

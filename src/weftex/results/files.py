@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import os
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, fields
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -23,19 +23,6 @@ MOST_REACH = 256.0  #: pixels in which steps of tone may be spread
 _MOST_BYTES = 64  # a pixel of output and sample: patches of one pixel take 32
 
 
-#: What a result is given beside its canvas, arrays and exemplar.
-ABOUT = (
-    "sample_shape",
-    "known_from",
-    "provenance",
-    "match_tone",
-    "tone_reach",
-    "is_window",
-    "turn",
-    "copy_shape",
-)
-
-
 @dataclass(frozen=True)
 class Facts:
     """What a saved result stores beside its arrays; see `Synthesis` for the fields."""
@@ -45,12 +32,12 @@ class Facts:
     wrap: tuple[bool, bool]
     known_from: tuple[int, int] | None
     provenance: dict[str, Any]
-    origin: tuple[int, int] = (0, 0)  # this and what follows is not in files of the first version
-    match_tone: bool = False
-    tone_reach: float = 0.0
-    is_window: bool = False
-    turn: str | None = None
-    copy_shape: tuple[int, int] | None = None
+    origin: tuple[int, int]
+    match_tone: bool
+    tone_reach: float
+    is_window: bool
+    turn: str | None
+    copy_shape: tuple[int, int] | None
 
     def __post_init__(self) -> None:
         for name in ("shape", "sample_shape"):
@@ -79,6 +66,10 @@ class Facts:
         if bits.dtype != np.uint8 or bits.shape != (self.shape[0], -(-self.shape[1] // 8)):
             raise DamageError("its hole does not fit its size")
         return np.unpackbits(bits, axis=1, count=self.shape[1]).astype(bool)
+
+
+#: What a result is given beside its canvas, arrays and exemplar.
+ABOUT = tuple(one.name for one in fields(Facts) if one.name not in ("shape", "wrap", "origin"))
 
 
 def write_result(

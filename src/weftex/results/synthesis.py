@@ -31,6 +31,8 @@ if TYPE_CHECKING:
     Window = tuple[int, int, int, int]
     Place = tuple[int, int]
 
+_BAND = 256  # rows whose layers are in memory at once
+
 
 class Synthesis(Displayable, ABC):
     """A result: its image, its maps, and the sample pixels that they come from.
@@ -187,8 +189,12 @@ class Synthesis(Displayable, ABC):
 
     def pictured_source(self) -> NDArray[np.int32]:
         """Return `source`, but as coordinates in the picture of copies if the sample was turned."""
-        bands = drawing.bands(self.shape[0])
-        return np.concatenate([self._source_of(rows).astype(np.int32) for rows in bands])
+        height, width = self.shape
+        source = np.empty((height, width, 2), np.int32)
+        for top in range(0, height, _BAND):
+            part = source[top : top + _BAND]
+            part[:] = self._pictured_layers((top, 0, len(part), width))[0][:, :, 0]
+        return source
 
     def layers(self, window: Window | None = None) -> tuple[NDArray[Any], NDArray[Any]]:
         """Return all sources of each pixel and their shares, also where patches are blended.
@@ -336,15 +342,10 @@ class Synthesis(Displayable, ABC):
             raise InvalidInputError(f"cannot draw {shown(what)}; known: {known}")
         if what == "sources":
             return drawing.draw_sources(self.source, self.copy_shape or self.sample_shape)
+        source = self.pictured_source()
         if what == "seams":
-            gray, source = drawing.gray_of(self.image), self.pictured_source()
-            return drawing.draw_seams(gray, source, self.sample_shape)
-        return drawing.draw_pieces(self._source_of, self.shape, self.sample_shape)
-
-    def _source_of(self, rows: slice) -> NDArray[np.int64]:
-        """Row and column, in the picture of copies, of the pixels of some rows."""
-        window = (rows.start, 0, len(range(*rows.indices(self.shape[0]))), self.shape[1])
-        return np.asarray(self._pictured_layers(window)[0][:, :, 0], np.int64)
+            return drawing.draw_seams(drawing.gray_of(self.image), source, self.sample_shape)
+        return drawing.draw_pieces(source, self.sample_shape)
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write the image, or the source map and provenance without pixels.
