@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import time
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from starlette.responses import FileResponse, JSONResponse, Response
@@ -319,12 +320,26 @@ async def download(call: Call) -> Any:
 @route("POST", "/steps")
 async def add_step(call: Call) -> Any:
     """Write a step of the page's history to the disk."""
-    given = await call.object("id", "parent", "label", "title", "recipe", "result", "thumb")
+    given = await call.object(*works.FIELDS)
     made = call.session.recall("result", given.get("result"))
     result = None if made is None else results.described(made, call.session)
     step = works.step_of(given, result)
     await call.work(call.session.add_steps, [step])
     return step
+
+
+@route("GET", "/presets")
+async def all_presets(call: Call) -> Any:
+    """List the chains of steps that were saved."""
+    return await call.work(call.studio.chains.all)
+
+
+@route("POST", "/presets")
+async def change_preset(call: Call) -> Any:
+    """Save a chain of steps, rename it with `to`, or remove it."""
+    given = await call.object("name", "to", "steps")
+    change = partial(call.studio.chains.change, given.get("name"))
+    return await call.work(partial(change, to=given.get("to"), steps=given.get("steps")))
 
 
 @route("GET", "/works")

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from anyio import CapacityLimiter
 
+from weftex.studio.chains import Chains
 from weftex.studio.downloads import Downloads
 from weftex.studio.jobs import Jobs
 from weftex.studio.limits import Limits, LruCache
@@ -30,6 +31,7 @@ class Studio:
         self.memory = LruCache(limits.memory_bytes)
         self.jobs = Jobs(limits)
         self.downloads = Downloads(self.store.folder)
+        self.chains = Chains(self.store.folder)
         self.sessions = Sessions(self.store, self.memory, self._ended)
         self.limiter = CapacityLimiter(_AT_A_TIME)
         self.decoding = CapacityLimiter(1)  # uploads wait here, and leave the other threads free

@@ -12,7 +12,7 @@ import time
 from typing import TYPE_CHECKING, Any
 
 from weftex.errors import InvalidInputError
-from weftex.recipe import Recipe
+from weftex.recipe import Recipe, checked_material
 from weftex.studio.refusals import Refusal
 from weftex.studio.sessions import KEY, path_of, read_steps, read_uploads
 
@@ -26,6 +26,8 @@ _ID = re.compile(r"[0-9a-f]{12}")
 _THUMB = re.compile(r"data:image/(webp|png|jpeg);base64,[A-Za-z0-9+/=]{1,65536}")
 _LONGEST_TEXT = 200
 _WORKS = 60  # that are listed
+FIELDS = ("id", "parent", "label", "title", "recipe", "result", "thumb", "sample")
+FIELDS += ("estimated", "inverted")
 
 
 def step_of(given: Mapping[str, Any], result: dict[str, Any] | None) -> dict[str, Any]:
@@ -42,6 +44,9 @@ def step_of(given: Mapping[str, Any], result: dict[str, Any] | None) -> dict[str
         "label": str(given.get("label") or "")[:_LONGEST_TEXT],
         "title": str(given.get("title") or "")[:_LONGEST_TEXT],
         "recipe": Recipe.from_json(given.get("recipe")).as_json(),
+        # The materials that became of its result, and that its maps were estimated from.
+        **{k: checked_material(given[k]) for k in ("sample", "estimated") if given.get(k)},
+        "inverted": bool(given.get("inverted")),
         "result": result,
         "time": round(time.time()),
     }

@@ -71,3 +71,55 @@ def test_results_are_retouched_and_nothing_is_lost(tab: Any, address: str, photo
     found.wait_for_selector(".panel >> text=Made by")
     gone = re.compile("410")  # results that the server makes again
     assert one.faults == [] and [line for line in other.faults if not gone.search(line)] == []
+
+
+@pytest.mark.parametrize("browser", ["chromium", "firefox"], indirect=True)
+def test_steps_are_repeated_on_another_photo(tab: Any, address: str, photo: Path) -> None:
+    """Estimate, tile, enlarge: a preset. A painted hole ends one, and what was made stays."""
+    one = tab()
+    page = one.open(address)
+    page.set_input_files("input[type=file]", photo)
+    page.wait_for_selector(".facts")
+    page.click("[data-screen=make]")
+    page.click("[data-task=maps]")
+    page.click("text=Estimate maps")
+    page.wait_for_selector(".strip [aria-current] >> text=Maps estimated")
+    page.click("[data-task=tile]")
+    make(one, "Made")
+    page.click("text=Use as sample")
+    page.wait_for_selector(".panel h2 >> text=wall_tileable")
+    page.click("[data-screen=make]")
+    page.select_option("select", "quilting")
+    for side in ("Width", "Height"):
+        one.write(side, "200")
+    make(one, "quilting · 1")
+    page.click("text=Save as preset")
+    page.wait_for_selector("dialog li:nth-child(3):last-child")
+    page.fill("[aria-label='Name of the preset']", "Larger set")
+    page.click("dialog button.main")
+    page.wait_for_selector("[aria-label='Name of Larger set']")
+    page.click("dialog >> text=Close")
+
+    page.click("text=Paint on it")
+    one.stroke((0.45, 0.5), (0.55, 0.5))
+    page.click("text=Fill the hole")
+    page.wait_for_selector(".strip [aria-current] >> text=Hole filled")
+    one.settle()
+    page.click("text=Save as preset")
+    page.wait_for_selector("dialog li:nth-child(4) >> text=its hole was painted on another photo")
+    page.fill("[aria-label='Name of the preset']", "Healed")
+    page.click("dialog button.main")
+    page.wait_for_selector("[aria-label='Name of Healed']")
+    page.click("dialog >> text=Close")
+
+    page.click("[aria-label='Open another picture']")
+    page.click(".samples button:has-text('pebbles')")
+    page.wait_for_selector(".panel h2 >> text=pebbles")
+    page.click("text=Apply a preset")
+    page.click("[aria-label='Apply Healed to this photo']")
+    page.wait_for_selector(".stage-message >> text=its hole was painted on another photo")
+    assert "quilting · 1" in page.inner_text(".strip [aria-current]")
+    page.click("[data-screen=take]")
+    assert page.input_value(".field input[type=text]") == "pebbles_200x200"
+    assert page.query_selector(".panel >> text=normal_gl")
+    assert one.faults == []

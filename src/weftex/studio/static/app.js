@@ -137,11 +137,11 @@ export class App extends Shelf {
   }
 
   /** Make a recipe the present one, with what is seen of it so far. */
-  async take(recipe, label, result = null) {
+  async take(recipe, label, origin = {}) {
     await this.useMaterial(recipe.materials[0]);
     recipe = { ...recipe, size: recipe.size ?? (recipe.task === "synth" ? this.usualSize() : undefined) };
-    this.history.push(recipe, label, this.material.name, result);
-    this.save(this.history.present);
+    this.history.push(recipe, label, this.material.name);
+    this.save(Object.assign(this.history.present, origin));
     this.see(this.history.present);
   }
 
@@ -155,8 +155,12 @@ export class App extends Shelf {
 
   /** The material that a result is; the server stores it as a sample when it is first asked for. */
   async asSample(result) {
-    result.sample ??= await this.ask(result, (id) => this.api.post(`results/${id}/sample`));
-    return result.sample;
+    const entry = this.history.entries.find((one) => one.result === result);
+    if (!entry.sample) {
+      entry.sample = await this.ask(result, (id) => this.api.post(`results/${id}/sample`));
+      this.save(entry);
+    }
+    return entry.sample;
   }
 
   async useAsSample(result) {
@@ -164,12 +168,21 @@ export class App extends Shelf {
     await this.open([await this.asSample(result)]);
   }
 
-  /** Change the sample itself: straighten it, even its light, mask it. */
-  async mend(changes, label) {
+  /** Begin from the sample with estimates of the maps that it lacks, by its brightness. */
+  async estimate(inverted) {
+    const estimated = this.recipe.materials[0];
+    this.tell("notice", { text: t("maps.estimating") });
+    const spec = await this.api.post(`materials/${this.material.id}/estimates`, { invert: inverted });
+    await this.mend({ ...Object.fromEntries(Object.keys(estimated).map((key) => [key, null])), ...spec }, t("history.estimated"), { estimated, inverted });
+    return spec;
+  }
+
+  /** Change the sample itself: straighten it, even its light, mask it. `origin` says what it was made from. */
+  async mend(changes, label, origin = {}) {
     const spec = { ...this.recipe.materials[0], ...changes };
     for (const key of Object.keys(spec)) if (spec[key] === null) delete spec[key];
     this.shelf = this.shelf.map((one) => (sameJson(one, this.recipe.materials[0]) ? spec : one));
-    await this.take({ ...this.recipe, materials: [spec, ...this.recipe.materials.slice(1)] }, label);
+    await this.take({ ...this.recipe, materials: [spec, ...this.recipe.materials.slice(1)] }, label, origin);
   }
 
   // -- steps
@@ -203,8 +216,8 @@ export class App extends Shelf {
   save(entry, options = {}) {
     entry.saved = true;
     entry.thumb ??= thumbOf(entry.result?.bitmap ?? this.material.bitmap);
-    const { id, parent, label, title, state, thumb, result } = entry;
-    return this.api.post("steps", { id, parent, label, title, recipe: state, thumb, result: result?.id }, options).catch((error) => error.message && this.tell("fault", error));
+    const { id, parent, label, title, state, thumb, result, sample, estimated, inverted } = entry;
+    return this.api.post("steps", { id, parent, label, title, recipe: state, thumb, result: result?.id, sample, estimated, inverted }, options).catch((error) => error.message && this.tell("fault", error));
   }
 
   /** Change the recipe without a step; `make` or a preview comes after. */
@@ -324,7 +337,7 @@ export class App extends Shelf {
     const present = history.present;
     const title = this.material.name;
     if (present && present.label !== t("history.sample") && sameJson(present.state, result.recipe)) history.complete({ label, result: whole, thumb: null });
-    else if (passing && present?.passing && !history.children(present).length) history.complete({ state: structuredClone(result.recipe), label, title, result: whole, thumb: null, saved: false });
+    else if (passing && present?.passing && !history.children(present).length) history.complete({ state: structuredClone(result.recipe), label, title, result: whole, thumb: null, saved: false, sample: null });
     else {
       if (present?.passing && !present.saved) this.save(present);
       history.push(result.recipe, label, title, whole);

@@ -127,6 +127,15 @@ export function tick(label, checked, onchange, props = {}) {
   return h("label", { class: "tick" }, box, h("span", {}, label));
 }
 
+/** Open a dialog; it is removed when it is closed. */
+export function dialog(title, ...content) {
+  const box = h("dialog", { "aria-label": title }, h("h2", {}, title), content);
+  box.addEventListener("close", () => box.remove());
+  document.body.append(box);
+  box.showModal();
+  return box;
+}
+
 /** Draw the middle of a picture into a square canvas. */
 export function drawSquare(canvas, picture) {
   const side = Math.min(picture.width, picture.height);

@@ -1,9 +1,10 @@
 import { App } from "./app.js";
-import { drawSquare, drawText, fill, h, icon, iconButton } from "./dom.js";
+import { dialog, drawSquare, drawText, fill, h, icon, iconButton } from "./dom.js";
 import { CompareScreen } from "./screens/compare.js";
 import { front } from "./screens/front.js";
 import { MakeScreen } from "./screens/make.js";
 import { PaintScreen } from "./screens/paint.js";
+import { showPresets } from "./screens/presets.js";
 import { SampleScreen } from "./screens/sample.js";
 import { SeeScreen } from "./screens/see.js";
 import { openState, TakeScreen } from "./screens/take.js";
@@ -135,14 +136,6 @@ function showFront() {
 
 // -- dialogs
 
-function dialog(title, ...content) {
-  const box = h("dialog", { "aria-label": title }, h("h2", {}, title), content);
-  box.addEventListener("close", () => box.remove());
-  document.body.append(box);
-  box.showModal();
-  return box;
-}
-
 function showKeys() {
   const rows = ["steps", "undo", "make", "cancel", "zoom", "pan", "fit", "repeat", "mode", "brush", "paint"].map((one) =>
     h("tr", {}, h("th", { scope: "row" }, t(`keys.${one}.keys`).split(" ").map((key) => [h("kbd", {}, key), " "])), h("td", {}, t(`keys.${one}`))),
@@ -251,6 +244,7 @@ async function start() {
   addKeys();
   addDrops();
   app.addEventListener("go", ({ detail }) => go(detail.screen, detail));
+  app.addEventListener("presets", () => app.guard(() => showPresets(app)));
   app.addEventListener("fault", ({ detail }) => stage.say(detail.message));
   app.addEventListener("notice", ({ detail }) => stage.note(detail.text));
   await app.guard(() => app.begin(begun));

@@ -133,7 +133,7 @@ export class MakeScreen {
         "div",
         { class: "row" },
         h("button", { type: "button", onclick: () => files.click() }, icon("open"), t("maps.add")),
-        h("button", { type: "button", title: t("maps.estimate.help"), onclick: () => this.attempt(() => estimate(app, this.brightIsDeep)) }, icon("wand"), t("maps.estimate")),
+        h("button", { type: "button", title: t("maps.estimate.help"), onclick: () => this.attempt(() => app.estimate(this.brightIsDeep)) }, icon("wand"), t("maps.estimate")),
       ),
       tick(t("maps.invert"), this.brightIsDeep, (on) => (this.brightIsDeep = on)),
       files,
@@ -276,6 +276,7 @@ export function resultButtons(app) {
     button("open", t("result.sample"), () => app.guard(() => app.useAsSample(result))),
     button("brush", t("result.paint"), () => app.tell("go", { screen: "paint", onResult: true })),
     button("take", t("result.export"), () => app.tell("go", { screen: "take" })),
+    button("repeat", t("preset.save"), () => app.tell("presets")),
   );
 }
 
@@ -289,11 +290,4 @@ async function addMaps(app, files) {
   const named = materials.flatMap((one) => Object.entries(one.maps)).filter(([role, id]) => role !== "color" && uploads.includes(id));
   if (!named.length) throw new Error(t("maps.unnamed"));
   await app.mend({ name: app.material.name.replace(/\.[^.]*$/, ""), maps: { ...spec.maps, ...Object.fromEntries(named) } }, t("history.maps"));
-}
-
-/** Begin from the sample with estimates of the maps that it lacks, by its brightness. */
-async function estimate(app, invert) {
-  app.tell("notice", { text: t("maps.estimating") });
-  const spec = await app.api.post(`materials/${app.material.id}/estimates`, { invert });
-  await app.mend({ ...Object.fromEntries(Object.keys(app.recipe.materials[0]).map((key) => [key, null])), ...spec }, t("history.estimated"));
 }

@@ -124,6 +124,7 @@ export class SampleScreen {
         { class: "section" },
         segments(t("sample.turn"), turns, spec.turn ?? "", (turn) => app.guard(() => app.mend({ turn: turn || null }, t("sample.turn")))),
         tick(t("sample.repeats"), Boolean(spec.repeats), (repeats) => app.guard(() => app.mend({ repeats: repeats || null }, t("sample.repeats")))),
+        h("button", { type: "button", onclick: () => app.tell("presets") }, icon("repeat"), t("preset.apply_one")),
       ),
       h("details", {}, h("summary", {}, t("sample.more")), h("div", {}, spectrum(look.spectrum), h("pre", { class: "text-block", tabindex: 0 }, look.text))),
     ];
