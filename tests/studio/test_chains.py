@@ -4,7 +4,14 @@ import json
 
 import pytest
 
-MADE = {"task": "synth", "materials": [{"maps": {"color": "photo"}, "even_light": 2}], "size": [64, 64], "seed": 3, "method": "quilting", "parameters": {}}  # fmt: skip
+MADE = {
+    "task": "synth",
+    "materials": [{"maps": {"color": "photo"}, "even_light": 2}],
+    "size": [64, 64],
+    "seed": 3,
+    "method": "quilting",
+    "parameters": {},
+}
 STEPS = [
     {"label": "Maps", "estimate": {"maps": {"color": "photo"}}, "invert": True},
     {"label": "Made", "recipe": MADE | {"materials": [{"maps": {"color": "step 1"}}]}},
