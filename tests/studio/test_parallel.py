@@ -181,6 +181,16 @@ def folders(client):
     return len(list(client.studio.downloads.folder.iterdir()))
 
 
+def presets(client, page):
+    chain = [{"label": "Made", "recipe": QUICK | {"materials": [{"maps": {"color": "photo"}}]}}]
+    names = [f"preset {number}" for number in range(TIMES)]
+    asked = [("POST", "presets", {"name": name, "steps": chain}) for name in names]
+    assert codes(at_once(page, asked)) == [200] * TIMES
+    assert sorted(page.get("presets")) == sorted(names)
+    answers = at_once(page, [("POST", "presets", {"name": names[0]})] * TIMES)
+    assert codes(answers) == [200] + [404] * (TIMES - 1)
+
+
 WEAVE = {"materials": [{"sample": "weave"}], "method": "best-tile", "seed": 1}
 CASES = {
     "POST /session": same("session", None), "POST /leave": leave, "POST /uploads": upload,
@@ -189,7 +199,7 @@ CASES = {
     "POST /materials/{id}/estimates": estimates,
     "POST /jobs": jobs, "POST /planes": same("planes", WEAVE),
     "POST /results/{id}/exports": export, "POST /results/{id}/sample": use_as_sample,
-    "POST /steps": steps, "POST /works/{id}/open": continue_work,
+    "POST /steps": steps, "POST /presets": presets, "POST /works/{id}/open": continue_work,
     "DELETE /works/{id}": remove_work,
     "DELETE /jobs/{id}": end_job,
 }  # fmt: skip

@@ -26,8 +26,10 @@ _ID = re.compile(r"[0-9a-f]{12}")
 _THUMB = re.compile(r"data:image/(webp|png|jpeg);base64,[A-Za-z0-9+/=]{1,65536}")
 _LONGEST_TEXT = 200
 _WORKS = 60  # that are listed
-FIELDS = ("id", "parent", "label", "title", "recipe", "result", "thumb", "sample")
-FIELDS += ("estimated", "inverted")
+FIELDS = (
+    *("id", "parent", "label", "title", "recipe", "result", "thumb"),
+    *("sample", "estimated", "inverted"),
+)
 
 
 def step_of(given: Mapping[str, Any], result: dict[str, Any] | None) -> dict[str, Any]:

@@ -1,6 +1,7 @@
 import { Api, StudioError } from "./api.js";
 import { drawSquare, h } from "./dom.js";
 import { fromAddress, History, toAddress } from "./history.js";
+import { paceOf, placed } from "./pace.js";
 import { beginTask } from "./screens/tasks.js";
 import { sameJson, Shelf } from "./shelf.js";
 import { t } from "./strings.js";
@@ -9,7 +10,6 @@ const PICTURES_KEPT = 12; // steps whose pictures stay at hand
 const PASSING = 1500; // milliseconds after which a preview that was not followed by another is stored
 const THUMB = 96; // pixels
 const SOON = 2; // seconds in which a preview may be the final picture itself
-const CROPS = new Set(["near-regular", "best-tile"]); // methods whose smaller pictures are parts of larger ones
 
 /**
  * What the person has: materials on the shelf, the recipe as it stands, the result that is seen, the steps
@@ -366,17 +366,8 @@ export class App extends Shelf {
     const still = this.recipe === asked; // else another try follows
     if (still && sameJson(recipe, asked)) return this.step(result, t("history.changed"), true);
     const picture = await this.pictureOf(result);
-    if (this.recipe === asked || (!still && this.history.present === entry)) this.showPreview({ ...picture, ...this.placed(picture, recipe, asked), recipe, result });
+    if (this.recipe === asked || (!still && this.history.present === entry)) this.showPreview({ ...picture, ...placed(picture, recipe, asked), recipe, result });
     return result;
-  }
-
-  /** How a preview is shown: as the part of the final picture that it is, where the method allows that. */
-  placed({ bitmap, size }, recipe, asked) {
-    const whole = asked.size && !sameJson(recipe.size, asked.size);
-    if (!whole || asked.tileable || !CROPS.has(recipe.method)) return { isPart: false };
-    const canvas = new OffscreenCanvas(asked.size[1], asked.size[0]);
-    canvas.getContext("2d").drawImage(bitmap, 0, 0, ...size);
-    return { bitmap: canvas, size: [asked.size[1], asked.size[0]], isPart: true };
   }
 
   /** The recipe itself if that is quick, by what was made before; else at a size that takes a blink. */
@@ -396,9 +387,4 @@ function thumbOf(picture) {
   const canvas = h("canvas", { width: THUMB, height: THUMB });
   drawSquare(canvas, picture);
   return canvas.toDataURL("image/webp", 0.8);
-}
-
-/** What the seconds of a recipe depend on, beside its size. */
-function paceOf({ task, method, parameters, materials }) {
-  return JSON.stringify([task ?? "synth", method, parameters?.effort, materials]);
 }
