@@ -26,7 +26,7 @@ def written(maps, folder, preset, **how):
 
 
 def test_channels_of_every_engine(tmp_path):
-    """As the pages of the engines say, which `docs/how-to/engines.md` names."""
+    """As the pages of the engines say, which `docs/how-to/presets.md` names."""
     maps = whole_set()
     rough, metal, ao, height, opacity = (maps[name] for name in DATA)
     color, up = maps["color"], maps["normal_gl"]

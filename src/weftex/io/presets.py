@@ -1,6 +1,6 @@
 """Presets: which files a program wants of a map set, and which roles their channels hold.
 
-Each is a TOML file, in the package or of a user; `docs/how-to/engines.md` has a table of the keys.
+Each is a TOML file, in the package or of a user; `docs/how-to/presets.md` has a table of the keys.
 """
 
 from __future__ import annotations
