@@ -62,7 +62,7 @@ MORE: dict[str, dict[str, tuple[str, dict[str, Any]]]] = {
     "near-regular": {
         "paper": ("bricks", {"defaults": "paper"}),
         "rows": ("wood", {"lattice": (16, 0, 0, 1)}),
-        "free": ("weave", {"variety": 0.0}),
+        "weave": ("weave", {}),
         "gncc": ("bricks", {"match": "gncc"}),
         "feathered": ("tiles", {"blend": "feather", "blend_width": 8}),
     },

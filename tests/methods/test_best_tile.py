@@ -6,7 +6,6 @@ import pytest
 import weftex
 from families import noise
 from materials import wall
-from weftex.analysis.canvas_lattice import MeanTile
 
 
 def model_of(pixels, **parameters):
@@ -47,13 +46,6 @@ def test_it_wraps(tileable):
     assert all(steps)
     with pytest.raises(weftex.InvalidInputError, match="would do"):
         model.sample((30, 24), tileable=True)
-
-
-def test_mean_tile():
-    tile = noise((9, 13, 2))
-    plane = MeanTile(np.tile(tile, (5, 5, 1)), (13, 0, 0, 9))
-    y, x = np.indices((40, 50)) + 1000
-    assert np.array_equal(plane.at(y, x), tile[y % 9, x % 13])
 
 
 def test_without_a_lattice_it_is_refused():

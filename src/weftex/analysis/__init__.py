@@ -6,4 +6,5 @@ has it as one function: `correlation` (3.1 and 3.2), `autocorrelations` and thei
 
 What the thesis lacks, and photos need, can be skipped: `candidates` weighs the evidence for a
 lattice and for rows, from `tiles` (smaller and larger ones), `rows` (ridges), `joints` and `bonds`.
+`colored_rows` finds boards, for near-regular synthesis.
 """

@@ -113,28 +113,6 @@ class CanvasLattice:
         return result
 
 
-class MeanTile:
-    """The mean of all pixels at the same place of the tile, to about a pixel: what is regular."""
-
-    def __init__(self, pixels: NDArray[np.uint8], vectors: tuple[float, ...]) -> None:
-        self._lattice = CanvasLattice(vectors)
-        self._bins = [max(1, round(float(np.hypot(*v)))) for v in self._lattice.sample]
-        y, x = np.indices(pixels.shape[:2])
-        cell = self._lattice.cell(y, x, self._bins).ravel()
-        colors = pixels.reshape(-1, pixels.shape[2])
-        size = self._bins[0] * self._bins[1]
-        count = np.bincount(cell, minlength=size)
-        total = np.stack([np.bincount(cell, color, minlength=size) for color in colors.T], axis=1)
-        mean = np.rint(total / np.maximum(count, 1)[:, None])
-        mean[count == 0] = np.rint(colors.mean(axis=0))
-        self._mean = mean.astype(np.uint8)
-
-    def at(self, y: Any, x: Any) -> NDArray[np.uint8]:
-        """Return the colors (..., K) of pixels of the endless plane of mean tiles."""
-        result: NDArray[np.uint8] = self._mean[self._lattice.cell(y, x, self._bins)]
-        return result
-
-
 def check_lattice(vectors: tuple[float, ...], exemplar: Exemplar) -> None:
     """Raise `InvalidInputError` unless two tiles of these vectors lie in the sample."""
     x1, y1, x2, y2 = vectors

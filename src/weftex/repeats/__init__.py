@@ -4,8 +4,8 @@ A `Repetition` is the policy; a penalty applies it to one output. For each patch
 where the next one comes to lie (`Penalty.next_patch`), and multiplies the cost of each candidate
 offset by a factor of 1 or more (`Penalty.of`). Clearly better matches are never given up.
 
-Square patches and near-regular blocks compare one box with its neighbors by their offsets alone
-(`overlap_kernels.repeated_pixels`). Graph cuts leave no boxes, so `repeat_kernels` count pixels.
+Graph cuts leave no boxes, so `repeat_kernels` count pixels. The square patches of quilting and the
+blocks of near-regular synthesis are compared with those around by their offsets, in their kernels.
 """
 
 from __future__ import annotations

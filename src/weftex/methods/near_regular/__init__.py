@@ -8,9 +8,14 @@ from typing import TYPE_CHECKING, Any, ClassVar
 from weftex.method import Method
 from weftex.methods.lattices.model import LatticeModel
 from weftex.methods.near_regular.blocks import Plan, draw_constrained_blocks, fill_gaps
-from weftex.methods.near_regular.defaults import blend_of, check_block, is_rows, margin_of, resolve
 from weftex.methods.near_regular.layout import divide
-from weftex.methods.near_regular.sample import prepare
+from weftex.methods.near_regular.sample import (
+    blend_of,
+    check_block,
+    margin_of,
+    prepare,
+    resolve,
+)
 from weftex.methods.near_regular.seams import blend_linearly, cut_seams, paste_blocks
 from weftex.parameters import parameter
 from weftex.threads import thread_count, thread_map
@@ -80,12 +85,6 @@ class NearRegular(Method):
         "how blocks are joined; auto: cut along the least error, or feather with defaults=paper",
         choices=("auto", "cut", "feather", "none"),
     )
-    seam_cost: str = parameter(
-        "gradient",
-        "cost of a cut: lower on edges of the sample, or the same everywhere",
-        choices=("gradient", "difference"),
-        needs=("blend", ("auto", "cut")),
-    )
     blend_width: int | None = parameter(
         None,
         "width of the feathered area between blocks; wider where blocks show",
@@ -107,20 +106,6 @@ class NearRegular(Method):
         "how borders are compared: squared differences of colors, or their correlation",
         choices=("difference", "gncc"),
     )
-    candidates: int | None = parameter(
-        None,
-        "number of multiples of the vectors near which blocks for a gap are searched",
-        low=1,
-        high=512,
-        default_text="6; all in the paper",
-    )
-    variety: float | None = parameter(
-        None,
-        "penalty for repeating what neighboring blocks contain; 0 is the paper's",
-        low=0.0,
-        high=1000.0,
-        default_text="1; 0 in the paper",
-    )
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -136,11 +121,6 @@ class NearRegular(Method):
     def window_side(self) -> int:
         """The side of a block's window."""
         return (self.block_size or 0) + 2 * self.margin
-
-    @property
-    def by_rows(self) -> bool:
-        """Whether the sample repeats from row to row only."""
-        return self.lattice is not None and is_rows(self.lattice)
 
     def meant(self, name: str) -> Any:
         """What `blend` is, if that is "auto"."""

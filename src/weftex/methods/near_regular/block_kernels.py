@@ -8,9 +8,9 @@ multiples of the lattice vectors, are in 1/65536 pixel.
 
 import cython
 from cython.cimports.libc.math import sqrt
-from cython.cimports.weftex.repeats.overlap_kernels import repeated_pixels
+from cython.cimports.libc.string import memcpy
+from cython.cimports.weftex.raster.difference_kernels import squared
 from cython.cimports.weftex.search.picture_kernels import Sample, usable_place
-from cython.cimports.weftex.search.window_kernels import gather_runs, run_distance
 
 NEVER = cython.declare(cython.longlong, 1 << 60)  # more than any mismatch
 HALF = cython.declare(cython.longlong, 1 << 15)  # a pixel, in 1/65536
@@ -35,31 +35,24 @@ Near = cython.struct(index=cython.longlong, dy=cython.longlong, dx=cython.longlo
 class Gaps:
     """The border of gaps of one size, and how the sample's windows are compared with it.
 
-    `wedges` tells from which neighbor each pixel comes; `runs` (y, x, length) cover the border.
-    `variety` is in 1/256. The best windows are listed in `keys` and `places`.
+    `pieces` cover the wedges of the border (Fig. 4.9), and `runs` all of it: stretches of a row, by
+    their first pixel in `border`, in a window of the sample, and their length. A piece is of the
+    neighbor above, left, below or right. The best windows are listed in `keys` and `places`.
     """
 
     sample: Sample
-    wedges: cython.const[cython.uchar][:, ::1]
+    pieces: cython.const[cython.int][:, ::1]
     runs: cython.const[cython.int][:, ::1]
     tolerance: cython.Py_ssize_t
-    variety: cython.longlong
     by_correlation: cython.bint
-    border: cython.uchar[:, :, ::1]
-    query: cython.uchar[::1]  # the bytes of the border, run after run
+    border: cython.uchar[:, ::1]
     keys: cython.longlong[::1]
     places: cython.int[::1]
-    # Of the gap in hand: its size, and the neighbors above, left, below and right.
-    height: cython.longlong
-    width: cython.longlong
-    other: cython.int[4]
-    dy: cython.longlong[4]
-    dx: cython.longlong[4]
 
-    def __init__(self, sample: Sample, wedges, runs, tolerance, variety, by_correlation, scratch):
-        self.sample, self.wedges, self.runs = sample, wedges, runs
-        self.tolerance, self.variety, self.by_correlation = tolerance, variety, by_correlation
-        self.border, self.query, self.keys, self.places = scratch
+    def __init__(self, sample: Sample, pieces, runs, tolerance, by_correlation, scratch):
+        self.sample, self.pieces, self.runs = sample, pieces, runs
+        self.tolerance, self.by_correlation = tolerance, by_correlation
+        self.border, self.keys, self.places = scratch
 
 
 @cython.cfunc
@@ -86,11 +79,11 @@ def common_pixels(
     height: cython.longlong, width: cython.longlong, columns: cython.Py_ssize_t,
 ) -> cython.longlong:  # fmt: skip
     """The number of pixels that a block from `here` repeats of one (dy, dx) away."""
-    if other < 0:
-        return 0
     y: cython.longlong = here // columns - other // columns
     x: cython.longlong = here % columns - other % columns
-    return max(0, repeated_pixels(y, x, dy, dx, height, width))  # continuing repeats nothing
+    if other < 0 or (y == dy and x == dx):  # continuing repeats nothing
+        return 0
+    return max(0, height - abs(y)) * max(0, width - abs(x))
 
 
 def draw_blocks(
@@ -143,12 +136,35 @@ def draw_blocks(
 @cython.cfunc
 @cython.nogil
 @cython.exceptval(check=False)
-def correlation(gaps: Gaps, y: cython.Py_ssize_t, x: cython.Py_ssize_t) -> cython.longlong:
-    """2**40 (1 - gamma) by eq. (3.13) of the border and the window at (y, x)."""
+def compose_border(
+    gaps: Gaps, near: cython.const[Near][:, ::1], n: cython.Py_ssize_t,
+    sources: cython.const[cython.int][::1],
+) -> cython.void:  # fmt: skip
+    """Copy each wedge of the border of gap n from the neighbor that it belongs to (Fig. 4.9)."""
+    cython.declare(r=cython.Py_ssize_t, m=cython.Py_ssize_t, first=cython.Py_ssize_t)
+    pixels: cython.p_const_uchar = cython.address(gaps.sample.pixels[0, 0, 0])
+    columns: cython.Py_ssize_t = gaps.sample.pixels.shape[1]
+    channels: cython.Py_ssize_t = gaps.sample.pixels.shape[2]
+    for r in range(gaps.pieces.shape[0]):
+        m = gaps.pieces[r, 3]
+        # The gap's window begins here if it continues the neighbor.
+        first = sources[near[n, m].index] + near[n, m].dy * columns + near[n, m].dx
+        memcpy(
+            cython.address(gaps.border[gaps.pieces[r, 0], 0]),
+            pixels + (first + gaps.pieces[r, 1]) * channels,
+            gaps.pieces[r, 2] * channels,
+        )
+
+
+@cython.cfunc
+@cython.nogil
+@cython.exceptval(check=False)
+def correlation(gaps: Gaps, window: cython.p_const_uchar) -> cython.longlong:
+    """2**40 (1 - gamma) by eq. (3.13) of the border and a window."""
     cython.declare(r=cython.Py_ssize_t, i=cython.Py_ssize_t, k=cython.Py_ssize_t)
     cython.declare(f=cython.longlong, g=cython.longlong, n=cython.longlong)
     cython.declare(here=cython.p_const_uchar, there=cython.p_const_uchar)
-    channels: cython.Py_ssize_t = gaps.border.shape[2]
+    channels: cython.Py_ssize_t = gaps.border.shape[1]
     sums = cython.declare(cython.longlong[5])
     above: cython.longlong = 0
     below: cython.double = 0
@@ -157,11 +173,11 @@ def correlation(gaps: Gaps, y: cython.Py_ssize_t, x: cython.Py_ssize_t) -> cytho
             sums[i] = 0
         n = 0
         for r in range(gaps.runs.shape[0]):
-            here = cython.address(gaps.border[gaps.runs[r, 0], gaps.runs[r, 1], 0])
-            there = cython.address(gaps.sample.pixels[y + gaps.runs[r, 0], x + gaps.runs[r, 1], 0])
+            here = cython.address(gaps.border[gaps.runs[r, 0], k])
+            there = window + gaps.runs[r, 1] * channels + k
             for i in range(gaps.runs[r, 2]):
-                f = there[i * channels + k]
-                g = here[i * channels + k]
+                f = there[i * channels]
+                g = here[i * channels]
                 sums[0] += f
                 sums[1] += g
                 sums[2] += f * g
@@ -180,53 +196,25 @@ def correlation(gaps: Gaps, y: cython.Py_ssize_t, x: cython.Py_ssize_t) -> cytho
 @cython.cfunc
 @cython.nogil
 @cython.exceptval(check=False)
-def border_mismatch(gaps: Gaps, here: cython.int, bound: cython.longlong) -> cython.longlong:
-    """How badly a window fits the border: eq. (4.4), or by the GNCC; may stop past `bound`.
-
-    A window that repeats its neighbors counts as worse, by `variety` where it repeats all.
-    """
-    cython.declare(n=cython.Py_ssize_t, y=cython.Py_ssize_t, x=cython.Py_ssize_t)
-    cython.declare(repeated=cython.longlong)
-    columns: cython.Py_ssize_t = gaps.sample.pixels.shape[1]
-    area: cython.longlong = max(gaps.height * gaps.width, 1)
-    factor: cython.longlong = 256
-    for n in range(4):
-        repeated = common_pixels(
-            here, gaps.other[n], gaps.dy[n], gaps.dx[n], gaps.height, gaps.width, columns
-        )
-        factor += gaps.variety * repeated // area
-    y = here // columns
-    x = here % columns
+def border_mismatch(
+    gaps: Gaps, place: cython.Py_ssize_t, bound: cython.longlong
+) -> cython.longlong:  # fmt: skip
+    """How badly a window fits the border: eq. (4.4), or by the GNCC; may stop past `bound`."""
+    cython.declare(r=cython.Py_ssize_t, total=cython.longlong)
+    channels: cython.Py_ssize_t = gaps.border.shape[1]
+    window: cython.p_const_uchar = cython.address(gaps.sample.pixels[0, 0, 0]) + place * channels
     if gaps.by_correlation:
-        return factor * correlation(gaps, y, x)
-    return factor * run_distance(
-        gaps.sample.pixels, y, x, gaps.runs, gaps.runs.shape[0], gaps.query, bound // factor
-    )
-
-
-@cython.cfunc
-@cython.nogil
-@cython.exceptval(check=False)
-def compose_border(gaps: Gaps) -> cython.void:
-    """Copy each wedge of the border from the neighbor that it belongs to (Fig. 4.9)."""
-    cython.declare(v=cython.Py_ssize_t, u=cython.Py_ssize_t, k=cython.Py_ssize_t)
-    cython.declare(p=cython.Py_ssize_t, wedge=cython.int)
-    cython.declare(here=cython.p_uchar, there=cython.p_const_uchar)
-    channels: cython.Py_ssize_t = gaps.border.shape[2]
-    for v in range(gaps.wedges.shape[0]):
-        for u in range(gaps.wedges.shape[1]):
-            wedge = gaps.wedges[v, u]
-            if wedge == 0:
-                continue
-            wedge -= 1
-            p = gaps.other[wedge] + (gaps.dy[wedge] + v) * gaps.sample.pixels.shape[1]
-            here = cython.address(gaps.border[v, u, 0])
-            there = (
-                cython.address(gaps.sample.pixels[0, 0, 0]) + (p + gaps.dx[wedge] + u) * channels
-            )
-            for k in range(channels):
-                here[k] = there[k]
-    gather_runs(gaps.border, 0, 0, gaps.runs, gaps.runs.shape[0], gaps.query)
+        return correlation(gaps, window)
+    total = 0
+    for r in range(gaps.runs.shape[0]):
+        total += squared(
+            window + gaps.runs[r, 1] * channels,
+            cython.address(gaps.border[gaps.runs[r, 0], 0]),
+            gaps.runs[r, 2] * channels,
+        )
+        if total > bound:
+            break
+    return total
 
 
 @cython.cfunc
@@ -303,16 +291,10 @@ def fill_gaps(
 
     The best of the similar windows are listed, then the best within the tolerance around them wins.
     """
-    cython.declare(n=cython.Py_ssize_t, m=cython.Py_ssize_t, best=cython.int)
+    cython.declare(n=cython.Py_ssize_t, best=cython.int)
     with cython.nogil:
         for n in range(blocks.shape[0]):
-            gaps.height = blocks[n].height
-            gaps.width = blocks[n].width
-            for m in range(4):
-                gaps.other[m] = sources[near[n, m].index] if near[n, m].index >= 0 else -1
-                gaps.dy[m] = near[n, m].dy
-                gaps.dx[m] = near[n, m].dx
-            compose_border(gaps)
+            compose_border(gaps, near, n, sources)
             best = best_within_tolerance(gaps, best_similar(gaps, offsets, blocks, n))
             sources[blocks[n].index] = (
                 best if best >= 0 else cython.cast(cython.int, blocks[n].fallback)

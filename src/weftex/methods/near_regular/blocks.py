@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from weftex.methods.near_regular.sample import BlockSample
 
 _GAPS_AT_A_TIME = 32  # that a thread fills, at most
+_SIMILAR = 6  # windows around which a gap searches; the paper searches around all
 _DRAWN_NEAR = [(-2, 0), (-1, -1), (-1, 1), (0, -2), (0, 2), (1, -1), (1, 1), (2, 0)]
 #: As `block_kernels` has them.
 _BLOCK_FIELDS = ("index", "phase_y", "phase_x", "height", "width", "first", "fallback")
@@ -60,7 +61,8 @@ def fill_gaps(
     """Return `sources` with the windows that best fit the borders of the gaps (section 4.2.2)."""
     method, sample, layout, each = plan
     sources, kernel = sources.copy(), sample.windows.kernel
-    rule = method.tolerance, round(256 * method.variety), method.match == "gncc"
+    rule = method.tolerance, method.match == "gncc"
+    count = kernels.ALL_SIMILAR if method.defaults == "paper" else _SIMILAR
     progress = Progress(
         callback, len(layout.visible_gaps), "gaps", lambda: layout.preview(sample, sources)
     )
@@ -68,11 +70,10 @@ def fill_gaps(
     def fill(portion: tuple[NDArray[Any], ...]) -> int:
         offsets, blocks, near = portion
         height, width = blocks["height"][0], blocks["width"][0]
-        wedges, runs = sample.border(height, width, method.margin, layout.half_border)
-        border = np.zeros((*wedges.shape, sample.pixels.shape[2]), np.uint8)
-        query = np.empty(np.count_nonzero(wedges) * border.shape[2], np.uint8)
-        best = np.empty(method.candidates, np.int64), np.empty(method.candidates, np.int32)
-        same = kernels.Gaps(kernel, wedges, runs, *rule, (border, query, *best))
+        size, pieces, runs = sample.border(height, width, method.margin, layout.half_border)
+        border = np.empty((size, sample.pixels.shape[2]), np.uint8)
+        best = np.empty(count, np.int64), np.empty(count, np.int32)
+        same = kernels.Gaps(kernel, pieces, runs, *rule, (border, *best))
         kernels.fill_gaps(same, offsets, blocks, near, sources.reshape(-1))
         return len(blocks)
 

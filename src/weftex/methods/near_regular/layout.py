@@ -15,8 +15,9 @@ from weftex.random import draw
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    from weftex.analysis.colored_rows import ColoredRows
     from weftex.canvas import Canvas
-    from weftex.methods.near_regular.sample import BlockSample, Courses
+    from weftex.methods.near_regular.sample import BlockSample
 
 #: Blocks around the visible ones that their sources depend on: 1 beside a gap, and 2 for each color
 #: but the last, which is drawn with regard to the ones before.
@@ -34,26 +35,26 @@ class Cuts:
     share a row, 1 where a block has whole rows; no block is smaller than `least`.
     """
 
-    def __init__(self, size: int, courses: Courses | None, period: int, by: int) -> None:
+    def __init__(self, size: int, colored: ColoredRows | None, period: int, by: int) -> None:
         self.count, self.share, self._rows, self._period = 0, 1, 0, period
-        self.start = 0 if courses is None else courses.joint  # where in the plane edges count from
+        self.start = 0 if colored is None else colored.joint  # where in the plane edges count from
         self._first, self._unit = self.start * _UNIT, _UNIT
         self._step = size * _UNIT
         if period:
-            self._wrap(size, courses, period, by)
-        elif courses is not None:
-            rows, self.share = courses.division(size)
-            self._step = round(courses.height * rows * _UNIT / self.share)
+            self._wrap(size, colored, period, by)
+        elif colored is not None:
+            rows, self.share = colored.division(size)
+            self._step = round(colored.height * rows * _UNIT / self.share)
             self.start = 0  # as edges have it
         self.least = self._step // self._unit
         if self._rows:
             self.least = self._rows // self.count * (period // self._rows)
 
-    def _wrap(self, size: int, courses: Courses | None, period: int, by: int) -> None:
+    def _wrap(self, size: int, colored: ColoredRows | None, period: int, by: int) -> None:
         self.count = by * max(1, -(-period // (by * size)))
-        if courses is not None:
-            rows = max(1, round(period / courses.height))
-            each, self.share = courses.division(size, period / rows)
+        if colored is not None:
+            rows = max(1, round(period / colored.height))
+            each, self.share = colored.division(size, period / rows)
             self.count = by * -(-rows // (by * each))
             if self.share == 1 and (self.count > rows or by * rows % 4):
                 self.share = 2
@@ -112,15 +113,15 @@ class Axis:
         wraps: bool,
         plane_period: int,
         method: Any,
-        courses: Courses | None,
+        colored: ColoredRows | None,
     ) -> None:
         self.length, self.margin, self.side = length, method.margin, method.window_side
         period = plane_period or (length if wraps else 0)
-        cuts = Cuts(method.block_size, courses, period, 2 if wraps else 4)
+        cuts = Cuts(method.block_size, colored, period, 2 if wraps else 4)
         self.share, self.least, self.period = cuts.share, cuts.least, length if wraps else 0
         if wraps:
             numbers, ring, first = range(cuts.count), 0, 0
-            start = origin if courses is None else cuts.start
+            start = origin if colored is None else cuts.start
         else:
             begin = cuts.block_at(origin - self.margin)
             end = cuts.block_at(origin + length - 1 + self.margin) + 1
@@ -228,16 +229,17 @@ def divide(
     around = canvas if period is None else Around(*period)
     limit = max(VISIBLE_STRAIN, method.tolerance / size)
     lattice = CanvasLattice(method.lattice, around, limit)
+    colored = sample.colored_rows
     rows, columns = (
-        Axis(length, at, wraps, plane_period, method, own)
-        for length, at, wraps, plane_period, own in zip(
-            canvas.shape, origin, canvas.wrap, period or (0, 0), sample.courses, strict=True
+        Axis(*along, method, colored if colored and colored.axis == axis else None)
+        for axis, along in enumerate(
+            zip(canvas.shape, origin, canvas.wrap, period or (0, 0), strict=True)
         )
     )
     phase = lattice.phase(rows.corners[:, None], columns.corners[None, :])
     row = None
-    if sample.row_axis is not None:
-        row = _rows(sample, sample.row_axis, lattice, (rows, columns), phase, seed)
+    if colored is not None:
+        row = _rows(sample, colored.axis, lattice, (rows, columns), phase, seed)
     most = max(0, min(rows.least, columns.least) - 1) // 2
     return Layout(
         canvas=canvas,

@@ -16,11 +16,6 @@ from cython.cimports.weftex.methods.patches.zone_kernels import (
     zone_distance,
 )
 from cython.cimports.weftex.raster.difference_kernels import squared
-from cython.cimports.weftex.repeats.overlap_kernels import (
-    CONTINUES,
-    best_unrepeated,
-    exclude_repeats,
-)
 from cython.cimports.weftex.results.paste_kernels import Layout, paste
 
 # The largest m of section 3.2. If most of so many candidates match, others do too, see `spread`.
@@ -29,6 +24,10 @@ LARGEST_M = int(MOST_CANDIDATES)  # for Python
 
 # The squared distance that a patch without repeats may have, relative to the best with some.
 UNREPEATED = cython.declare(cython.double, 1.7)
+
+# Marks of `exclude_nearby`.
+REPEATS = cython.declare(cython.uchar, 1)
+CONTINUES = cython.declare(cython.uchar, 2)
 
 # More than any path of real differences: 2**16 pixels of 2**10 channels.
 OUTSIDE = cython.declare(cython.longlong, 1 << 44)
@@ -96,13 +95,9 @@ def in_set(key: cython.double, limit: cython.double, tolerance: Tolerance) -> cy
 @cython.nogil
 @cython.exceptval(check=False)
 def draw_one(
-    best: cython.Py_ssize_t,
-    count: cython.Py_ssize_t,
-    energy: cython.longlong,
-    bits: cython.ulonglong,
-    tolerance: Tolerance,
-    found: Shortlist,
-) -> cython.Py_ssize_t:
+    best: cython.Py_ssize_t, count: cython.Py_ssize_t, energy: cython.longlong,
+    bits: cython.ulonglong, tolerance: Tolerance, found: Shortlist,
+) -> cython.Py_ssize_t:  # fmt: skip
     """Draw one of the candidates within the tolerance that are not excluded; `best` if none is."""
     keys: cython.p_longlong = cython.address(found.keys[0])
     excluded: cython.p_uchar = cython.address(found.excluded[0])
@@ -141,24 +136,67 @@ def exclude_nearby(
     patches: Patches, p: cython.Py_ssize_t, width: cython.Py_ssize_t, count: cython.Py_ssize_t,
     found: Shortlist,
 ) -> cython.void:  # fmt: skip
-    """Exclude offsets that repeat nearby patches; half of the patches continue none."""
-    exclude_repeats(
-        patches.placements, patches.around[p], p, patches.keep_apart, patches.bits[p] & 1,
-        found.places[:count], width, found.excluded,
-    )  # fmt: skip
+    """Mark candidates nearer than `keep_apart` to the source of a patch around.
+
+    One that continues that patch repeats nothing. But half of the patches continue none.
+    """
+    cython.declare(i=cython.Py_ssize_t, k=cython.Py_ssize_t)
+    cython.declare(y=cython.Py_ssize_t, x=cython.Py_ssize_t)
+    cython.declare(this=cython.p_const_int, other=cython.p_const_int)
+    apart: cython.Py_ssize_t = patches.keep_apart
+    this = cython.address(patches.placements[p, 0])
+    for i in range(count):
+        found.excluded[i] = 0
+        for k in range(patches.around.shape[1]):
+            if patches.around[p, k] < 0:
+                continue
+            other = cython.address(patches.placements[patches.around[p, k], 0])
+            y = found.places[i] // width - other[2]
+            x = found.places[i] % width - other[3]
+            if y == this[0] - other[0] and x == this[1] - other[1]:
+                if patches.bits[p] & 1:
+                    found.excluded[i] = CONTINUES
+                    break
+            elif -apart < y < apart and -apart < x < apart:
+                found.excluded[i] = REPEATS
+                break
+
+
+@cython.cfunc
+@cython.nogil
+@cython.exceptval(check=False)
+def best_unrepeated(count: cython.Py_ssize_t, found: Shortlist) -> cython.Py_ssize_t:
+    """Return the best unmarked candidate, unless its key is above `UNREPEATED` times the least.
+
+    If it is, candidates that continue no patch are freed; if there are none, all are.
+    """
+    cython.declare(best=cython.Py_ssize_t, near=cython.Py_ssize_t, free=cython.Py_ssize_t)
+    cython.declare(i=cython.Py_ssize_t)
+    keys: cython.p_longlong = cython.address(found.keys[0])
+    best = near = free = -1
+    for i in range(count):
+        if best < 0 or keys[i] < keys[best]:
+            best = i
+        if found.excluded[i] < CONTINUES and (near < 0 or keys[i] < keys[near]):
+            near = i
+        if not found.excluded[i] and (free < 0 or keys[i] < keys[free]):
+            free = i
+    if near >= 0:
+        best = near
+    if free >= 0 and keys[free] <= UNREPEATED * keys[best]:
+        return free
+    for i in range(count):
+        found.excluded[i] = 0 if found.excluded[i] < CONTINUES or near < 0 else CONTINUES
+    return best
 
 
 @cython.cfunc
 @cython.nogil
 @cython.exceptval(check=False)
 def measure(
-    patches: Patches,
-    windows: ZoneWindows,
-    tolerance: Tolerance,
-    energy: cython.longlong,
-    count: cython.Py_ssize_t,
-    found: Shortlist,
-) -> cython.void:
+    patches: Patches, windows: ZoneWindows, tolerance: Tolerance, energy: cython.longlong,
+    count: cython.Py_ssize_t, found: Shortlist,
+) -> cython.void:  # fmt: skip
     """Compare candidates at the full resolution by eq. (2), each until it is hopeless."""
     width: cython.Py_ssize_t = windows.usable.shape[1]
     best: cython.longlong = -1
@@ -186,13 +224,9 @@ def measure(
 @cython.nogil
 @cython.exceptval(check=False)
 def spread(
-    windows: ZoneWindows,
-    energy: cython.longlong,
-    start: cython.Py_ssize_t,
-    tolerance: Tolerance,
-    count: cython.Py_ssize_t,
-    found: Shortlist,
-) -> cython.Py_ssize_t:
+    windows: ZoneWindows, energy: cython.longlong, start: cython.Py_ssize_t,
+    tolerance: Tolerance, count: cython.Py_ssize_t, found: Shortlist,
+) -> cython.Py_ssize_t:  # fmt: skip
     """If most candidates match, list windows from all over the sample instead; return how many."""
     matching: cython.Py_ssize_t = 0
     i: cython.Py_ssize_t
@@ -217,13 +251,9 @@ def spread(
 @cython.nogil
 @cython.exceptval(check=False)
 def choose_window(
-    canvas: cython.const[cython.uchar][:, :, ::1],
-    patches: Patches,
-    p: cython.Py_ssize_t,
-    windows: ZoneWindows,
-    tolerance: Tolerance,
-    found: Shortlist,
-) -> cython.Py_ssize_t:
+    canvas: cython.const[cython.uchar][:, :, ::1], patches: Patches, p: cython.Py_ssize_t,
+    windows: ZoneWindows, tolerance: Tolerance, found: Shortlist,
+) -> cython.Py_ssize_t:  # fmt: skip
     """Return the number of the window that patch `p` shows: steps 1 to 4 of section 2.2."""
     y: cython.Py_ssize_t = patches.placements[p, 0]
     x: cython.Py_ssize_t = patches.placements[p, 1]
@@ -254,7 +284,7 @@ def choose_window(
             exclude_nearby(patches, p, width, count, found)
             measure(patches, windows, tolerance, energy, count, found)
     # Steps 3 and 4: draw one of Psi_B, or take the closest.
-    best = best_unrepeated(found.keys[:count], found.excluded, UNREPEATED)
+    best = best_unrepeated(count, found)
     return found.places[draw_one(best, count, energy, patches.bits[p], tolerance, found)]
 
 
@@ -284,6 +314,7 @@ def cut_bands(
     cython.declare(side=cython.Py_ssize_t, first=cython.Py_ssize_t, length=cython.Py_ssize_t)
     cython.declare(edge=cython.Py_ssize_t, i=cython.Py_ssize_t, k=cython.Py_ssize_t)
     cython.declare(v=cython.Py_ssize_t, u=cython.Py_ssize_t, best=cython.Py_ssize_t)
+    cython.declare(y=cython.Py_ssize_t, x=cython.Py_ssize_t)
     cython.declare(at=cython.Py_ssize_t, least=cython.longlong)
     for v in range(rows):
         cuts[p, v] = 0
@@ -307,14 +338,10 @@ def cut_bands(
                 if layout.weights[0, v, u] == 0:  # the canvas stays
                     cost[i, k] = OUTSIDE
                 elif layout.weights[0, v, u] < 256:  # in the overlap
+                    y = (placement[0] + v) % canvas.shape[0]
+                    x = (placement[1] + u) % canvas.shape[1]
                     cost[i, k] = squared(
-                        cython.address(
-                            canvas[
-                                (placement[0] + v) % canvas.shape[0],
-                                (placement[1] + u) % canvas.shape[1],
-                                0,
-                            ]
-                        ),
+                        cython.address(canvas[y, x, 0]),
                         cython.address(pixels[placement[2] + v, placement[3] + u, 0]),
                         canvas.shape[2],
                     )

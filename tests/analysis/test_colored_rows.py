@@ -1,10 +1,10 @@
-"""How near-regular synthesis looks at a sample for rows."""
+"""Rows of a sample that keep a color each, and how near-regular synthesis continues them."""
 
 import numpy as np
 import pytest
 
 import weftex
-from weftex.methods.near_regular.sample import axis_of_rows
+from weftex.analysis.colored_rows import find_colored_rows
 
 
 def model_of(pixels, **parameters):
@@ -26,7 +26,7 @@ def test_boards_go_on(stands):
     pixels = boards(128)
     pixels = pixels.swapaxes(0, 1) if stands else pixels
     model = model_of(np.ascontiguousarray(pixels))
-    assert model.blocks.row_axis == int(stands)
+    assert model.blocks.colored_rows.axis == int(stands)
     out = model.sample((300, 300), seed=1)
     image = out.image.swapaxes(0, 1) if stands else out.image
     dark = image.max(axis=2) < 60
@@ -45,7 +45,8 @@ def test_boards_go_on(stands):
 def test_boards_go_on_around_a_tileable_picture(height, size):
     """An odd number of boards, or boards that are wider than a block, too."""
     model = model_of(boards(160, height), lattice=(1, 0, 0, height))
-    assert model.blocks.row_axis == 0 and (model.method.block_size < height) == (height == 56)
+    assert model.blocks.colored_rows.axis == 0
+    assert (model.method.block_size < height) == (height == 56)
     image = model.sample((size, size), seed=1, tileable=True).image
     dark = np.flatnonzero((image.max(axis=2) < 60).mean(axis=1) > 0.98)
     assert len(dark) == 2 * size // height  # joints are whole, and lie in rows
@@ -62,7 +63,7 @@ def test_rows_that_are_given_are_rows_that_are_found():
     found = model_of(boards(128))
     for lattice in ((1, 0, 0, 16), (0, 16, 1, 0), found.method.lattice):
         model = model_of(boards(128), lattice=lattice)
-        assert model.method.by_rows and model.blocks.row_axis == 0
+        assert model.blocks.colored_rows.axis == 0
         assert model.method.block_size == found.method.block_size
     assert np.array_equal(model.sample((90, 90), seed=1).image, found.sample(90, seed=1).image)
 
@@ -70,7 +71,7 @@ def test_rows_that_are_given_are_rows_that_are_found():
 def test_boards_wider_than_a_block_keep_their_color():
     """Blocks share a board; windows of the plane agree."""
     model = model_of(boards(240, 40), lattice=(1, 0, 0, 40), block_size=36)
-    assert model.blocks.row_axis == 0
+    assert model.blocks.colored_rows.axis == 0
     image = model.sample((300, 300), seed=2).image
     y = np.arange(300) % 40
     inner = image[(y > 4) & (y < 38)].reshape(-1, 15, 20, 3).mean(axis=2)
@@ -84,8 +85,8 @@ def test_rows_of_mixed_colors_are_free():
     pixels = boards(128, tone=2).astype(int)
     pixels += rng.integers(-30, 30, (8, 8, 1)).repeat(16, 0).repeat(16, 1)
     pixels[np.arange(128) % 16 < 2] = 20
-    mixed = axis_of_rows(pixels.astype(np.uint8), (0, 16, 7, 0))
-    assert mixed is None and axis_of_rows(boards(128), (0, 16, 7, 0)) == 0
-    assert axis_of_rows(boards(128), (8, 14, -14, 8)) is None
-    flat = np.full((128, 128, 3), 9, np.uint8)
-    assert axis_of_rows(flat, (0, 16, 7, 0)) is None
+    level, slanted = (0, 16, 7, 0), (8, 14, -14, 8)
+    assert find_colored_rows(boards(128), level).axis == 0
+    assert find_colored_rows(boards(128), slanted) is None
+    for other in (pixels.astype(np.uint8), np.full((128, 128, 3), 9, np.uint8)):
+        assert find_colored_rows(other, level) is None
