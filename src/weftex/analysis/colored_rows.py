@@ -74,10 +74,12 @@ def mean_tiles(pixels: NDArray[np.uint8], vectors: tuple[float, ...]) -> NDArray
     """Replace each pixel by the mean of all at its place of the tile, to about a pixel."""
     lattice = CanvasLattice(vectors)
     sides = [max(1, round(float(np.hypot(*v)))) for v in lattice.sample]
-    cell = lattice.cell(*np.indices(pixels.shape[:2]), sides)
+    y, x = np.indices(pixels.shape[:2])
+    cell = lattice.cell(y, x, sides)
     flat, count = cell.ravel(), np.bincount(cell.ravel())
     total = np.stack([np.bincount(flat, c.ravel()) for c in np.moveaxis(pixels, 2, 0)], axis=1)
-    return np.rint(total / np.maximum(count, 1)[:, None]).astype(np.uint8)[cell]
+    mean: NDArray[np.uint8] = np.rint(total / np.maximum(count, 1)[:, None]).astype(np.uint8)
+    return mean[cell]
 
 
 def _first_joint(pixels: NDArray[np.uint8], period: float, axis: int) -> int:

@@ -319,4 +319,5 @@ def visibility(pixels: NDArray[np.uint8]) -> NDArray[np.uint16]:
     steep = (wide[2:, 1:-1] - wide[:-2, 1:-1]) ** 2
     steep += (wide[1:-1, 2:] - wide[1:-1, :-2]) ** 2
     soft = _SOFT * pixels.shape[2]
-    return np.maximum(4096 * soft // (soft + steep.sum(axis=2)), 1).astype(np.uint16)
+    found: NDArray[np.int64] = np.maximum(4096 * soft // (soft + steep.sum(axis=2)), 1)
+    return found.astype(np.uint16)
