@@ -211,3 +211,23 @@ def test_errors_are_what_python_programs_expect():
     assert issubclass(weftex.FileError, OSError)
     for kind in (weftex.InvalidInputError, weftex.FileError, weftex.UnsupportedError):
         assert issubclass(kind, weftex.WeftexError)
+
+
+CONTROLS = [(slug, field) for slug, field in FIELDS if field.metadata["control"]]
+
+
+@pytest.mark.parametrize(
+    "slug, field", CONTROLS, ids=[f"{s}-{f.metadata['control']}" for s, f in CONTROLS]
+)
+def test_a_slider_of_pages_changes_the_picture(slug, field):
+    """One parameter of a method for each slider; its ends make different pictures."""
+    twins = [f for s, f in CONTROLS if s == slug]
+    assert len({f.metadata["control"] for f in twins}) == len(twins)
+    ends = {"size": (9, 25), "variety": (0.01, 0.8), "softness": (2, 8)}[field.metadata["control"]]
+    sample = weftex.load_exemplar("sample:bricks").pixels[:96, :96]
+    more = others(slug, field)
+    made = [
+        weftex.synthesize(sample, 112, method=slug, seed=1, **{field.name: end}, **more).image
+        for end in ends
+    ]
+    assert (made[0] != made[1]).any()

@@ -28,6 +28,7 @@ def parameter(
     idle_canvas: str = "",
     count: int = 0,
     parity: str = "",
+    control: str = "",
 ) -> Any:
     """Declare a field of a method.
 
@@ -56,6 +57,9 @@ def parameter(
         The value is so many numbers; a text with commas between them is taken too.
     parity : str
         "odd" or "even"; 0, where `low` allows it, is both.
+    control : str
+        The first sliders of pages: "size" of the features that are kept whole, "variety" or
+        "softness" of the seams, each of one parameter of a method; higher is more of it.
     """
     return dataclasses.field(
         default=default,
@@ -72,6 +76,7 @@ def parameter(
             "idle_canvas": idle_canvas,
             "count": count,
             "parity": parity,
+            "control": control,
         },
     )
 

@@ -51,6 +51,7 @@ class PatchSampling(PatchMethod):
         "how much a match may differ; higher is more random, inf takes any (0.2 in the paper)",
         low=0.0,
         hole_text=f"{_HOLE_EPSILON}",
+        control="variety",
     )
     choice: str = parameter(
         "uniform",

@@ -52,6 +52,7 @@ class Quilting(PatchMethod):
         0.1,
         "how much worse than the best a match may be, as a share of it; higher is more random",
         low=0.0,
+        control="variety",
     )
     blend: str = parameter(
         "cut",

@@ -151,7 +151,7 @@ def _analysis(loaded: PreparedMaterial) -> dict[str, Any]:
         ],
         "colors": found.colors,
         "tiles": list(found.tiles),
-        "auto": _choice(found.choice),
+        "auto": found.choice.as_dict(),
         "mending": _mending(loaded.spec, found.choice, found.lattice),
         "text": str(found),
     }
@@ -173,7 +173,7 @@ def _quick_analysis(loaded: PreparedMaterial) -> dict[str, Any]:
         "runners_up": [],
         "colors": seen.colors,
         "tiles": None,
-        "auto": _choice(choice),
+        "auto": choice.as_dict(),
         "mending": _mending(loaded.spec, choice, seen.lattice),
         "text": f"{exemplar.shape[1]}x{exemplar.shape[0]}, analyzed on a smaller copy\n{choice}",
     }
@@ -198,10 +198,6 @@ def _own(exemplar: Exemplar, lattice: Lattice | None, rated: Rated | None) -> An
         return None
     drawn = draw(exemplar, lattice.vectors, None if rated is None else rated.goodness)
     return {**vars(drawn), "confidence": lattice.confidence}
-
-
-def _choice(choice: Choice) -> dict[str, Any]:
-    return {"reason": choice.reason, "warnings": list(choice.warnings)}
 
 
 def _mending(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import fields
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -15,6 +16,8 @@ from weftex.studio.pictures import shown
 from weftex.studio.refusals import Refusal
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
     from weftex import Exemplar
     from weftex.io.pictures import Picture
     from weftex.studio.sessions import Session
@@ -44,6 +47,7 @@ def described(made: Result, session: Session) -> dict[str, Any]:
         "maps": maps_of(result.sample, made.main),
         "seconds": round(made.seconds, 3),
         "method": used.get("method", made.recipe.method.slug),
+        "parameters": _parameters(used),
         "reason": used.get("reason"),
         "warnings": list(used.get("warnings", ())),
         "formats": {name: formats_of(picture) for name, picture in made.pictures.items()},
@@ -51,6 +55,13 @@ def described(made: Result, session: Session) -> dict[str, Any]:
         "command": made.recipe.command(made.output, names),
         "python": made.recipe.python(made.output, names),
     }
+
+
+def _parameters(used: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the parameters of a result that are not the defaults of its method."""
+    declared = fields(weftex.METHODS[used["method"]]) if "method" in used else ()
+    names = {one.name: one.default for one in declared if one.name in used}
+    return {name: used[name] for name, usual in names.items() if used[name] != usual}
 
 
 def formats_of(picture: Picture) -> list[str]:

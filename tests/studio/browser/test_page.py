@@ -171,9 +171,9 @@ def test_a_wrong_value_is_told_beside_its_control(tab: Any, address: str) -> Non
     page.click("[data-screen=make]")
     page.select_option("select", "quilting")
     page.click("summary")
-    page.fill(".parameter:has(label:text('Patch size')) input[type=number]", "0")
+    page.fill(".parameter:has(label:text('Feature size')) input[type=number]", "0")
     page.click("text=Make it")
-    told = page.inner_text(".parameter:has(label:text('Patch size')) [role=alert]")
+    told = page.inner_text(".parameter:has(label:text('Feature size')) [role=alert]")
     assert "patch_size is 0" in told and "\n" not in told
 
 

@@ -134,7 +134,7 @@ def test_a_material_on_solids_and_out_of_the_page(tab: Any, address: str) -> Non
     page.keyboard.press("d")
     page.wait_for_selector("canvas.solid")
     solid = page.locator("canvas.solid")
-    for shape in ("plane", "box", "sphere"):
+    for shape in ("plane", "box", "cloth", "sphere"):
         page.check(f"input[value={shape}]")
     last = b""
     for slider in page.query_selector_all(".solid-controls input[type=range]"):

@@ -54,6 +54,7 @@ class Ashikhmin(WindowedMethod):
         parity="odd",
         unit="px",
         default_text="5, less for a very small sample",
+        control="size",
     )
     passes: int = parameter(
         2,

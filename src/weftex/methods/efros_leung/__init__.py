@@ -65,6 +65,7 @@ class EfrosLeung(WindowedMethod):
         parity="odd",
         unit="px",
         default_text="15, less for a small sample",
+        control="size",
     )
     tolerance: float = parameter(
         0.1,
@@ -72,6 +73,7 @@ class EfrosLeung(WindowedMethod):
         "more random",
         low=0.0,
         high=1000.0,
+        control="variety",
     )
 
     def resolved(self, exemplar: Exemplar) -> Self:

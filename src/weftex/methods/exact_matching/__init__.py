@@ -64,6 +64,7 @@ class ExactMatching(WindowedMethod):
         high=1001,
         unit="px",
         default_text="17 with several levels, else from the sample's scale",
+        control="size",
     )
     tolerance: float | None = parameter(
         None,
@@ -72,6 +73,7 @@ class ExactMatching(WindowedMethod):
         low=0.0,
         high=1.0,
         default_text="0 if colors occur more than once, else so that the nearest four match",
+        control="variety",
     )
     nearest_colors: int | None = parameter(
         None,

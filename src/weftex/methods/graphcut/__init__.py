@@ -76,6 +76,7 @@ class GraphCut(Method):
         default_text="0.45 x the sample's shorter side; a smaller share above 512 px",
         hole_text=HOLE_PATCHES,
         needs=("placement", ("subpatch",)),
+        control="size",
     )
     boundary_width: int | None = parameter(
         None,
@@ -120,6 +121,7 @@ class GraphCut(Method):
         low=0.0,
         high=1000.0,
         needs=("placement", ("subpatch", "entire")),
+        control="variety",
     )
     halvings: int | None = parameter(
         None,
@@ -135,6 +137,7 @@ class GraphCut(Method):
         high=256.0,
         unit="px",
         idle_canvas="known",
+        control="softness",
     )
     lattice: tuple[float, ...] | None = parameter(
         None,

@@ -71,6 +71,7 @@ class NearRegular(Method):
         low=1,
         unit="px",
         default_text="by tile and sample, up to 5/16 of the sample's side as in the paper",
+        control="size",
     )
     border_width: int | None = parameter(
         None,
@@ -92,6 +93,7 @@ class NearRegular(Method):
         unit="px",
         default_text="4, at most that of the borders",
         needs=("blend", ("feather",)),
+        control="softness",
     )
     tolerance: int | None = parameter(
         None,

@@ -44,6 +44,7 @@ class PatchMethod(Method):
         unit="px",
         default_text="0.3 x the sample's shorter side; a smaller share above 512 px",
         hole_text=HOLE_PATCHES,
+        control="size",
     )
     boundary_width: int | None = parameter(
         None,
@@ -52,6 +53,7 @@ class PatchMethod(Method):
         unit="px",
         default_text="a tenth of the patch size, at least 4",
         hole_text=f"{_HOLE_ZONE} px",
+        control="softness",
     )
     search: str = parameter(
         "pca",

@@ -70,6 +70,7 @@ class Refinement(WindowedMethod):
         parity="odd",
         unit="px",
         default_text="twice the sample's dominant scale, at least 29 unless search is 'nearest'",
+        control="size",
     )
     search: str = parameter(
         "coherent",
@@ -144,6 +145,7 @@ class Refinement(WindowedMethod):
         low=0.0,
         high=100.0,
         needs=("search", ("coherent",)),
+        control="variety",
     )
     guide_weight: float = parameter(
         0.3,

@@ -70,6 +70,7 @@ class WeiLevoy(WindowedMethod):
         parity="odd",
         unit="px",
         default_text=f"{PROPOSED_WIDTH}, less for a very small sample",
+        control="size",
     )
     parent_width: int | None = parameter(
         None,

@@ -5,6 +5,18 @@ import { number, t } from "./strings.js";
  * Controls for parameters as the server describes them: {name, type, low, high, unit, choices, default,
  * default_text, help, count, parity}. What is not set is not sent; the method then decides.
  */
+/** The parameters of a method that artists know by other words, with a range around what is `usual`, by names; no size is above `largest`. */
+export function controls(parameters, values, largest, usualValues = {}) {
+  return parameters
+    .filter(({ control, needs }) => control && (!needs || needs[1].includes(values[needs[0]] ?? parameters.find((one) => one.name === needs[0]).default)))
+    .map((one) => {
+      const usual = one.default ?? usualValues[one.name];
+      const most = Math.min(one.high ?? Infinity, one.control === "size" ? largest : Infinity, usual ? usual * 8 : 64);
+      const range = { low: usual ? Math.max(one.low ?? 0, usual / 8) : one.low, high: Math.max(most, usual ?? 0) };
+      return { ...one, ...range, usual, label: t(`control.${one.control}`), title: `${one.name}: ${one.help}`, help: t(`control.${one.control}.help`) };
+    });
+}
+
 export function parameterForm(parameters, values, onchange, error = null) {
   return h("div", { class: "parameters" }, parameters.map((one) => control(one, values, onchange, error)));
 }
@@ -25,6 +37,7 @@ function control(parameter, values, onchange, error) {
   reset.hidden = !(name in values);
   const kind = parameter.choices?.length ? choice : parameter.type === "bool" ? flag : isNumber(parameter) ? slider : text;
   const row = field(title(parameter), kind(parameter, values[name], set), { help: parameter.help, value: reset });
+  if (parameter.title) row.title = parameter.title;
   row.classList.add("parameter");
   if (error?.parameter === name) row.append(h("p", { class: "note error", role: "alert" }, error.message));
   row.classList.toggle("set", name in values);
@@ -32,7 +45,8 @@ function control(parameter, values, onchange, error) {
 }
 
 /** "patch_size" as "Patch size". */
-export function title({ name }) {
+export function title({ name, label }) {
+  if (label) return label;
   const words = name.replaceAll("_", " ").replaceAll("-", " ");
   return words[0].toUpperCase() + words.slice(1);
 }
@@ -64,7 +78,7 @@ function text(parameter, value, set) {
 /** A number with a slider below, which is logarithmic where the range is wide. */
 function slider(parameter, value, set) {
   const { low, high, unit, type } = parameter;
-  const start = value ?? parameter.default;
+  const start = value ?? parameter.default ?? parameter.usual;
   const box = h("input", {
     type: "number",
     value: value ?? "",
@@ -76,7 +90,7 @@ function slider(parameter, value, set) {
   });
   const from = low ?? 0;
   const to = high !== null && high !== undefined && high <= 1e6 ? high : Math.max(8 * (start || 16), from + 64);
-  const wide = to / Math.max(from, type === "int" ? 1 : to / 1e3) > 60;
+  const wide = parameter.usual > 0 || to / Math.max(from, type === "int" ? 1 : to / 1e3) > 60;
   const least = Math.max(from, type === "int" ? 1 : to / 1e3);
   const toShare = (number) =>
     wide ? (number < least ? 0 : Math.log(number / least) / Math.log(to / least)) : (number - from) / (to - from);

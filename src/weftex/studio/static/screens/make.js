@@ -1,5 +1,5 @@
 import { field, fill, h, icon, iconButton, segments, tick } from "../dom.js";
-import { parameterForm } from "../form.js";
+import { controls, parameterForm } from "../form.js";
 import { sameJson } from "../shelf.js";
 import { duration, number, t } from "../strings.js";
 import { beginTask, fittingSize, taskButtons } from "./tasks.js";
@@ -15,8 +15,9 @@ export class MakeScreen {
     this.live = true;
     this.brightIsDeep = false; // for estimates
     this.took = 0; // milliseconds of the last preview
+    this.usual = new Map(); // the values of parameters that are not set, by sample and method
     this.update = (event) => this.panel && this.refresh(event.detail?.passing);
-    this.tell = () => this.panel && fill(this.toldBox, this.told() ?? []);
+    this.tell = () => this.panel && (this.learn(this.app.preview?.result) ? this.refresh() : fill(this.toldBox, this.told() ?? []));
   }
 
   enter(panel, { now = false } = {}) {
@@ -72,8 +73,11 @@ export class MakeScreen {
     const parameters = recipe.parameters ?? {};
     const form = (list) => parameterForm(list, parameters, () => this.change({ parameters: { ...parameters } }), this.fault);
     const effort = free && chosen.parameters.find((one) => one.name === "effort" && one.choices.length);
-    const others = chosen.parameters.filter((one) => one.name !== "effort");
+    const making = this.making();
+    const sliders = making ? controls(app.method(making.method).parameters, making.parameters, Math.floor(0.75 * Math.min(app.material.width, app.material.height)), this.usual.get(this.keyOf(making.method))) : [];
+    const others = chosen.parameters.filter((one) => one.name !== "effort" && !(making?.method === chosen.slug && sliders.some(({ name }) => name === one.name)));
     const present = { tile: "tile", fill: "remove", fuse: "blend" }[task] ?? (app.wish === "maps" ? "maps" : "bigger");
+    const atSlider = sliders.some((one) => one.name === this.fault?.parameter);
     const beside = others.some((one) => one.name === this.fault?.parameter); // the error stands at its control
     const result = sameJson(app.result?.recipe, recipe) ? app.result : null;
     const reason = chosen.slug === "auto" ? (result?.reason ?? (free ? app.look?.auto.reason : "")) : chosen.title;
@@ -82,7 +86,7 @@ export class MakeScreen {
       h("h2", {}, t("make.title")),
       taskButtons(present, (one) => this.changeTask(one)),
       present === "maps" ? this.matching() : null,
-      this.fault && !beside && !atSize ? h("div", { class: "note error", role: "alert" }, icon("warn"), h("div", {}, this.fault.message)) : null,
+      this.fault && !beside && !atSlider && !atSize ? h("div", { class: "note error", role: "alert" }, icon("warn"), h("div", {}, this.fault.message)) : null,
       task === "tile" ? this.tiling() : null,
       !free ? null : segments(t("make.tileable"), [["no", t("tileable.no")], ["x", t("tileable.x")], ["y", t("tileable.y")], ["xy", t("tileable.xy")]], recipe.tileable === true ? "xy" : recipe.tileable || "no", (one) =>
         this.change({ tileable: one === "xy" ? true : one === "no" ? false : one }, true),
@@ -93,6 +97,7 @@ export class MakeScreen {
         ? segments(t("make.effort"), effort.choices.map((one) => [one, t(`effort.${one}`)]), parameters.effort ?? effort.default, (one) => this.change({ parameters: { ...parameters, effort: one } }))
         : null,
       field(t("make.method"), method, { help: reason }),
+      sliders.length ? parameterForm(sliders, making.parameters, () => this.change(making), this.fault) : null,
       h(
         "div",
         { class: "row even go-row" },
@@ -115,6 +120,29 @@ export class MakeScreen {
         ),
       ),
     );
+  }
+
+  /** {method, parameters} of what makes the picture; where weftex chooses, its choice, if that is known. */
+  making() {
+    const { recipe, result, look } = this.app;
+    const { method = "auto", parameters = {} } = recipe;
+    if (method !== "auto") return { method, parameters: { ...parameters } };
+    if (recipe.task !== "synth") return null;
+    const choice = look?.auto;
+    const known = sameJson(result?.recipe, recipe) && result.method !== choice?.method ? result : choice;
+    return known ? structuredClone({ method: known.method, parameters: known.parameters }) : null;
+  }
+
+  keyOf(method) {
+    return `${this.app.material.id} ${method} ${this.app.recipe.task}`;
+  }
+
+  /** Learn what a method takes by itself; whether that was news. */
+  learn(result) {
+    if (!result?.parameters || this.usual.has(this.keyOf(result.method))) return false;
+    const own = Object.entries(result.parameters).filter(([name]) => !(name in (result.recipe.parameters ?? {})));
+    this.usual.set(this.keyOf(result.method), Object.fromEntries(own));
+    return true;
   }
 
   changeTask(task) {
@@ -153,7 +181,8 @@ export class MakeScreen {
   /** Draw anew, but not under the hands of who writes or drags. */
   refresh(passing) {
     const held = document.activeElement;
-    if (passing || (this.panel.contains(held) && held.matches("input:not([type=radio], [type=checkbox])"))) fill(this.toldBox, this.told() ?? []);
+    const news = this.learn(this.app.result);
+    if ((passing && !news) || (this.panel.contains(held) && held.matches("input:not([type=radio], [type=checkbox])"))) fill(this.toldBox, this.told() ?? []);
     else this.draw();
   }
 

@@ -56,20 +56,11 @@ export class LightView {
   }
 
   draw() {
-    if (this.waiting) return;
-    this.waiting = true;
-    requestAnimationFrame(() => {
-      this.waiting = false;
-      if (this.canvas.isConnected && this.textures.color) this.paint();
-    });
+    drawSoon(this);
   }
 
-  paint() {
+  paint(ratio) {
     const { gl, canvas, view, program } = this;
-    const ratio = window.devicePixelRatio || 1;
-    canvas.width = Math.max(1, Math.round(canvas.clientWidth * ratio));
-    canvas.height = Math.max(1, Math.round(canvas.clientHeight * ratio));
-    gl.viewport(0, 0, canvas.width, canvas.height);
     gl.useProgram(program);
     const edge = view.repeat > 1 ? gl.REPEAT : gl.CLAMP_TO_EDGE;
     const at = (name) => gl.getUniformLocation(program, name);
@@ -86,6 +77,22 @@ export class LightView {
     gl.uniform1f(at("roughness"), 1);
     gl.drawArrays(gl.TRIANGLES, 0, 3);
   }
+}
+
+/** Have a view painted at the next frame, in as many pixels as its canvas has on the screen. */
+export function drawSoon(view) {
+  if (view.waiting) return;
+  view.waiting = true;
+  requestAnimationFrame(() => {
+    view.waiting = false;
+    const { canvas, gl } = view;
+    if (!canvas.isConnected || !view.textures.color) return;
+    const ratio = window.devicePixelRatio || 1;
+    canvas.width = Math.max(1, Math.round(canvas.clientWidth * ratio));
+    canvas.height = Math.max(1, Math.round(canvas.clientHeight * ratio));
+    gl.viewport(0, 0, canvas.width, canvas.height);
+    view.paint(ratio);
+  });
 }
 
 export const ROLES = ["color", "normal", "roughness", "height", "occlusion", "metallic"];

@@ -1,13 +1,14 @@
 import { h, segments } from "../dom.js";
 import { t } from "../strings.js";
-import { bindTextures, makeProgram, makeTextures } from "./light.js";
+import { bindTextures, drawSoon, makeProgram, makeTextures } from "./light.js";
 import { SOLID_FRAGMENT, SOLID_VERTEX } from "./shaders.js";
 
-const SHAPES = ["sphere", "plane", "box"];
+const SHAPES = ["sphere", "plane", "box", "cloth"];
 const SLIDERS = { displacement: [0, 0.5], relief: [0, 3], openness: [0, 2], roughness: [0, 2], sunAcross: [-1, 1], sunAbove: [-1, 1] };
-const FAR = { sphere: 3.6, plane: 3.2, box: 4.2 };
+const FAR = { sphere: 3.6, plane: 3.2, box: 4.2, cloth: 4.2 };
+const FLAT = new Set(["plane", "cloth"]); // the whole picture lies on them once
 
-/** A material on a sphere, a plane or a box, which turn under the pointer; drawn with WebGL2 over a viewer. */
+/** A material on a sphere, a plane, a box or a cloth, which turn under the pointer; drawn with WebGL2 over a viewer. */
 export class SolidView {
   constructor(view) {
     this.view = view;
@@ -106,20 +107,11 @@ export class SolidView {
   }
 
   draw() {
-    if (this.waiting) return;
-    this.waiting = true;
-    requestAnimationFrame(() => {
-      this.waiting = false;
-      if (this.canvas.isConnected && this.textures.color) this.paint();
-    });
+    drawSoon(this);
   }
 
   paint() {
     const { gl, canvas, program, values } = this;
-    const ratio = window.devicePixelRatio || 1;
-    canvas.width = Math.max(1, Math.round(canvas.clientWidth * ratio));
-    canvas.height = Math.max(1, Math.round(canvas.clientHeight * ratio));
-    gl.viewport(0, 0, canvas.width, canvas.height);
     gl.enable(gl.DEPTH_TEST);
     gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
     gl.useProgram(program);
@@ -130,11 +122,12 @@ export class SolidView {
     const eye = [Math.sin(around) * Math.cos(above), Math.sin(above), Math.cos(around) * Math.cos(above)].map((one) => one * far);
     const wide = this.size[0] / this.size[1];
     const round = this.shape === "sphere" ? 2 : 1;
+    const flat = FLAT.has(this.shape);
     const repeat = this.view.repeat;
     gl.uniformMatrix4fv(at("view"), false, looking(eye, canvas.width / canvas.height));
     gl.uniform3f(at("eye"), ...eye);
     gl.uniform3f(at("sun"), ...[2 * values.sunAcross, 2 * values.sunAbove, 1.2]);
-    gl.uniform2f(at("times"), (round * repeat) / (this.shape === "plane" ? 1 : wide), repeat * (this.shape === "plane" ? wide : 1));
+    gl.uniform2f(at("times"), (round * repeat) / (flat ? 1 : wide), repeat * (flat ? wide : 1));
     gl.uniform2f(at("size"), ...this.size);
     gl.uniform1f(at("displacement"), values.displacement / repeat);
     gl.uniform1f(at("down"), this.directx ? 1 : -1);
@@ -191,4 +184,31 @@ const SHAPE_OF = {
     }
     return faces;
   },
+  cloth: () =>
+    grid(320, 320, (u, v) => {
+      const step = 1 / 640;
+      const [place, right, below] = [draped(u, v), draped(u + step, v), draped(u, v + step)];
+      const along = unit(right.map((one, k) => one - place[k]));
+      return [place, unit(cross(below.map((one, k) => one - place[k]), along)), along, [u, v, 1]];
+    }),
 };
+
+/** A place of a square cloth on a round table: level on top, bent at the edge, in folds that deepen down to the hem. */
+function draped(u, v) {
+  const [x, z] = [2.7 * (u - 0.5), 2.7 * (v - 0.5)];
+  const [far, around] = [Math.hypot(x, z), Math.atan2(z, x)];
+  const [table, bend, steep] = [0.6, 0.16, 1.45]; // radius, radius of the bent edge, angle of what hangs
+  const over = Math.max(0, far - table);
+  const angle = Math.min(over / bend, steep);
+  const hung = over - bend * angle;
+  const fold = Math.min(0.2, 0.3 * hung) * Math.cos(9 * around + 0.8 * Math.sin(2 * around));
+  const out = Math.min(far, table) + bend * Math.sin(angle) + hung * Math.cos(steep) + fold;
+  return [out * Math.cos(around), 0.4 - bend * (1 - Math.cos(angle)) - hung * Math.sin(steep), out * Math.sin(around)];
+}
+
+const cross = ([a, b, c], [d, e, f]) => [b * f - c * e, c * d - a * f, a * e - b * d];
+
+function unit(vector) {
+  const length = Math.hypot(...vector) || 1;
+  return vector.map((one) => one / length);
+}
