@@ -131,22 +131,19 @@ def _is_number(value: object) -> bool:
 
 def labels_of(
     picture: NDArray[Any], count: int, colors: Sequence[Any] | None = None
-) -> tuple[NDArray[np.int32], list[Any]]:
-    """Return labels (H, W) of the colors of a painted map, and the color of each label.
+) -> NDArray[np.int32]:
+    """Return labels (H, W) of the colors of a painted map, in the order in which they appear.
 
     With `colors`, other colors count as the nearest of these, so painted edges may be smooth.
     """
     if picture.ndim not in (2, 3) or picture.size == 0:
         raise InvalidInputError(f"the map has shape {picture.shape}; it must be (H, W[, C])")
     flat = picture.reshape(picture.shape[0] * picture.shape[1], -1)
-    if colors is None:
-        labels, wanted = _by_appearance(flat, count)
-    else:
-        labels, wanted = _by_nearest(flat, count, colors)
-    return labels.reshape(picture.shape[:2]), [tuple(c.tolist()) for c in wanted]
+    labels = _by_appearance(flat, count) if colors is None else _by_nearest(flat, count, colors)
+    return labels.reshape(picture.shape[:2])
 
 
-def _by_appearance(flat: NDArray[Any], count: int) -> tuple[NDArray[np.int32], NDArray[Any]]:
+def _by_appearance(flat: NDArray[Any], count: int) -> NDArray[np.int32]:
     """Label the colors (N, C) of a map in the order in which they appear."""
     found, first, inverse = np.unique(flat, axis=0, return_index=True, return_inverse=True)
     order = np.argsort(first)
@@ -156,12 +153,10 @@ def _by_appearance(flat: NDArray[Any], count: int) -> tuple[NDArray[np.int32], N
             f"the map has {len(found)} colors ({listed}) for {count} samples; there must be one "
             "for each sample, or say which to take: colors=[...], or --colors"
         )
-    return np.argsort(order).astype(np.int32)[inverse.ravel()], found[order]
+    return np.argsort(order)[inverse.ravel()].astype(np.int32)
 
 
-def _by_nearest(
-    flat: NDArray[Any], count: int, colors: Sequence[Any]
-) -> tuple[NDArray[np.int32], NDArray[Any]]:
+def _by_nearest(flat: NDArray[Any], count: int, colors: Sequence[Any]) -> NDArray[np.int32]:
     """Label each color (N, C) of a map by the nearest of the given ones."""
     if len(colors) != count:
         raise InvalidInputError(
@@ -183,7 +178,8 @@ def _by_nearest(
     for k, color in enumerate(wanted):
         if not (distance[k] == 0).any():
             raise InvalidInputError(f"the map has no pixel of the color {_text(color)}")
-    return distance.argmin(axis=0).astype(np.int32), wanted
+    nearest: NDArray[np.int32] = distance.argmin(axis=0).astype(np.int32)
+    return nearest
 
 
 def map_picture(label_map: Any) -> NDArray[Any]:

@@ -105,10 +105,10 @@ def test_belts_leave_something_of_every_region():
     labels[30:33, 50:53] = 3
     reaches = np.full((4, 4), 20)
     meeting = Meetings(labels, [0, 1, 2, 3], reaches, (False, False))
-    rows, columns = np.arange(60), np.arange(80)
-    assert meeting.place(0, 2, rows, columns)[0][20, 10] >= 1
-    assert meeting.place(1, 3, rows, columns)[0][31, 51] >= 1
-    place, room = meeting.place(0, 1, rows, columns)
+    everywhere = np.s_[:, :]
+    assert meeting.place(0, 2, everywhere)[0][20, 10] >= 1
+    assert meeting.place(1, 3, everywhere)[0][31, 51] >= 1
+    place, room = meeting.place(0, 1, everywhere)
     assert (
         room[50, 40] == 20
         and room[20, 10] < 5

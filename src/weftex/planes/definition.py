@@ -15,6 +15,7 @@ import numpy as np
 
 import weftex
 from weftex import Exemplar, Method
+from weftex.canvas import as_canvas
 from weftex.errors import InvalidInputError, shown
 from weftex.io.npz import DamageError, one_line_errors, open_npz, write_npz
 from weftex.planes.layout import Layout, check_block
@@ -34,7 +35,6 @@ if TYPE_CHECKING:
 
 BLOCK = 2048
 _MOST_SIDE = 2**40
-_AXES = {False: (False, False), True: (True, True), "x": (False, True), "y": (True, False)}
 _FORMAT = "weftex plane 1"
 _MOST_BYTES = 2**34
 _FLAGS = ("tileable", "alpha", "name")
@@ -144,17 +144,14 @@ class Definition:
         kind = (dtype, channels, picture.alpha, picture.mixing, picture.icc)
         return Layout(int(sides[0]), int(sides[1]), block, *kind)
 
-    def render(
-        self, window: Window, only: str | None = None, **how: Any
-    ) -> dict[str, NDArray[Any]]:
-        """Return the pixels of each picture, or of one, in a window, as they are stored."""
+    def render(self, window: Window, **how: Any) -> dict[str, NDArray[Any]]:
+        """Return the pixels of each picture in a window, as they are stored."""
         period = period_of((self.height, self.width), self.wrap)
         made = self.model.window(*window, seed=self.seed, period=period, **how)
         found = {}
         for name, one in self.pictures.items():
-            if only in (None, name):
-                pixels = made.image if one is self.exemplar else made.render(one)
-                found[name] = pixels.astype(self.layouts[name].dtype, copy=False)
+            pixels = made.image if one is self.exemplar else made.render(one)
+            found[name] = pixels.astype(self.layouts[name].dtype, copy=False)
         return found
 
     def stores(self, target: str) -> dict[str, TiffStore]:
@@ -251,16 +248,13 @@ def define(
     stems: Mapping[str, str] | None = None,
 ) -> Definition:
     """Return what a plane is made of, after a look whether its method makes windows of it."""
-    if tileable not in _AXES:
-        raise InvalidInputError(f"tileable is {tileable!r}; it must be True, False, 'x' or 'y'")
+    wrap = as_canvas(1, tileable).wrap
     sides: Any = size if isinstance(size, (tuple, list)) else (size, size)
     if len(sides) != 2 or not all(isinstance(k, numbers.Integral) and int(k) >= 1 for k in sides):
         raise InvalidInputError(f"size is {shown(size)}; it must be (height, width), 1 or more")
     shape, number = (int(sides[0]), int(sides[1])), seed_number(seed)
     chosen, exemplar = make_method(method, parameters), weftex.load_exemplar(sample)
-    made = Definition(
-        exemplar, chosen, number, *shape, _AXES[tileable], block, stems=dict(stems or {})
-    )
+    made = Definition(exemplar, chosen, number, *shape, wrap, block, stems=dict(stems or {}))
     period = period_of(shape, made.wrap)
     given = made.model.window(0, 0, 1, 1, seed=number, period=period).provenance
     if chosen.slug != AUTO:

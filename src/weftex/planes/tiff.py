@@ -31,8 +31,8 @@ if TYPE_CHECKING:
 _MOST_SIDE = 2**20
 _MOST_TILES = 2**22  # tables of tiles, of 12 bytes each, are made in memory
 _PAGE = 2**16  # tiles begin at pages, which no two writers share
-_ASCII, _SHORT, _LONG, _UNDEFINED, _LONG8 = 2, 3, 4, 7, 16
-_CODES = {_ASCII: "u1", _SHORT: "<u2", _LONG: "<u4", _UNDEFINED: "u1", _LONG8: "<u8"}
+_SHORT, _LONG, _UNDEFINED, _LONG8 = 3, 4, 7, 16
+_CODES = {_SHORT: "<u2", _LONG: "<u4", _UNDEFINED: "u1", _LONG8: "<u8"}
 _RGB = 3
 KEPT = "blocks that are done are kept, and the same command continues"
 REPAIR = "'weftex check --repair' makes it again"

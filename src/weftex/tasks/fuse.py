@@ -241,9 +241,8 @@ def _labels(
         colors = range(count)
     if colors is None and mixed:
         raise InvalidInputError("give the colors of the samples beside those of mixed regions")
-    labels, _ = labels_of(
-        picture, count + len(mixed), None if colors is None else [*colors, *mixed]
-    )
+    given = None if colors is None else [*colors, *mixed]
+    labels = labels_of(picture, count + len(mixed), given)
     if wanted is not None and labels.shape != wanted:
         raise InvalidInputError(
             f"the map is {labels.shape[1]}x{labels.shape[0]}, the size {wanted[1]}x{wanted[0]}; "

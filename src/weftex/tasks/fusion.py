@@ -84,21 +84,16 @@ class Fusion:
         self, material: Material, region: NDArray[np.bool_], reach: int
     ) -> NDArray[np.int32]:
         """Synthesize a material in its region and the belts around it; -1 elsewhere."""
-        canvas, corner = self.canvas, (0, 0)
+        canvas, area = self.canvas, np.s_[:, :]
+        layer = np.full(canvas.shape, -1, np.int32)
         if not any(canvas.wrap):
-            spans = []
-            for axis, side in enumerate(canvas.shape):
-                taken = np.flatnonzero(region.any(axis=1 - axis))
-                spans.append((max(0, int(taken[0]) - reach), min(side, int(taken[-1]) + reach + 1)))
-            corner = spans[0][0], spans[1][0]
-            canvas = Canvas(spans[0][1] - spans[0][0], spans[1][1] - spans[1][0])
+            area = _around(region, reach)
+            canvas = Canvas(*layer[area].shape)
         if len(material) == 1:
             exemplar, places = self.exemplars[material[0]], self._places(material[0])
         else:
             exemplar, places = self._merged_sample(*material)
         made = self._sample(exemplar, canvas, self._number(material))
-        layer = np.full(self.canvas.shape, -1, np.int32)
-        area = tuple(slice(c, c + n) for c, n in zip(corner, canvas.shape, strict=True))
         layer[area] = places.ravel()[made.index]
         return layer
 
@@ -111,13 +106,12 @@ class Fusion:
         meeting: Meetings,
     ) -> NDArray[np.int32]:
         """Move the boundary between two materials to the cheapest cut within their belt."""
-        rows, columns = meeting.span(a, b)
-        area = np.ix_(rows, columns)
-        wraps, shape = self.canvas.wrap, labels.shape
-        wrap = wraps[0] and len(rows) == shape[0], wraps[1] and len(columns) == shape[1]
-        own = labels[area]
+        area = meeting.belt(a, b)
+        own, (down, across) = labels[area], self.canvas.wrap
+        shape = labels.shape
+        wrap = down and own.shape[0] == shape[0], across and own.shape[1] == shape[1]
         free = ((own == a) | (own == b)) & (layers[a][area] >= 0) & (layers[b][area] >= 0)
-        place, room = meeting.place(a, b, rows, columns)
+        place, room = meeting.place(a, b, area)
         seed = int(draw(self.seed, "boundary", a, b))
         apart, astray = 1 - np.minimum(np.abs(place), 1), hills(place, room, wrap, seed)
         side = place + _WANDER * apart * astray
@@ -236,29 +230,25 @@ class Meetings:
         """Return whether two regions touch, corners included."""
         return bool((self._away[a] + self._away[b] < 2).any())
 
-    def span(self, a: int, b: int) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
-        """Return the rows and columns of the belt between two regions and one pixel around it."""
-        near = np.maximum(self._away[a], self._away[b]) <= self.reaches[a, b] + 1
-        lines = []
-        for axis in (0, 1):
-            taken = np.flatnonzero(near.any(axis=1 - axis))
-            lines.append(np.arange(taken[0], taken[-1] + 1))
-        return lines[0], lines[1]
+    def belt(self, a: int, b: int) -> tuple[slice, slice]:
+        """Return the box of the belt between two regions and one pixel around it."""
+        return _around(np.maximum(self._away[a], self._away[b]) <= self.reaches[a, b] + 1)
 
     def place(
-        self, a: int, b: int, rows: NDArray[np.intp], columns: NDArray[np.intp]
+        self, a: int, b: int, area: tuple[slice, slice]
     ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Return where pixels lie in the belt: -1 at its edge in the first region, 1 in the second.
 
         Also half the width of the belt there, in pixels; it takes few values.
         """
-        area = np.ix_(rows, columns)
         apart = self._away[a][area] - self._away[b][area]
         room = np.minimum(self._room[area], self.reaches[a, b])
         return apart / room, room
 
 
-def _around(mask: NDArray[np.bool_], far: int, wrap: tuple[bool, bool]) -> tuple[slice, slice]:
+def _around(
+    mask: NDArray[np.bool_], far: int = 0, wrap: tuple[bool, bool] = (False, False)
+) -> tuple[slice, slice]:
     """Return the box of a mask and `far` pixels around it; all of an axis that wraps."""
     spans = []
     for axis, (side, wraps) in enumerate(zip(mask.shape, wrap, strict=True)):
