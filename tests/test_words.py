@@ -18,7 +18,7 @@ RULES = {
     for pattern, better in rules.items()
 }
 #: What is not prose: fenced and indented code, spans of code, targets of links, HTML.
-CODE = re.compile(r"^```.*?^```$|^ {4}\S.*$|`[^`\n]+`|\]\([^)]*\)|<[^>\n]+>", re.M | re.S)
+CODE = re.compile(r"^```.*?^```$|^ {4}\S[^\n]*$|`[^`\n]+`|\]\([^)]*\)|<[^>\n]+>", re.M | re.S)
 
 
 def found(text):

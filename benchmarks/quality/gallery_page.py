@@ -109,7 +109,7 @@ Bold: no figure is beyond its limit. [All figures](quality-figures.md).
 {scores}
 ## An independent measure
 
-[Whose it is](../../background/quality.md#an-independent-measure). Bold: good by its own rule.
+[Whose it is](../measures-checked.md#beside-an-independent-measure). Bold: good by its own rule.
 
 {judged}"""
 
