@@ -9,6 +9,7 @@ import weftex
 from commands import fails, weft_run
 from families import noise
 from weftex.io.pictures import read_image, write_image
+from weftex.prepare import scaled
 
 Image = pytest.importorskip("PIL.Image")
 
@@ -88,6 +89,49 @@ def test_maps_of_other_sizes_have_other_densities(tmp_path, monkeypatch):
     assert [stated(tmp_path / "out" / f"{k}.png") for k in ("color", "height")] == [500, 1000]
 
 
+def test_density_scales_all_maps(tmp_path, monkeypatch):
+    """By the filter that Pillow has, too; normals stay unit vectors of the same slopes."""
+    monkeypatch.chdir(tmp_path)
+    y, x = np.mgrid[:120, :160] / 20
+    slopes = np.dstack([np.cos(x), np.cos(y), np.full_like(x, 2)])
+    vectors = slopes / np.linalg.norm(slopes, axis=2, keepdims=True)
+    (tmp_path / "set").mkdir()
+    color = noise((120, 160, 3))
+    write_image("set/color.png", color)
+    write_image("set/normal_gl.png", np.rint(vectors * 127.5 + 127.5).astype(np.uint8))
+    write_image("set/height.png", noise((60, 80), "uint16"))
+    words = ["--sample-width", "16cm", "--density", "500px/m"]
+    assert weft_run("prepare", "set", "-o", "out", *words, "--quiet") == 0
+    found = {name: read_image(f"out/{name}.png") for name in ("color", "normal_gl", "height")}
+    assert [one.pixels.shape[:2] for one in found.values()] == [(60, 80), (60, 80), (30, 40)]
+    assert [round(one.density) for one in found.values()] == [500, 500, 250]
+    expected = Image.fromarray(color).resize((80, 60), Image.Resampling.LANCZOS)
+    assert abs(found["color"].pixels - np.asarray(expected, float)).mean() < 2
+    half = found["normal_gl"].pixels / 127.5 - 1
+    assert abs(np.linalg.norm(half, axis=2) - 1).max() < 0.01
+    assert abs(half - vectors[::2, ::2]).max() < 0.06 and half.dtype == float
+    assert weft_run("synth", "set", "-o", "more", *words, "--size", "0.2m", "--quiet") == 0
+    assert read_image("more/color.png").pixels.shape == (100, 100, 3)
+
+
+def test_scaled_tiles_stay_tileable():
+    tile = noise((24, 30, 3))
+    moved, whole = (
+        scaled(weftex.Exemplar(one, tileable=True), 2.0).pixels
+        for one in (np.roll(tile, (7, 11), (0, 1)), tile)
+    )
+    assert np.array_equal(moved, np.roll(whole, (14, 22), (0, 1)))
+
+
+def test_planes_keep_the_density(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    write_image("a.png", noise((40, 50, 3)), density=853)
+    words = ["--size", "150", "--block", "64", "--method", "quilting", "--patch-size", "12"]
+    assert weft_run("synth", "a.png", "-o", "b.tif", *words, "--seed", "1", "--quiet") == 0
+    assert stated(tmp_path / "b.tif") == pytest.approx(853, abs=0.01)
+    assert read_image("b.tif").density == pytest.approx(853, abs=0.01)
+
+
 @pytest.mark.parametrize(
     "words, message",
     [
@@ -97,6 +141,9 @@ def test_maps_of_other_sizes_have_other_densities(tmp_path, monkeypatch):
         (["synth", "a.png", "-o", "b.png", "--size", "2mx3"], "2k or 2mx1.5m (meters)"),
         (["synth", "a.png", "-o", "b.png", "--sample-width", "2k"], "0.6m, 60cm or 600mm"),
         (["synth", "a.png", "-o", "b.png", "--sample-width", "0m"], "a length above 0"),
+        (["prepare", "a.png", "-o", "b.png", "--density", "90"], "a.png states none; give the"),
+        (["synth", "a.png", "-o", "b.png", "--sample-width", "9m", "--density", "90px/m"],
+         "a.png, 50x40, would be scaled 16.2 times"),
         (["batch", ".", "-o", "out", "--size", "2m"], "batch takes pixels, as samples may differ"),
     ],
 )  # fmt: skip

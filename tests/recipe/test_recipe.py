@@ -141,7 +141,8 @@ MADE = {
     "window": {"materials": [SAMPLE], "window": [60, 50, 30, 40], "period": [200, 300],
                **QUILTING},
     "landmarks": {"materials": [SAMPLE], "landmarks": "thin", "method": "graphcut"},
-    "tile": {"task": "tile", "materials": [PHOTO | {"even_light": 1, "sample_width": 0.3}],
+    "tile": {"task": "tile", "materials": [PHOTO | {"even_light": 1, "sample_width": 0.3,
+                                                   "density": 250.0}],
              "axes": "y", "border": 8},
     "fill": {"task": "fill", "materials": [PHOTO, SAMPLE | {"repeats": True}], "mask": "hole.png",
              "overlap": 2, "method": "patch-sampling", "parameters": {"epsilon": 0.1}},
@@ -184,6 +185,7 @@ TRIED = {
     "half.png", "--straighten": "8,8,40,8,40,50,8,50", "--even-light": "3", "--turn": "half",
     "--tileable-sample": "", "--map-weights": "height=2", "--seed": "8", "--direction": "0",
     "--width": "0.5", "--landmarks": "remove", "--fit": "", "--sample-width": "7cm",
+    "--density": "200px/m",
 }  # fmt: skip
 
 

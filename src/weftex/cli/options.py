@@ -76,17 +76,18 @@ def _in_pixels(text: str, path: str, args: argparse.Namespace, command: str) -> 
     from weftex.recipe.opening import measured
 
     given = vars(args)
-    spec = {"sample_width": value_of(MATERIAL["sample_width"], given)}
-    material = measured(read_input(path, args, value_of(MATERIAL["maps"], given)), spec)
-    picture = material.pictures[material.main]
+    spec = {name: value_of(MATERIAL[name], given) for name in ("sample_width", "density")}
+    material = read_input(path, args, value_of(MATERIAL["maps"], given))
+    stated = material.pictures[material.main].density
+    picture = measured(material, spec).pictures[material.main]
     if picture.density is None:
         fix = "weftex prepare sets it" if command == "fuse" else "give the width of what it shows"
         raise InvalidInputError(
             f"--size is '{text}', and {path} states no density; {fix}: --sample-width 0.6m"
         )
-    if spec["sample_width"] is None and not args.quiet:
-        width = picture.pixels.shape[1] / picture.density
-        say(f"note: {path} states {picture.density:.5g} pixels per meter, so it is {width:.3g} m "
+    if spec["sample_width"] is None and stated is not None and not args.quiet:
+        width = picture.pixels.shape[1] / stated
+        say(f"note: {path} states {stated:.5g} pixels per meter, so it is {width:.3g} m "
             "wide; --sample-width corrects it")  # fmt: skip
     return "x".join(str(max(1, round(side * picture.density))) for side in sides)
 

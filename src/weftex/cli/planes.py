@@ -115,13 +115,12 @@ def synthesize(recipe: Recipe, args: argparse.Namespace) -> None:
         from weftex.planes.writing import seed_of_run
 
         job, seed = open_materials(recipe, args), recipe.seed
-        if getattr(args, "--sample-width") is not None and not args.quiet:
-            say("note: images written block by block store no density")
         if getattr(args, "--seed") is None and not args.restart:
             begun = seed_of_run(args.output)
             seed = seed if begun is None else begun
         how: dict[str, Any] = {"seed": seed, "tileable": recipe.options["tileable"]}
         how |= {"block": args.block or BLOCK, "stems": stems_of(args, job.materials[0])}
+        how["density"] = next(iter(job.pictures.values())).density
         plane = define(job.sample, job.shape, recipe.method, {}, **how)
         return _write(args, plane, bar)
 

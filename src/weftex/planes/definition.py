@@ -19,7 +19,7 @@ from weftex.canvas import as_canvas
 from weftex.errors import InvalidInputError, shown
 from weftex.io.npz import DamageError, one_line_errors, open_npz, write_npz
 from weftex.planes.layout import Layout, check_block
-from weftex.planes.tiff import TiffStore
+from weftex.planes.tiff import MOST_DENSITY, TiffStore
 from weftex.random import seed_number
 from weftex.raster.turning import gap_of
 from weftex.roles import Role
@@ -95,6 +95,7 @@ class Definition:
     block: int = BLOCK
     stems: Mapping[str, str] = field(default_factory=dict)
     reason: str = ""
+    density: float | None = None  # pixels per meter
 
     def __post_init__(self) -> None:
         check_block(self.block)
@@ -141,7 +142,8 @@ class Definition:
             )
         dtype = "float32" if picture.pixels.dtype.kind == "f" else picture.pixels.dtype.name
         channels = sum(picture.pixels.shape[2:])
-        kind = (dtype, channels, picture.alpha, picture.mixing, picture.icc)
+        density = self.density and self.density * float(scales[0])
+        kind = (dtype, channels, picture.alpha, picture.mixing, picture.icc, density)
         return Layout(int(sides[0]), int(sides[1]), block, *kind)
 
     def render(self, window: Window, **how: Any) -> dict[str, NDArray[Any]]:
@@ -192,6 +194,7 @@ class Definition:
             "wrap": list(self.wrap),
             "block": self.block,
             "stems": dict(self.stems),
+            "density": self.density,
             "digest": digest.hexdigest(),
         }
 
@@ -233,6 +236,7 @@ class Definition:
             about["block"],
             about["stems"],
             header["reason"],
+            about["density"],
         )
 
 
@@ -246,6 +250,7 @@ def define(
     tileable: bool | str = False,
     block: int = BLOCK,
     stems: Mapping[str, str] | None = None,
+    density: float | None = None,
 ) -> Definition:
     """Return what a plane is made of, after a look whether its method makes windows of it."""
     wrap = as_canvas(1, tileable).wrap
@@ -254,7 +259,8 @@ def define(
         raise InvalidInputError(f"size is {shown(size)}; it must be (height, width), 1 or more")
     shape, number = (int(sides[0]), int(sides[1])), seed_number(seed)
     chosen, exemplar = make_method(method, parameters), weftex.load_exemplar(sample)
-    made = Definition(exemplar, chosen, number, *shape, wrap, block, stems=dict(stems or {}))
+    how: dict[str, Any] = {"stems": dict(stems or {}), "density": density}
+    made = Definition(exemplar, chosen, number, *shape, wrap, block, **how)
     period = period_of(shape, made.wrap)
     given = made.model.window(0, 0, 1, 1, seed=number, period=period).provenance
     if chosen.slug != AUTO:
@@ -282,6 +288,8 @@ def _check_plain(about: Mapping[str, Any], names: Iterable[Any]) -> None:
         raise ValueError("its numbers are none")
     if [*map(type, about["wrap"])] != [bool, bool]:
         raise ValueError("it repeats in no known way")
+    if not (about["density"] is None or 0 < about["density"] < MOST_DENSITY):
+        raise ValueError("its density is none")
     for name in names:
         if not isinstance(name, str) or name in ("", ".", "..") or not name.isprintable():
             raise ValueError("a file has no name")

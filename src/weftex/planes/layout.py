@@ -31,7 +31,8 @@ class Layout:
     """Sizes of a picture in pixels of level 0, and what its pixels are.
 
     `channels` is 0 for a picture without a third axis; with `alpha` the last channel is straight
-    alpha. `mixing` makes pixels of the level above (`Exemplar.mixing`), `icc` is a color profile.
+    alpha. `mixing` makes pixels of the level above (`Exemplar.mixing`), `icc` is a color profile,
+    `density` the number of pixels per meter.
     """
 
     height: int
@@ -42,6 +43,7 @@ class Layout:
     alpha: bool = False
     mixing: Any = None
     icc: bytes | None = None
+    density: float | None = None
 
     @property
     def tile(self) -> int:

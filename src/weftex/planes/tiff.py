@@ -11,6 +11,7 @@ from __future__ import annotations
 import os
 import struct
 import zlib
+from fractions import Fraction
 from functools import cached_property
 from typing import IO, TYPE_CHECKING, Any, ClassVar
 
@@ -31,8 +32,9 @@ if TYPE_CHECKING:
 _MOST_SIDE = 2**20
 _MOST_TILES = 2**22  # tables of tiles, of 12 bytes each, are made in memory
 _PAGE = 2**16  # tiles begin at pages, which no two writers share
-_SHORT, _LONG, _UNDEFINED, _LONG8 = 3, 4, 7, 16
-_CODES = {_SHORT: "<u2", _LONG: "<u4", _UNDEFINED: "u1", _LONG8: "<u8"}
+_SHORT, _LONG, _RATIONAL, _UNDEFINED, _LONG8 = 3, 4, 5, 7, 16
+_CODES = {_SHORT: "<u2", _LONG: "<u4", _RATIONAL: "<u8", _UNDEFINED: "u1", _LONG8: "<u8"}
+MOST_DENSITY = 2**31  # pixels per meter
 _RGB = 3
 KEPT = "blocks that are done are kept, and the same command continues"
 REPAIR = "'weftex check --repair' makes it again"
@@ -219,6 +221,7 @@ class TiffStore:
         extra = [0] * (bands - colors)
         if layout.alpha:
             extra[-1] = 2  # straight
+        density = _rational((layout.density or 0) / 100 / 2**level)
         values: list[tuple[int, int, Any]] = [
             (254, _LONG, [int(level > 0)]),  # a smaller version of another picture
             (256, _LONG, [width]),
@@ -227,7 +230,10 @@ class TiffStore:
             (259, _SHORT, [1]),  # not compressed
             (262, _SHORT, [2 if colors == _RGB else 1]),
             (277, _SHORT, [bands]),
+            (282, _RATIONAL, density),
+            (283, _RATIONAL, density),
             (284, _SHORT, [1]),  # channels of a pixel side by side
+            (296, _SHORT, [3] if density else []),  # per centimeter
             (322, _LONG, [layout.tile]),
             (323, _LONG, [layout.tile]),
             (324, _LONG8, offsets),
@@ -260,6 +266,12 @@ class TiffStore:
                 entries += struct.pack("<Q", place + len(values))
                 values += padded
         return entries + struct.pack("<Q", 0 if last else self._heads[level + 1]) + values
+
+
+def _rational(value: float) -> list[int]:
+    """Return a positive number as a RATIONAL, whose numerator comes first; nothing for 0."""
+    found = Fraction(value).limit_denominator(int(2**31 / max(value, 1)))
+    return [found.numerator + (found.denominator << 32)] if value else []
 
 
 def check_sum(pixels: NDArray[Any]) -> int:

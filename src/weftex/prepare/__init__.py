@@ -8,7 +8,7 @@ from weftex.exemplar.turns import turned
 from weftex.prepare.combining import together
 from weftex.prepare.estimating import estimate_maps, light_joints
 from weftex.prepare.lighting import even_light
-from weftex.prepare.straightening import straighten
+from weftex.prepare.straightening import scaled, straighten
 from weftex.prepare.surfaces import height_from_normals, normals_from_height, occlusion_from_height
 
 __all__ = [
@@ -18,6 +18,7 @@ __all__ = [
     "light_joints",
     "normals_from_height",
     "occlusion_from_height",
+    "scaled",
     "straighten",
     "together",
     "turned",

@@ -1,4 +1,4 @@
-"""Straighten a photo: make rows level and tiles upright, or correct its perspective."""
+"""Warp a photo: make rows level and tiles upright, correct its perspective, or scale it."""
 
 from __future__ import annotations
 
@@ -28,6 +28,7 @@ if TYPE_CHECKING:
 _UPRIGHT = math.radians(20)  # rotation beyond which another orientation is preferred
 _SQUARE = math.sin(math.radians(10))  # tolerance of the right angle of a piece
 _TIMES = range(-3, 4)  # vectors of a lattice that are summed up to a piece's sides
+_MOST_TIMES = 8  # that a photo is enlarged
 _SHORTEST = 8  # pixels that must be left of a photo
 
 
@@ -86,18 +87,61 @@ def straighten(
         matrix, size = _by_lattice(_lattice_of(lattice, exemplar), exemplar)
     whole = math.lcm(*(exemplar.scale_of(name).denominator for name in exemplar.maps))
     size = size[0] - size[0] % whole, size[1] - size[1] % whole
+    return _all_warped(exemplar, matrix, size).changed(tileable=False)
+
+
+def scaled(sample: Sample, times: float) -> Exemplar:
+    """Scale a sample and its maps by Lanczos's filter.
+
+    Sides are rounded to whole pixels, so that a tileable sample stays tileable. Normals keep their
+    slopes and lengths, and heights their values, which are shares of the relief in meters. Labels,
+    mask and guide take the nearest pixel.
+
+    Parameters
+    ----------
+    sample : path, array, PIL image or Exemplar
+        The sample. If it is `tileable`, the filter wraps around.
+    times : float
+        Number of pixels along a side after over before, above 0 and at most 8.
+
+    Raises
+    ------
+    FileError
+        If the sample cannot be read.
+    InvalidInputError
+        If `times` is out of range.
+
+    Examples
+    --------
+    >>> scaled("sample:stone_wall", 0.5).shape
+    (128, 128)
+    """
+    exemplar = load_exemplar(sample)
+    height, width = exemplar.shape
+    if not 0 < times <= _MOST_TIMES:
+        raise InvalidInputError(
+            f"{exemplar.name}, {width}x{height}, would be scaled {times:.4g} times; it must be "
+            f"above 0, and at most {_MOST_TIMES}, as no detail is added"
+        )
+    whole = math.lcm(*(exemplar.scale_of(name).denominator for name in exemplar.maps))
+    high, wide = (max(1, round(side * times / whole)) * whole for side in (height, width))
+    return _all_warped(exemplar, np.diag([wide / width, high / height, 1.0]), (high, wide))
+
+
+def _all_warped(exemplar: Exemplar, matrix: Floats, size: tuple[int, int]) -> Exemplar:
+    """Return a sample warped with its maps, mask and guide."""
     return exemplar.changed(
         pixels=_warped(exemplar, matrix, size),
         maps={name: _warped_map(exemplar, name, matrix, size) for name in exemplar.maps},
         mask=None if exemplar.mask is None else _nearest(exemplar.mask, matrix, size),
         guide=None if exemplar.guide is None else _nearest(exemplar.guide, matrix, size),
-        tileable=False,
     )
 
 
 def _warped_map(exemplar: Exemplar, name: str, matrix: Floats, size: tuple[int, int]) -> Exemplar:
     """Return a warped map at its own scale, with the same corners."""
     one, scale = exemplar.map(name), exemplar.scale_of(name)
+    one = one.changed(tileable=exemplar.tileable)
     unit = np.diag([float(scale), float(scale), 1.0])
     own = np.linalg.inv(unit) @ matrix @ unit
     sides = int(size[0] * scale), int(size[1] * scale)
@@ -226,14 +270,13 @@ def _warped(picture: Exemplar, matrix: Floats, size: tuple[int, int]) -> NDArray
         return _nearest(pixels, matrix, size)
     planes = pixels.reshape(*pixels.shape[:2], -1)
     if picture.mixing.kind is Kind.VECTORS:
-        down = picture.role.name == "normal_dx"
-        found = _turned(planes, picture.mixing.middle, down, matrix, size)
+        found = _turned(planes, picture, matrix, size)
     else:
         numbers, exponent = tamed(planes) if pixels.dtype.kind == "f" else (planes, 0)
         numbers = numbers.astype(np.float64)
         if picture.alpha:
             numbers[..., :-1] *= numbers[..., -1:]
-        found = _resampled(numbers, matrix, size)
+        found = _resampled(numbers, matrix, size, picture.tileable)
         if picture.alpha:
             found[..., :-1] /= np.where(found[..., -1:] > 0, found[..., -1:], 1)
         found = np.clip(np.ldexp(found, exponent), planes.min((0, 1)), planes.max((0, 1)))
@@ -242,16 +285,18 @@ def _warped(picture: Exemplar, matrix: Floats, size: tuple[int, int]) -> NDArray
 
 
 def _turned(
-    planes: NDArray[Any], middle: float, down: bool, matrix: Floats, size: tuple[int, int]
+    planes: NDArray[Any], picture: Exemplar, matrix: Floats, size: tuple[int, int]
 ) -> NDArray[Any]:
     """Return vectors resampled as directions and lengths, and then rotated.
 
     A normal is the slope of the heights, which changes with distances along the surface; a change
     of size is ignored, as the scale of the heights is unknown.
     """
+    middle, down = picture.mixing.middle, picture.role.name == "normal_dx"
     vectors = vectors_of(planes[..., :3], middle)
     lengths = np.linalg.norm(vectors, axis=2, keepdims=True)
-    found = _resampled(np.concatenate([vectors, lengths, planes[..., 3:]], axis=2), matrix, size)
+    parts = np.concatenate([vectors, lengths, planes[..., 3:]], axis=2)
+    found = _resampled(parts, matrix, size, picture.tileable)
     back = np.linalg.inv(matrix)
     y, x = np.indices(size) + 0.5
     place = np.stack([x, y, np.ones(size)], axis=-1) @ back
@@ -277,13 +322,19 @@ def _turned(
     return np.concatenate([made, rest.astype(planes.dtype)], axis=2)
 
 
-def _resampled(numbers: Floats, matrix: Floats, size: tuple[int, int]) -> Floats:
+def _resampled(
+    numbers: Floats, matrix: Floats, size: tuple[int, int], tileable: bool = False
+) -> Floats:
     """Return each channel of (H, W, C) resampled."""
     oiio = image_library()
     channels = numbers.shape[2]
     area = oiio.ROI(0, size[1], 0, size[0], 0, 1, 0, channels)
     given = oiio.ImageBuf(np.ascontiguousarray(numbers, np.float32))
-    made = oiio.ImageBufAlgo.warp(given, tuple(matrix.ravel()), "lanczos3", roi=area, wrap="clamp")
+    if tileable or (matrix != np.diag(np.diag(matrix))).any():
+        how = {"roi": area, "wrap": "periodic" if tileable else "clamp"}
+        made = oiio.ImageBufAlgo.warp(given, tuple(matrix.ravel()), "lanczos3", **how)
+    else:  # the same of a matrix that only scales, four times as fast
+        made = oiio.ImageBufAlgo.resize(given, filtername="lanczos3", roi=area)
     if made.has_error:
         raise InvalidInputError(f"the photo cannot be straightened: {made.geterror()}")
     return np.asarray(made.get_pixels(oiio.FLOAT), np.float64).reshape(*size, channels)

@@ -8,6 +8,7 @@ from weftex.recipe.options import (
     AXES,
     COLORS,
     DEGREE,
+    DENSITY,
     FILES,
     FLAG,
     LENGTH,
@@ -67,13 +68,18 @@ MATERIAL = _by_name(
         default_text="the density that the file states", metavar="0.6m", heading=_PREPARATION,
     ),
     Option(
+        "density", DENSITY, "scale the prepared photo and its maps to this number of pixels per "
+        "meter, by Lanczos's filter", default_text="the photo's", metavar="1024px/m",
+        heading=_PREPARATION,
+    ),
+    Option(
         "turn", TEXT, "also use copies of the sample: mirrored (flip), rotated by 180 degrees "
         "(half), by quarter turns (4), or mirrored and rotated by quarter turns (8)",
         choices=("flip", "half", "4", "8"), metavar="flip|half|4|8", heading=_QUALITY,
     ),
 )  # fmt: skip
 #: Those of `MATERIAL` that `weftex prepare` does, too.
-PREPARATION = ("straighten", "even_light", "sample_width")
+PREPARATION = ("straighten", "even_light", "sample_width", "density")
 
 SEED = Option(
     "seed", WHOLE, "random seed; the same seed gives the same output", low=0, high=2**64 - 1,

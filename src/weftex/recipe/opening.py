@@ -9,6 +9,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from weftex.canvas import as_canvas
+from weftex.errors import InvalidInputError
 from weftex.exemplar import Exemplar
 from weftex.exemplar.material import Material, read_material, role_of_picture
 from weftex.recipe.fields import Fields, gradient
@@ -72,23 +73,40 @@ def prepare_material(
         exemplar = exemplar.changed(weights=spec["map_weights"])
     if "mask" in spec:
         exemplar = exemplar.changed(mask=_usable(exemplar, spec["mask"], open_picture))
-    return PreparedMaterial(spec, measured(material, spec), prepared(exemplar, spec))
+    exemplar = prepared(exemplar, spec, times_of(material, spec))
+    return PreparedMaterial(spec, measured(material, spec), exemplar)
 
 
 def measured(material: Material, spec: Mapping[str, Any]) -> Material:
     """Return a material whose pictures have the density that its description gives them."""
-    width = spec.get("sample_width")
-    if width is None:
+    width, times = spec.get("sample_width"), times_of(material, spec)
+    if width is None and times == 1:
         return material
+    main = material.pictures[material.main]
+    width = width or main.pixels.shape[1] / (main.density or 1)
     pictures = {
-        name: replace(one, density=one.pixels.shape[1] / width)
+        name: replace(one, density=times * one.pixels.shape[1] / width)
         for name, one in material.pictures.items()
     }
     return replace(material, pictures=pictures)
 
 
-def prepared(exemplar: Exemplar, spec: Mapping[str, Any]) -> Exemplar:
-    """Straighten a sample, and even its light, where its description says so."""
+def times_of(material: Material, spec: Mapping[str, Any]) -> float:
+    """Return how many times as many pixels a side a material is to have, by its density."""
+    if spec.get("density") is None:
+        return 1.0
+    main, width = material.pictures[material.main], spec.get("sample_width")
+    now = main.density if width is None else main.pixels.shape[1] / width
+    if now is None:
+        raise InvalidInputError(
+            f"density is {spec['density']:g} pixels per meter, and {material.name} states none; "
+            "give the width of what it shows: --sample-width 0.6m"
+        )
+    return float(spec["density"] / now)
+
+
+def prepared(exemplar: Exemplar, spec: Mapping[str, Any], times: float = 1.0) -> Exemplar:
+    """Straighten a sample, even its light, and scale it `times`, as its description says."""
     if spec.get("straighten") is not None:
         from weftex.prepare.straightening import straighten
 
@@ -97,6 +115,10 @@ def prepared(exemplar: Exemplar, spec: Mapping[str, Any]) -> Exemplar:
         from weftex.prepare.lighting import even_light
 
         exemplar = even_light(exemplar, spec["even_light"])
+    if times != 1:
+        from weftex.prepare.straightening import scaled
+
+        exemplar = scaled(exemplar, times)
     return exemplar
 
 

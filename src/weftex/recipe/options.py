@@ -210,6 +210,11 @@ LENGTH = Kind(
     "float", "a length above 0, such as 0.6m, 60cm or 600mm", read_length, _length,
     lambda value: f"{_number_text(value)}m", in_json="a number of meters above 0",
 )  # fmt: skip
+DENSITY = Kind(
+    "float", "pixels per meter above 0, such as 1024px/m",
+    lambda text: float(text.removesuffix("px/m")), _length,
+    lambda value: f"{_number_text(value)}px/m",
+)  # fmt: skip
 FLAG = Kind("bool", "true or false", str, _a(bool))
 PICTURE = Kind("picture", "a picture", str, _word)
 DEGREE = WHOLE._replace(bare="2", values=r"[-+]?\d+")

@@ -36,7 +36,11 @@ def python_of(recipe: Fields, output: str, names: Names) -> str:
             lines.append(f"{variable} = weftex.prepare.turned({variable}, {spec['turn']!r})")
     lines += _SCRIPTS[recipe.task](recipe, variables, names)
     suffix = os.path.splitext(output)[1] or ".png"
-    density = ", density=density" if any("sample_width" in one for one in recipe.materials) else ""
+    density = (
+        ", density=density"
+        if any({"sample_width", "density"} & one.keys() for one in recipe.materials)
+        else ""
+    )
     lines.append(f'{_PACKAGE}.write_image("out{suffix}", made.image, alpha=made.sample.alpha, '
                  f"icc=made.sample.icc{density})")  # fmt: skip
     if output.endswith("/"):
@@ -46,6 +50,8 @@ def python_of(recipe: Fields, output: str, names: Names) -> str:
         imports.insert(0, "from weftex.tasks.fill import hole_of")
     if any("read_mask(" in line for line in lines):
         imports.insert(0, "from weftex.io.pictures import read_mask")
+    if any("read_material(" in line for line in lines):
+        imports.insert(0, "from weftex.exemplar.material import read_material")
     return "\n".join([*imports, *lines]) + "\n"
 
 
@@ -58,6 +64,9 @@ def _load_lines(variable: str, spec: Mapping[str, Any], names: Names) -> list[st
         lines.append(f"{variable} = {variable}.changed(weights={spec['map_weights']!r})")
     if "sample_width" in spec:
         lines.append(f"density = {variable}.shape[1] / {spec['sample_width']}")
+    elif "density" in spec:
+        lines.append(f"material = read_material({path_of(spec, names)!r}{how})")
+        lines.append("density = material.pictures[material.main].density")
     if "mask" in spec:
         file = names.get(spec["mask"], spec["mask"])
         mask = f"~hole_of(None, {variable})" if file == "alpha" else f"read_mask({file!r})"
@@ -68,6 +77,10 @@ def _load_lines(variable: str, spec: Mapping[str, Any], names: Names) -> list[st
         lines.append(f"{variable} = weftex.prepare.straighten({variable}{own})")
     if "even_light" in spec:
         lines.append(f"{variable} = weftex.prepare.even_light({variable}, {spec['even_light']})")
+    if "density" in spec:
+        times = f"{spec['density']} / density"
+        lines.append(f"{variable} = weftex.prepare.scaled({variable}, {times})")
+        lines.append(f"density = {spec['density']}")
     return lines
 
 

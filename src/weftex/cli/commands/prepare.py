@@ -34,7 +34,7 @@ def run(argv: list[str]) -> None:
     parser = Parser("prepare", _ABOUT, _EXAMPLES)
     parser.add_argument("sample", metavar="PHOTO", help="image, folder of maps, or sample:NAME")
     parser.share("--output", "--preset", "--quiet", "--allow-huge")
-    names = ("maps", *PREPARATION)
+    names = ("maps", "repeats", *PREPARATION)
     parser.take(*(MATERIAL[name] for name in names))
     parser.take(_LANDMARKS)
     args = parser.parse(argv)
@@ -47,17 +47,18 @@ def run(argv: list[str]) -> None:
         photo = load_sample(args.sample, args, "maps")
         found = AutoModel(Auto(), photo).choose(photo.shape).warnings
         raise InvalidInputError(
-            "nothing to do; give --straighten, --even-light, --landmarks or --sample-width. "
-            + ("; ".join(found) or "The light is even, and nothing is slanted")
+            "nothing to do; give --straighten, --even-light, --landmarks, --sample-width or "
+            "--density. " + ("; ".join(found) or "The light is even, and nothing is slanted")
         )
 
     def work(bar: Bar, outputs: Outputs) -> str:
         from weftex.cli.files import make_room, plan, read_input
-        from weftex.recipe.opening import measured, prepared
+        from weftex.recipe.opening import measured, prepared, times_of
 
         make_room([args.sample], args, outputs)
-        material = measured(read_input(args.sample, args, spec.get("maps")), spec)
-        made = prepared(material.exemplar(), spec)
+        given = read_input(args.sample, args, spec.get("maps"))
+        material, exemplar = measured(given, spec), given.exemplar(tileable="repeats" in spec)
+        made = prepared(exemplar, spec, times_of(given, spec))
         if remove:
             from weftex.tasks.landmarks import remove_landmarks
 
