@@ -21,21 +21,21 @@ from weftex.errors import InvalidInputError, WeftexError, did_you_mean
 
 #: Commands, and what they do in a few words.
 _COMMANDS = {
-    "synth": "synthesize an image of any size from a sample of a material",
+    "synth": "make an image of any size from a sample of a material",
     "fill": "fill the holes in a photo",
     "tile": "make photos tileable, check whether they are, pad and crop them",
-    "atlas": "make all corner tiles of a material, for an endless texture in any engine",
-    "batch": "synthesize from every sample in a folder",
-    "fuse": "merge several materials according to a map",
-    "replay": "render a saved result with another map of the same sample",
+    "atlas": "make corner tiles of a material, for an endless texture in an engine",
+    "batch": "make images from every sample in a folder",
+    "fuse": "make one image of several materials, according to a map",
+    "replay": "make another map of a saved result",
     "check": "check that an image written block by block is complete",
-    "analyze": "measure a sample: its scale, its lattice, whether it is tileable",
-    "prepare": "straighten a photo and even its lighting, to use it as a sample",
+    "analyze": "measure a sample: scale, lattice, whether it is tileable",
+    "prepare": "straighten a photo, and remove uneven light",
     "estimate": "estimate the maps that a photo lacks: height, normals, occlusion",
-    "pack": "write a map set for an engine: names, packed channels, formats",
+    "pack": "write a map set for an engine",
     "unpack": "separate the packed maps of an engine",
     "compare": "run every method on one sample: images, scores, times",
-    "studio": "open the studio in the browser, to view, edit and export materials",
+    "studio": "open the studio in the browser",
     "report": "measure how good a result is, with maps of its flaws",
     "methods": "list the methods, or the parameters of one",
     "samples": "list the samples that ship with weftex",
@@ -53,15 +53,15 @@ usage: weftex COMMAND ...      (weftex COMMAND --help shows its options)
 
   weftex synth sample:bricks -o wall.png --size 1024x768
   weftex synth brick.png -o tile.png --size 2k --tileable --seed 7
-  weftex synth - -o - < brick.png > wall.png       through pipes, as PNG; -o -.exr writes EXR
+  weftex synth - -o - < brick.png > wall.png       standard input and output
   weftex fill photo.png --mask hole.png -o whole.png
   weftex --for-program synth ...                   messages and progress as JSON
   weftex --version
 
 exit codes: 0 success; 1 'tile --check' found an image that is not tileable; 2 error, explained in
-one line; 130 Ctrl-C; 143 SIGTERM; 129 SIGHUP, or standard input of --for-program was closed; 141
-closed pipe. A run that fails writes no output; only 'batch' and images written block by block keep
-the parts that were finished.
+one line; 130 Ctrl-C; 143 SIGTERM; 129 SIGHUP, or closed standard input with --for-program; 141
+closed pipe. A command that fails writes no output, except that 'batch' and images written block by
+block keep their finished parts.
 """
 
 

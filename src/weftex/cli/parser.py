@@ -25,19 +25,19 @@ SHARED: dict[str, tuple[str, dict[str, Any]]] = {
     "--threads": ("", {"type": int, "metavar": "N",
                        "help": "maximum number of threads; default: one per processor"}),
     "--quiet": ("", {"action": "store_true", "help": "print errors only"}),
-    "--verbose": ("", {"action": "store_true", "help": "print what was read, all parameters and "
-                       "the time that each stage took"}),
+    "--verbose": ("", {"action": "store_true", "help": "print the inputs, all parameters and "
+                       "the time of each stage"}),
     "--allow-huge": (_OUTPUT, {"action": "store_true", "help": "accept images larger than "
                                f"{HUGE // 10**6} megapixels"}),
     "--save-source": (_OUTPUT, {"metavar": "F.npz", "help": "save the source of every pixel, for "
                                 "'weftex replay' and 'weftex report'"}),
-    "--preset": (_SETS, {"metavar": "NAME", "help": "write the maps for an engine or a program, "
-                         "such as godot, unity-urp, unreal, gltf or ambientcg: files named, "
-                         "channels packed; all: weftex pack --help; or a .toml of your own"}),
+    "--preset": (_SETS, {"metavar": "NAME", "help": "write the files of an engine or program, "
+                         "such as godot, unity-urp, unreal, gltf or ambientcg, or of your own "
+                         ".toml; 'weftex pack --help' lists all"}),
     "--block": (_LARGE, {"type": int, "metavar": "PX", "help": "side of the blocks, a power of "
-                         "two; the image does not depend on it; default: 2048"}),
+                         "two; does not change the image; default: 2048"}),
     "--restart": (_LARGE, {"action": "store_true",
-                           "help": "delete what was written before and start again"}),
+                           "help": "delete this image and start again"}),
     "--part": (_LARGE, {"metavar": "K/N", "help": "write part K of N, on any machine that shares "
                         "the folder; needs --seed"}),
     "--workers": (_LARGE, {"type": int, "metavar": "N",
@@ -51,7 +51,7 @@ _WRITTEN = ("output", "save_source", "debug", "picture", "overlay", "correlation
 #: Below headings of the help.
 ABOUT = {
     _LARGE: "OUT.tif of more than 268 megapixels, or with --block, is written block by block.\n"
-    " The same command resumes an interrupted run."
+    "The same command resumes an interrupted run."
 }
 
 

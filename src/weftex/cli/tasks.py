@@ -31,7 +31,7 @@ class _Help(NamedTuple):
 _HELP = {
     "synth": _Help(
         """\
-Synthesize an image of any size from a sample of a material.\
+Make an image of any size from a sample of a material.\
 """,
         """\
 examples:
@@ -42,7 +42,7 @@ examples:
   weftex synth brick.png -o wall.png --method quilting --patch-size 48
   weftex synth brick.png -o wall.png --best-of 8      the best of eight seeds
   weftex synth photo.jpg -o wall.png --straighten --even-light
-  weftex synth brick.png -o part.png --window 10000,-500,512,512 --seed 7    of an endless plane
+  weftex synth brick.png -o part.png --window 10000,-500,512,512 --seed 7    endless texture
   weftex synth brick.png -o wall.tif --size 100000x100000 --workers 4
   weftex synth moss.png -o face.png --method ashikhmin --guide face.png
   weftex synth photo.png -o new.png --method refinement --sample-guide painted.png --guide other.png
@@ -54,8 +54,8 @@ examples:
     "fill": _Help(
         """\
 Fill the holes in a photo. All other pixels stay unchanged unless --overlap is given. Without
---method, weftex chooses graphcut for photos with a lattice and for small photos with large
-features, and patch-sampling for all others, with --sample, and with method parameters.\
+--method, weftex chooses graphcut for photos with a lattice, and for small photos with large
+features. In all other cases, it uses patch-sampling.\
 """,
         """\
 examples:
@@ -71,16 +71,16 @@ examples:
     "tile": _Help(
         """\
 Make photos tileable at their own size. Only a border changes; all other pixels stay unchanged.
---check, --pad and --crop change no border: they check images, or wrap pixels around them.\
+--check checks images instead; --pad and --crop add and remove pixels around tileable images.\
 """,
         """\
 examples:
   weftex tile photo.jpg -o tile.png
   weftex tile photo.jpg -o strip.png --tileable x --border 40
   weftex tile stone_wall/ -o tile/                    a folder of aligned maps
-  weftex tile photos/ -o tiles/                       a folder of separate photos and of sets
+  weftex tile photos/ -o tiles/                       a folder of photos and map sets
   weftex tile --check tiles/ --picture border.png     exit code 1 if one is not tileable
-  weftex tile --pad 32 tile.png -o padded.png         before an upscaler; --crop 64 after one by 2
+  weftex tile --pad 32 tile.png -o padded.png         before an upscaler
 """,
         "PHOTO",
         "images, folders of maps or of separate images, or sample:NAME",
@@ -88,9 +88,9 @@ examples:
     ),
     "fuse": _Help(
         """\
-Synthesize one image from several materials that merge according to a map. The map has one color
-for each sample, which --colors lists. Without --colors, the color at the top left is that of the
-first sample, the next new color row by row that of the second. --map gradient needs no image.\
+Make one image of several materials, according to a map. The map has one color for each sample;
+--colors lists them. Without --colors, the color at the top left belongs to the first sample; the
+next new color, row by row, belongs to the second. --map gradient needs no image.\
 """,
         """\
 examples:

@@ -34,13 +34,13 @@ _AXES = TASKS["tile"].options["axes"]
 def add_tools(parser: Parser) -> None:
     """Add the options of `TOOLS` and what belongs to them."""
     add = parser.add_argument_group("check, pad and crop").add_argument
-    text = "only check whether images are tileable; exit code 0 if all are, 1 if not"
+    text = "check whether images are tileable; exit code 0 if all are, 1 if not"
     add("--check", action="store_true", help=text)
-    text = "with --check: write the worst border, in the middle of its image, with marks"
+    text = "with --check: write the image with the worst border in its middle, marked red"
     add("--picture", metavar="FILE", help=text)
-    text = "only repeat N pixels of the opposite side around a tileable image, for upscalers and "
+    text = "surround a tileable image with N pixels of the opposite sides, for upscalers and "
     add("--pad", type=int, metavar="N", help=text + "filters; --crop removes them")
-    text = "only remove N pixels at each side; after an upscaler that doubles, N is 2 times --pad"
+    text = "remove N pixels at each side; after an upscaler by 2, N is twice that of --pad"
     add("--crop", type=int, metavar="N", help=text)
 
 

@@ -36,41 +36,41 @@ def _by_name(*options: Option) -> dict[str, Option]:
 #: What is done to a material before anything is made from it, in this order.
 MATERIAL = _by_name(
     Option(
-        "maps", FILES, "files of the maps in the folder, if their names do not say which map "
-        "they are", metavar="NAME=FILE,...", heading=_SETS,
+        "maps", FILES, "the file of each map in the folder, if weftex does not know its name",
+        metavar="NAME=FILE,...", heading=_SETS,
     ),
     Option(
-        "repeats", FLAG, "the sample is tileable itself, so patches can cross its borders; "
-        "weftex does not assume this", False, given_flag="--tileable-sample", heading="tiling",
+        "repeats", FLAG, "the sample itself is tileable, so patches may cross its borders", False,
+        given_flag="--tileable-sample", heading="tiling",
     ),
     Option(
         "map_weights", WEIGHTS, "weights of the maps in matching, such as height=3,normal=2; "
-        "higher hides seams in that map; 0 leaves it out of matching only", default_text="1 each",
+        "higher hides seams in that map; 0 makes the map without comparing it",
+        default_text="1 each",
         metavar="NAME=N,...", heading=_SETS,
     ),
     Option(
-        "mask", PICTURE, "image that is white where the sample may be used; 'alpha': where the "
-        "sample is opaque", given_flag="--sample-mask", metavar="FILE", heading=_PREPARATION,
+        "mask", PICTURE, "image that is white where the sample may be used; 'alpha' uses its "
+        "opaque pixels", given_flag="--sample-mask", metavar="FILE", heading=_PREPARATION,
     ),
     Option(
         "straighten", STRAIGHTEN, "straighten the photo by the lattice or rows that weftex finds "
-        "(no value), by lattice vectors (four numbers), or by the corners of a rectangle in it, "
-        "clockwise from the top left (eight)", metavar="X,Y,...", heading=_PREPARATION,
+        "(no value), by two lattice vectors (four numbers), or by the corners of a rectangle, "
+        "clockwise from the top left (eight numbers)", metavar="X,Y,...", heading=_PREPARATION,
     ),
     Option(
-        "even_light", DEGREE, "remove uneven lighting from the photo; a higher DEGREE, up "
-        "to 8, removes finer changes of light; maps stay unchanged",
-        default_text="2 (no value)", low=1, high=8, metavar="DEGREE",
+        "even_light", DEGREE, "remove uneven light from the photo; a higher DEGREE, up to 8, "
+        "removes smaller bright and dark areas too", default_text="2 if no value is given",
+        low=1, high=8, metavar="DEGREE", heading=_PREPARATION,
+    ),
+    Option(
+        "sample_width", LENGTH, "width of the surface that the whole photo shows; outputs store "
+        "the density", default_text="the density that the file states", metavar="0.6m",
         heading=_PREPARATION,
     ),
     Option(
-        "sample_width", LENGTH, "width of the photo as in its file; outputs store the density",
-        default_text="the density that the file states", metavar="0.6m", heading=_PREPARATION,
-    ),
-    Option(
-        "density", DENSITY, "scale the prepared photo and its maps to this number of pixels per "
-        "meter, by Lanczos's filter", default_text="the photo's", metavar="1024px/m",
-        heading=_PREPARATION,
+        "density", DENSITY, "scale the photo and its maps to this number of pixels per meter",
+        default_text="the photo's", metavar="1024px/m", heading=_PREPARATION,
     ),
     Option(
         "turn", TEXT, "also use copies of the sample: mirrored (flip), rotated by 180 degrees "
@@ -91,24 +91,24 @@ TILEABLE = Option(
     metavar="x|y",
 )  # fmt: skip
 FIT = Option(
-    "fit", FLAG, "with --tileable: make the size nearest to the given one into which whole bricks, "
-    "tiles or rows of the sample fit", False, heading="tiling",
+    "fit", FLAG, "with --tileable: make the nearest size that holds whole bricks, tiles or rows",
+    False, heading="tiling",
 )  # fmt: skip
 LANDMARKS = Option(
-    "landmarks", TEXT, "recognizable features of the sample, such as its only red leaf: keep "
-    "repeats them, thin shows them rarely, remove replaces the most conspicuous; auto thins small "
-    "ones in large outputs of --method auto; no effect on samples with a lattice or rows", "auto",
+    "landmarks", TEXT, "conspicuous features of the sample, such as its only red leaf: keep "
+    "repeats them, thin makes them rare, remove replaces the most conspicuous; auto thins them in "
+    "large outputs if no method is named; no effect on samples with a lattice or rows", "auto",
     choices=("auto", "keep", "thin", "remove"), metavar="auto|keep|thin|remove", heading=_QUALITY,
 )  # fmt: skip
 
 #: What `weftex.label_maps.Gradient` takes; a map of a fusion may be such a gradient.
 GRADIENT = _by_name(
     Option(
-        "direction", NUMBER, "direction of the last sample, in degrees: 0 is right, 90 is "
-        "down", default_text="90", metavar="DEG", heading="--map gradient",
+        "direction", NUMBER, "direction from the first sample to the last, in degrees: 0 is "
+        "right, 90 is down", default_text="90", metavar="DEG", heading="--map gradient",
     ),
     Option(
-        "width", NUMBER, "length of each transition, above 0 and at most 1",
+        "width", NUMBER, "length of each transition as a share of the image, at most 1",
         default_text="transitions fill the image", metavar="W", heading="--map gradient",
     ),
 )  # fmt: skip
@@ -150,8 +150,8 @@ TASKS = {
             LANDMARKS,
             Option("sample_guide", PICTURE, "image that labels regions of the sample, in the "
                    "colors of --guide; as large as the sample", metavar="FILE", heading=_QUALITY),
-            Option("window", WINDOW, "compute only this part of an endless texture; parts with one "
-                   "seed fit together", metavar="TOP,LEFT,HEIGHT,WIDTH", heading="tiling",
+            Option("window", WINDOW, "compute only this part of an endless texture; parts of the "
+                   "same seed fit together", metavar="TOP,LEFT,HEIGHT,WIDTH", heading="tiling",
                    local=True),
             Option("period", SIZE, "with --window: number of pixels after which the endless "
                    "texture repeats", metavar="WxH|N", heading="tiling", local=True),
@@ -192,7 +192,7 @@ TASKS = {
                    metavar="WxH|N"),
             TILEABLE,
             Option("boundary", TEXT, "cut: materials meet along the least visible seam; merged: "
-                   "a belt along it is filled from both", "cut", choices=("cut", "merged"),
+                   "a belt along the seam is filled from both", "cut", choices=("cut", "merged"),
                    metavar="cut|merged", heading=_QUALITY),
             Option("belt_width", WHOLE, "width of the belt in which boundaries may move", low=2,
                    unit="px", default_text="about three times the largest features", metavar="PX",

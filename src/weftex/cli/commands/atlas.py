@@ -22,9 +22,9 @@ if TYPE_CHECKING:
 
 _ABOUT = """\
 Make all corner tiles of a material. Tiles with the same corner colors at a side fit without a seam,
-so an engine gets an endless texture that does not repeat. OUT is an image with a grid of tiles; an
-index (.json) and tilesets of Tiled (.tsx) and Godot 4 (.tres) are written beside it. For a map set
-OUT is a folder. For one image, OUT without a suffix is a folder with a file for each tile.\
+so an engine can assemble an endless texture from them. OUT is an image with a grid of tiles; weftex
+also writes an index (.json) and tilesets for Tiled (.tsx) and Godot 4 (.tres). For a map set, OUT
+is a folder. For one image, OUT without a suffix is a folder with a file for each tile.\
 """
 
 _EXAMPLES = """\
@@ -38,11 +38,11 @@ examples:
 _OPTIONS = (
     Option("colors", WHOLE, "number of corner colors: 2 makes 16 tiles, 3 makes 81, which repeat "
            "less", 2, low=2, high=3, metavar="2|3"),
-    Option("tile_size", SIZE, "size of a tile in pixels; with a lattice the nearest size with "
-           "whole periods is taken", default_text="256, or the sample's shorter side if less",
+    Option("tile_size", SIZE, "size of a tile in pixels; with a lattice, the nearest size that "
+           "holds whole periods", default_text="256, or the sample's shorter side if less",
            metavar="WxH|N"),
-    Option("gutter", WHOLE, "number of pixels around each tile that continue it, for filters that "
-           "read beyond a tile", 0, low=0, unit="px", metavar="PX"),
+    Option("gutter", WHOLE, "width of a border around each tile that continues it, for filters "
+           "that read beyond a tile", 0, low=0, unit="px", metavar="PX"),
 )  # fmt: skip
 #: Colors by which editors show corner colors.
 _SHOWN = ((0xD0, 0x43, 0x3B), (0x3B, 0x7D, 0xD0), (0x4C, 0xA8, 0x4C))

@@ -34,7 +34,7 @@ if TYPE_CHECKING:
     from weftex.results.synthesis import Synthesis
 
 _ABOUT = """\
-Synthesize outputs from every image and every folder of maps in a folder. In the output folder,
+Make images from every image and every folder of maps in a folder. In the output folder,
 contact.html shows all outputs, and manifest.jsonl records how each was made. --skip-existing
 resumes an interrupted run.\
 """

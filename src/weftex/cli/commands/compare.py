@@ -10,8 +10,8 @@ from weftex.recipe.command_line import value_of
 from weftex.recipe.declared import OUTPUT_SIZE, TILEABLE
 
 _ABOUT = """\
-Run every method on one sample, and write a page with the results, the source of every pixel, the
-scores, times and parameters. Slow methods run with faster parameters; the page says which.\
+Run every method on one sample, and write a page with the results, the sources of their pixels,
+scores, times and parameters. Slow methods run with faster parameters, which the page names.\
 """
 
 _EXAMPLES = """\

@@ -13,10 +13,10 @@ if TYPE_CHECKING:
     from weftex.exemplar.material import Material
 
 _ABOUT = """\
-Estimate the maps that a photo lacks, and write them with it as a map set. The height is the
-brightness: dark pixels are taken to lie deeper, so stains and paint become relief too. Normals and
-ambient occlusion follow from the height. Roughness is a guess, as a photo does not show it. A map
-set with a height or normals keeps them, and the other maps follow from these.\
+Estimate the maps that a photo lacks, and write all of them as a map set. Height is estimated from
+brightness: dark pixels are deep, so stains and paint become relief too. Normals and ambient
+occlusion are computed from height. Roughness is a guess. A map set keeps its own height or normals,
+and the other maps are computed from these.\
 """
 
 _EXAMPLES = """\
@@ -34,17 +34,21 @@ def run(argv: list[str]) -> None:
     add = parser.add_argument
     text = "images, folders of maps or of separate images, or sample:NAME"
     add("photos", metavar="PHOTO", nargs="+", help=text)
-    text = "folder to write; in it one for each photo, if there are several"
+    text = "folder to write; for several photos, a folder of folders"
     add("-o", "--output", metavar="OUT", required=True, help=text)
     text = "maps to estimate: height, normal_gl (y up), normal_dx (y down), ao, roughness; "
-    text += "default: all that are missing, with normal_gl"
+    text += "default: all missing maps, with normal_gl"
     add("--maps", metavar="NAME,...", help=text)
     text = "height of the surface, in pixels; higher makes normals steeper and crevices darker; "
     add("--relief", type=float, default=6.0, metavar="PX", help=text + "default: 6")
-    add("--invert", action="store_true", help="bright pixels lie deeper")
-    text = "distance at which a surface still occludes; default: 16"
+    add(
+        "--invert",
+        action="store_true",
+        help="bright pixels are deep, such as light joints between dark bricks",
+    )
+    text = "distance, in pixels, up to which a surface occludes; default: 16"
     add("--ao-radius", type=int, default=16, metavar="PX", help=text)
-    add("--tileable", action="store_true", help="the photo is tileable, so its maps are too")
+    add("--tileable", action="store_true", help="the photo is tileable; makes its maps tileable")
     parser.share("--preset", "--quiet", "--allow-huge")
     args = parser.parse(argv)
     maps = None if args.maps is None else [name.strip() for name in args.maps.split(",")]

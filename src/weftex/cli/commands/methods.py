@@ -6,7 +6,7 @@ from weftex.cli.options import parameters_of
 from weftex.cli.parser import Parser
 
 #: Headings of what not every method does, and the kinds of canvas that it takes.
-_ABILITIES = {"FILLS HOLES": "known", "FOLLOWS A GUIDE": "guide", "MIXES SAMPLES": "many"}
+_ABILITIES = {"FILLS HOLES": "known", "FOLLOWS A GUIDE": "guide", "FUSES SAMPLES": "many"}
 _LINE = "{:16}{:37}{:13}{:17}{}"
 
 
@@ -23,7 +23,9 @@ def run(argv: list[str]) -> None:
         for slug, cls in ((AUTO, method_class(AUTO)), *METHODS.items()):
             able = ("yes" if kind in cls.supports else "no" for kind in _ABILITIES.values())
             print(_LINE.format(slug, cls.title, *able))
-        print("\nAll make larger and tileable images. weftex methods NAME lists parameters.")
+        print(
+            "\nAll methods make larger and tileable images. 'weftex methods NAME' lists parameters."
+        )
         return
     cls = method_class(name)
     print(f"{cls.title}\n{cls.paper}\n")

@@ -12,9 +12,9 @@ from weftex.recipe import MATERIAL
 from weftex.recipe.command_line import described_material
 
 _ABOUT = """\
-Write a map set as an engine or a program wants it: files named, channels packed, values inverted,
-bits and formats set. 'weftex synth', 'tile', 'fill', 'fuse', 'batch', 'replay' and 'prepare' have
-the same --preset for what they make. 'weftex unpack' is the reverse.\
+Write a map set for an engine or a program: name files, pack channels, invert values, and set bits
+and formats. Other commands, such as 'weftex synth', have the same --preset. 'weftex unpack' is the
+reverse.\
 """
 
 _EXAMPLES = """\
@@ -26,8 +26,8 @@ examples:
 
 
 _ABOUT_UNPACK = """\
-Separate packed maps into a map set with a file for each role, which every command reads. Smoothness
-becomes roughness, and normals point up (OpenGL). It is the reverse of 'weftex pack'.\
+Separate the packed maps of an engine into a map set with one file for each map. Smoothness becomes
+roughness, and y of normals points up (OpenGL). This is the reverse of 'weftex pack'.\
 """
 
 _EXAMPLES_UNPACK = """\

@@ -9,8 +9,8 @@ from weftex.recipe import LANDMARKS, MATERIAL, PREPARATION
 from weftex.recipe.command_line import described_material, value_of
 
 _ABOUT = """\
-Straighten a photo, even its lighting, and remove landmarks, to get a sample for any other command.
-'weftex synth' has the same options.\
+Straighten a photo, remove uneven light, and remove landmarks (conspicuous features). The output is
+a sample for any other command. 'weftex synth' has the same options.\
 """
 
 _EXAMPLES = """\
@@ -25,7 +25,7 @@ examples:
 _LANDMARKS = LANDMARKS._replace(
     choices=("keep", "remove"),
     metavar="keep|remove",
-    help="remove: replace recognizable features by the rest of the photo; no effect on lattices",
+    help="remove: replace conspicuous features by other parts of the photo; no effect on lattices",
 )
 
 

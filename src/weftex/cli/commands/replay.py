@@ -28,10 +28,10 @@ def run(argv: list[str]) -> None:
     parser = Parser("replay", "Render a saved result with other maps of its sample.", _EXAMPLES)
     add = parser.add_argument
     add("source", metavar="F.npz", help="file from --save-source")
-    text = "image of the sample's size, or of an integer multiple or fraction of it; or a folder "
-    text += "of such maps; for 'weftex fuse', one for each sample"
+    text = "image of the sample's size, or 2, 3, ... times as large or small; or a folder of such "
+    text += "images; for a result of 'weftex fuse', one for each sample"
     add("maps", metavar="MAP", nargs="+", help=text)
-    text = "same map, or folder of maps, of the photo, if it was filled from another sample"
+    text = "the same map of the photo, if it was filled from another sample"
     add("--background", metavar="PHOTO", help=text)
     parser.share("--output", "--preset", "--quiet", "--allow-huge")
     args = parser.parse(argv)

@@ -10,8 +10,8 @@ from weftex.recipe import MATERIAL
 from weftex.recipe.declared import TILEABLE
 
 _ABOUT = """\
-Measure how well a result matches its sample: print a line for each measure, or write a page with
-images, maps of the flaws, and each score next to the scores of real photos of the surface.\
+Measure how well a result matches its sample. Prints a line for each measure, or writes a page with
+images, maps of the flaws, and all measures.\
 """
 
 _EXAMPLES = """\
@@ -30,7 +30,9 @@ def run(argv: list[str]) -> None:
     add("sample", metavar="SAMPLE", help="image, folder of maps, or sample:NAME")
     parser.take(MATERIAL["maps"])
     add("result", metavar="RESULT", help="result from that sample: an image, or a folder of maps")
-    text = "file from --save-source, to show the source of every pixel and the parameters"
+    text = (
+        "file from --save-source; the page then shows the source of every pixel and the parameters"
+    )
     add("--source", metavar="F.npz", help=text)
     text = "also check the border, along both axes or only x or y; default: as saved in --source"
     parser.take(TILEABLE, help=text, dest="tileable")

@@ -15,9 +15,8 @@ if TYPE_CHECKING:
     from weftex.studio.studio import Studio
 
 _ABOUT = """\
-Open a page on this machine in which a photo becomes a finished material. Nothing is sent anywhere:
-the server answers this machine alone. The address contains a secret token; requests without it
-are refused.\
+Open the studio in the browser: make textures from a photo, paint, compare and export. Everything
+stays on this machine. The address contains a secret token; requests without it are refused.\
 """
 
 _EXAMPLES = """\
@@ -38,9 +37,9 @@ def run(argv: list[str]) -> None:
     add("sample", metavar="SAMPLE", nargs="?", help=text)
     add("--no-browser", action="store_true", help="print the address without opening a browser")
     add("--port", type=int, metavar="N", help="port to listen on; default: 8427, or any free port")
-    text = "folder for uploads and saved results; default: a folder of yours, such as "
+    text = "folder for uploads and saved results; default: a folder in your home, such as "
     add("--data", metavar="DIR", help=text + "~/.local/state")
-    text = "memory for results, in MiB; synthesis needs more; default: depends on this machine"
+    text = "memory for stored results, in MiB; default: depends on this machine"
     add("--memory", type=int, metavar="MIB", help=text)
     args = parser.parse(argv)
     if args.port is not None and not 0 <= args.port < 2**16:

@@ -59,7 +59,7 @@ class EfrosLeung(WindowedMethod):
 
     window_width: int | None = parameter(
         None,
-        "side of the square window that is compared, odd; wider keeps larger shapes, is "
+        "side of the square window that is compared, odd; wider keeps larger shapes and is "
         "less random",
         low=1,
         parity="odd",
@@ -69,7 +69,7 @@ class EfrosLeung(WindowedMethod):
     )
     tolerance: float = parameter(
         0.1,
-        "maximum error of a candidate above the best one's, as a share of it; higher is "
+        "how much larger than the best error a candidate's may be, as a share; higher is "
         "more random",
         low=0.0,
         high=1000.0,

@@ -83,8 +83,7 @@ class ExactMatching(WindowedMethod):
     )
     init: str = parameter(
         "auto",
-        "band above the first row: random pixels, a structured one, or auto (chosen for "
-        "the sample)",
+        "start of the output: a band of random pixels, a structured band of the sample, or auto",
         choices=("auto", "random", "structured"),
     )
     candidates: int = parameter(
@@ -113,7 +112,7 @@ class ExactMatching(WindowedMethod):
         default_text="1 for a given window width, holes or a small sample, else 3",
     )
     passes: int = parameter(
-        2, "number of further passes over pixels that were made between known ones", low=0, high=100
+        2, "number of further passes over pixels that lie between known ones", low=0, high=100
     )
 
     def __post_init__(self) -> None:

@@ -65,7 +65,7 @@ class GraphCut(Method):
 
     placement: str = parameter(
         "subpatch",
-        "what is placed: square patches, the entire sample where it matches, or that anywhere",
+        "pieces to place: square patches, the entire sample where it matches, or at random places",
         choices=("subpatch", "entire", "random"),
     )
     patch_size: int | None = parameter(
@@ -103,8 +103,8 @@ class GraphCut(Method):
     )
     seam_cost: str = parameter(
         "gradient",
-        "cost of a seam: the color difference, or that divided by gradients, so that "
-        "edges hide seams",
+        "cost of a seam: the color difference, or the difference divided by gradients, so "
+        "that edges hide seams",
         choices=("gradient", "difference"),
     )
     refinements: float | None = parameter(
@@ -141,7 +141,7 @@ class GraphCut(Method):
     )
     lattice: tuple[float, ...] | None = parameter(
         None,
-        "vectors x1,y1,x2,y2 by whose multiples the sample is shifted; rows P apart: 0,P,1,0",
+        "vectors x1,y1,x2,y2; shifts are multiples of these; rows P apart: 0,P,1,0",
         count=4,
         unit="px",
         default_text="any shift",

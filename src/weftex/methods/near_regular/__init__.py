@@ -75,7 +75,7 @@ class NearRegular(Method):
     )
     border_width: int | None = parameter(
         None,
-        "width of the borders that must match, half of it on either side; an even number",
+        "even width of the borders that must match, half of it on either side",
         low=0,
         parity="even",
         unit="px",
@@ -97,7 +97,7 @@ class NearRegular(Method):
     )
     tolerance: int | None = parameter(
         None,
-        "how far a block that fills a gap may lie from a multiple of the vectors",
+        "maximum distance of a block in a gap from a multiple of the vectors",
         low=0,
         high=64,
         unit="px",

@@ -111,7 +111,7 @@ class WeiLevoy(WindowedMethod):
     )
     start: str = parameter(
         "parent",
-        "what a finer level starts from: copies of the sources of its parent level, or noise",
+        "start of a finer level: the sources of the next coarser level (parent), or noise",
         choices=("parent", "noise"),
         idle_canvas="known",
     )
