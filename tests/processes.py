@@ -30,6 +30,32 @@ def wait_until_it_listens(process):
         caught = int(status.read_text().split("SigCgt:")[1].split()[0], 16)
 
 
+def children_of(pid):
+    """Process ids of all descendants."""
+    try:
+        tasks = list(Path(f"/proc/{pid}/task").iterdir())
+        found = [int(one) for task in tasks for one in (task / "children").read_text().split()]
+    except OSError:
+        return []
+    return found + [one for child in found for one in children_of(child)]
+
+
+def have_ended(pids):
+    """Whether processes end within a few seconds."""
+    deadline = time.monotonic() + 10
+    while time.monotonic() < deadline:
+        states = []
+        for pid in pids:
+            try:
+                states.append(Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0])
+            except OSError:
+                continue
+        if not set(states) - {"Z"}:
+            return True
+        time.sleep(0.05)
+    return False
+
+
 def run(code, *args, **options):
     """Run Python code with weftex importable, in a process of its own."""
     command = [sys.executable, "-c", textwrap.dedent(code), *map(str, args)]

@@ -7,7 +7,6 @@ import signal
 import subprocess
 import sys
 import time
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -16,7 +15,7 @@ import weftex
 from commands import fails, weft_run
 from families import noise
 from picture_files import oiio_write
-from processes import hear_interrupts, weftex_process
+from processes import children_of, have_ended, hear_interrupts, weftex_process
 from weftex.errors import WeftexError
 from weftex.io.manifest import Manifest, remove
 from weftex.io.pictures import read_image, write_image
@@ -112,25 +111,16 @@ def test_the_best_are_kept(here, samples):
         remove(str(samples / folder))
     write_image(samples / "grass.png", read_image("sample:pebbles").pixels[:64, :64])
     words = ["--method", "quilting", "--size", "72", "--count", "3"]
-    assert weft_run("batch", "samples", "-o", "all", *words, "--score") == 0
-    assert weft_run("batch", "samples", "-o", "best", *words, "--keep-best", "2") == 0
+    assert weft_run("batch", "samples", *words, "-o", "all", "--score") == 0
+    assert weft_run("batch", "samples", *words, "-o", "best", "--keep-best", "2") == 0
     scores = {one["output"]: one["score"] for one in records(here / "all").values()}
     kept = contents(here / "best")
     assert sorted(kept) == sorted(sorted(scores, key=scores.get)[:2])
     assert all(kept[name] == contents(here / "all")[name] for name in kept)
-    assert (
-        weft_run("batch", "samples", "-o", "best", *words, "--keep-best", "2", "--skip-existing")
-        == 0
-    )
-    assert weft_run("batch", "samples", "-o", "best", *words, "--keep-best", "1", "--force") == 0
+    words += ["-o", "best", "--keep-best"]
+    assert weft_run("batch", "samples", *words, "2", "--skip-existing") == 0
+    assert weft_run("batch", "samples", *words, "1", "--force") == 0
     assert sorted(contents(here / "best")) == [min(scores, key=scores.get)]
-
-
-def test_threads_change_no_byte(here, samples):
-    for threads in (1, 3):
-        words = ["--count", "3", "--threads", threads]
-        assert weft_run("batch", "samples", "-o", f"out{threads}", *WORDS, *words) == 0
-    assert contents(here / "out1") == contents(here / "out3")
 
 
 def test_names_of_a_scheme_and_of_a_template(here, samples):
@@ -202,7 +192,7 @@ def test_a_cut_off_manifest_is_read(here, samples):
 def test_killed_at_random_moments_it_goes_on(here, samples):
     """Four times; what is there at the end is what one run makes, and no other file."""
     words = [*WORDS[:4], "--size", "150", "--seed", "1", "--count", "15"]
-    assert weft_run("batch", "samples", "-o", "whole", *words) == 0
+    assert weft_run("batch", "samples", "-o", "whole", *words, "--threads", 1) == 0
     words += ["--skip-existing", "--threads", "2"]
     command = [sys.executable, "-m", "weftex", "batch", "samples", "-o", "out", *words]
     chance, killed = random.Random(1), 0
@@ -219,11 +209,6 @@ def test_killed_at_random_moments_it_goes_on(here, samples):
     assert set(records(here / "out")) == set(records(here / "whole"))
 
 
-def children(process):
-    found = [path.read_text() for path in Path(f"/proc/{process}/task").glob("*/children")]
-    return " ".join(found).split()
-
-
 @pytest.mark.skipif(not sys.platform.startswith("linux"), reason="looks at /proc")
 @pytest.mark.parametrize(
     ("number", "code"),
@@ -231,30 +216,16 @@ def children(process):
 )
 def test_whatever_ends_it_leaves_no_process(here, samples, number, code):
     """Nor anything unfinished, unless it was killed; then the next run removes it."""
-    words = [
-        "batch",
-        "samples",
-        "-o",
-        "out",
-        "--method",
-        "wei-levoy",
-        "--size",
-        "300",
-        "--threads",
-        2,
-    ]
-    run = weftex_process(*words, preexec_fn=hear_interrupts)
+    words = ["batch", "samples", "-o", "out", "--method", "wei-levoy", "--size", 300]
+    run = weftex_process(*words, "--threads", 2, preexec_fn=hear_interrupts)
     deadline = time.monotonic() + 30
-    while len(children(run.pid)) < 2 and time.monotonic() < deadline:
+    while len(started := children_of(run.pid)) < 2 and time.monotonic() < deadline:
         time.sleep(0.02)
-    started = children(run.pid)
     time.sleep(0.3)
     run.send_signal(number)
     err = run.communicate(timeout=30)[1]
     assert len(started) == 2 and run.returncode == code, err
-    while any(Path(f"/proc/{one}").exists() for one in started) and time.monotonic() < deadline:
-        time.sleep(0.02)
-    assert not any(Path(f"/proc/{one}").exists() for one in started)
+    assert have_ended(started)
     if number != signal.SIGKILL:
         assert err == "weftex: stopped; --skip-existing goes on in out\n"
         assert not list((here / "out").glob(".weftex-*"))

@@ -122,24 +122,22 @@ def test_a_worker_goes_on_when_its_plane_was_begun_again(tmp_path):
             shutil.rmtree(path) if path.is_dir() else path.unlink()
 
 
-def test_folders_of_others_are_kept(tmp_path, target):
-    for name in ("p.tif", "p.tif.run"):
-        (tmp_path / name).mkdir()
-        (tmp_path / name / "0").write_bytes(b"mine")
-        before = listing(tmp_path)
-        for restart in (False, True):
-            with pytest.raises(FileError, match="is no file|has files of others"):
-                weftex.planes.stream(SAMPLE, target, SIZE, restart=restart, **HOW)
-            assert listing(tmp_path) == before
-        shutil.rmtree(tmp_path / name)
-    weftex.planes.stream(SAMPLE, target, SIZE, **HOW)
-    target.unlink()
-    target.mkdir()  # where the record says that a file of weftex is
-    (target / "mine").write_bytes(b"mine")
+@pytest.mark.parametrize(
+    ("mine", "why"),
+    [("p.tif", "is there already"), ("p.tif/0", "is no file"), ("p.tif.run/0", "files of others")],
+)
+@pytest.mark.parametrize("recorded", [False, True])  # that a file of weftex is there
+def test_files_and_folders_of_others_are_kept(tmp_path, target, mine, why, recorded):
+    if recorded and mine == "p.tif/0":
+        weftex.planes.stream(SAMPLE, target, SIZE, **HOW)
+        target.unlink()
+    (tmp_path / mine).parent.mkdir(exist_ok=True)
+    (tmp_path / mine).write_bytes(b"mine")
+    before = listing(tmp_path)
     for restart in (False, True):
-        with pytest.raises(FileError, match="is no file"):
+        with pytest.raises(FileError, match=why):
             weftex.planes.stream(SAMPLE, target, SIZE, restart=restart, **HOW)
-    assert (target / "mine").exists()
+    assert listing(tmp_path) == before
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="links need a privilege there")

@@ -106,17 +106,10 @@ def test_other_runs_are_refused(sample, tmp_path):
     assert open_plane(target).definition.seed == 5
 
 
-def test_other_files_are_kept(sample, tmp_path):
-    (tmp_path / "p.tif").write_bytes(b"mine")
-    before = listing(tmp_path)
+def test_without_its_file_nothing_counts_as_done(sample, tmp_path):
     one = weftex.Exemplar(sample.pixels)
-    for restart in (False, True):
-        with pytest.raises(FileError, match="is there already"):
-            weftex.planes.stream(one, tmp_path / "p.tif", 100, restart=restart, **HOW)
-    assert listing(tmp_path) == before
-    (tmp_path / "p.tif").unlink()
     weftex.planes.stream(one, tmp_path / "p.tif", 100, restart=True, **HOW)
-    (tmp_path / "p.tif").unlink()  # what is recorded as done is not believed then
+    (tmp_path / "p.tif").unlink()
     assert weftex.planes.stream(one, tmp_path / "p.tif", 100, **HOW).made == 4
 
 
@@ -156,9 +149,6 @@ def test_recipes_on_disk(sample, tmp_path):
         assert found.about == recipe.about and found.method == method
         assert found.exemplar.weights == weights.weights and found.exemplar.icc == b"i"
         assert found.exemplar.copy_shape == weights.copy_shape
-    np.savez(tmp_path / "r.npz", about=np.array('{"format": "weftex plane 1"}'))
-    with pytest.raises(FileError, match="is damaged"):
-        Definition.load(str(tmp_path / "r.npz"))
 
 
 def test_auto_is_the_method_that_it_names(tmp_path):

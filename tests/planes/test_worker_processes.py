@@ -12,7 +12,7 @@ import pytest
 
 from commands import weft_run
 from families import noise
-from processes import hear_interrupts, weftex_process
+from processes import children_of, have_ended, hear_interrupts, weftex_process
 from weftex.io.pictures import write_image
 
 HOW = ["--method", "best-tile", "--lattice", "20,0,0,20", "--seed", 4, "--block", 64, "--quiet"]
@@ -24,16 +24,6 @@ def words(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     write_image("sample.png", noise((64, 72, 3)))
     return ["synth", "sample.png", *HOW, "--size", "2400x1600", "-o"]
-
-
-def children_of(pid):
-    """Process ids of all descendants."""
-    try:
-        tasks = list(Path(f"/proc/{pid}/task").iterdir())
-        found = [int(one) for task in tasks for one in (task / "children").read_text().split()]
-    except OSError:
-        return []
-    return found + [one for child in found for one in children_of(child)]
 
 
 def listening_sockets(pid):
@@ -64,22 +54,6 @@ def started(target, words, blocks=4):
         assert run.poll() is None and time.monotonic() < deadline, run.communicate()
         time.sleep(0.01)
     return run, children_of(run.pid)
-
-
-def have_ended(pids):
-    """Whether processes end within a few seconds."""
-    deadline = time.monotonic() + 10
-    while time.monotonic() < deadline:
-        states = []
-        for pid in pids:
-            try:
-                states.append(Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0])
-            except OSError:
-                continue
-        if not set(states) - {"Z"}:
-            return True
-        time.sleep(0.05)
-    return False
 
 
 def test_workers_listen_to_nobody_and_make_the_same_bytes(words):
