@@ -87,33 +87,6 @@ def test_tileable_may_be_said(files, capsys):
     assert json.loads(capsys.readouterr().out)["wrap"] > 0.2  # to the right it does
 
 
-@pytest.mark.parametrize(
-    "change, message",
-    [
-        (lambda s, m, z, t: [s], "RESULT"),
-        (lambda s, m, z, t: [s, t / "no.png", "--json"], "no.png: cannot read"),
-        (lambda s, m, z, t: [t / "no.png", m, "--json"], "no.png: cannot read"),
-        (lambda s, m, z, t: [s, m, "-o", t / "r.htm"], "did you mean '.html'"),
-        (lambda s, m, z, t: [s, m, "-o", t / "no" / "r.html"], "does not exist"),
-        (lambda s, m, z, t: [s, m, "--source", t / "no.npz", "--json"], "does not exist"),
-        (lambda s, m, z, t: [s, m, "--source", m, "--json"], "is not a saved weftex result"),
-        (lambda s, m, z, t: [s, s, "--source", z, "--json"], "the source makes 128x106 from 96x96"),
-        (lambda s, m, z, t: [m, m, "--source", z, "--json"], "sample are 128x106 and 128x106"),
-        (lambda s, m, z, t: [s, t / "gray.png", "--json"], "uint8 with 1 channels"),
-        (lambda s, m, z, t: [s, t / "deep.png", "--json"], "the result is uint16"),
-        (lambda s, m, z, t: [s, m, "--jso"], "did you mean '--json'"),
-    ],
-)
-def test_what_cannot_be_reported_is_one_line(change, message, files, tmp_path, capsys):
-    write_image(tmp_path / "gray.png", np.zeros((40, 40), np.uint8))
-    write_image(tmp_path / "deep.png", np.zeros((40, 40, 3), np.uint16))
-    before = sorted(tmp_path.iterdir())
-    assert run(*change(*files, tmp_path)) == 2
-    said = capsys.readouterr()
-    assert said.out == "" and said.err.count("\n") == 1 and message in said.err
-    assert sorted(tmp_path.iterdir()) == before
-
-
 def test_a_picture_of_another_source_is_noted(files):
     sample, made, source = files
     turned = weftex.read_image(made).pixels[::-1].copy()

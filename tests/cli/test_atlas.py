@@ -5,7 +5,6 @@ import re
 from xml.etree import ElementTree as ET
 
 import numpy as np
-import pytest
 
 from commands import weft_run
 from weftex.atlas import atlas
@@ -55,21 +54,3 @@ def test_a_set_and_a_folder_of_tiles(here):
     made = atlas("sample.png", tile_size=48, colors=3, method="patch-sampling", seed=7)
     for pixels, tile in zip(made.tiles, index["tiles"], strict=True):
         assert np.array_equal(read_image(here / "tiles" / tile["file"]).pixels, pixels)
-
-
-@pytest.mark.parametrize(
-    "words, said",
-    [
-        ("--colors 4", "--colors is '4'; it must be from 2 to 3"),
-        ("--gutter -1", "--gutter is '-1'; it must be 0 or more"),
-        ("--tile-size 512", "sample.png is 72x64, which has no usable 128x128 pixels"),
-        ("--method best-tile", "best-tile does not do hole filling"),
-        ("--size 64", "--size has no effect on atlas; it is for synth, fuse"),
-    ],
-)
-def test_errors_are_one_line_and_write_nothing(here, capsys, words, said):
-    before = sorted(here.iterdir())
-    assert weft_run("atlas", "sample.png", "-o", "out", *words.split()) == 2
-    assert sorted(here.iterdir()) == before
-    error = capsys.readouterr().err
-    assert said in error and error.count("\n") == 1

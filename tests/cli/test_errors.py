@@ -13,9 +13,10 @@ from families import noise
 from picture_files import bomb
 from weftex.io.pictures import write_image
 
-#: What S and P stand for in commands: a picture, and a plane on disk.
+#: What S, F and P stand for in commands: a picture, one of two samples, and a plane on disk.
 STARTS = {
     "S": "synth sample.png -o x.png",
+    "F": "fuse sample.png photo.png -o x.png --map",
     "P": "synth sample.png --method best-tile --lattice 20,0,0,20 --seed 4 --block 64 -o",
 }
 #: Commands, and a part of their messages.
@@ -77,6 +78,48 @@ WRONG = [
     ("fill photo.png --mask other.png -o old.png", "40x40.*96x80; scale or crop the mask"),
     ("replay photo.png sample.png -o x.png", "not a saved weftex result"),
     ("replay a.npz photo.png -o x.png", "integer multiple"),
+    ("F hole.png --colors red,blue", "--colors is 'red,blue'; it must be colors, #rrggbb, or gray"),
+    ("F hole.png --colors 1", "1 colors for 2 samples"),
+    ("F hole.png --mixed 3", "--mixed is '3'; it must be colors and two samples each"),
+    ("F hole.png --mixed #00ff00=1+x", "--mixed is '#00ff00=1.x'"),
+    ("F hole.png --width 0.5", "--width has no effect unless --map is gradient"),
+    ("F hole.png --size 2m", "weftex prepare sets it: --sample-width 0.6m"),
+    ("F gradient --size 50 --direction down", "--direction is 'down'; it must be a number"),
+    ("F gradient --size 50 --width 0", "width is 0.0; it must be above 0"),
+    ("S --best-of 0", "--best-of is '0'; it must be from 1"),
+    ("S --best-of graphcut", "--best-of is 'graphcut'; it must be from 1"),
+    ("S --debug new --sample-guide photo.png", "--sample-guide has no effect without a guide"),
+    ("S --size 2m", "sample.png states no density; give the"),
+    ("S --size 2mx3", "2k or 2mx1.5m \\(meters\\)"),
+    ("S --sample-width 2k", "0.6m, 60cm or 600mm"),
+    ("S --sample-width 0m", "a length above 0"),
+    ("S --sample-width 9m --density 90px/m", "sample.png, 72x64, would be scaled 11.2 times"),
+    ("prepare sample.png -o b.png --density 90", "sample.png states none; give the"),
+    ("batch uneven -o out --size 2m", "batch takes pixels, as samples may differ"),
+    ("analyze nothing.tif", "nothing.tif: cannot read"),
+    ("analyze sample.png --jsno", "did you mean '--json'"),
+    ("analyze sample.png photo.png", "unexpected argument 'photo.png'"),
+    ("analyze sample.png --lattice 1,2,3", "lattice is '1,2,3'; it must be 4 numbers"),
+    ("analyze sample.png --lattice 900,0,0,20", "it must be smaller"),
+    ("analyze sample.png --runners-up 25", "runners_up is 25; it must be from 0 to 24"),
+    ("estimate sample.png -o b --relief -1", "above 0"),
+    ("estimate sample.png photo.png -o b --maps rough", "maps has 'rough'"),
+    ("atlas sample.png -o out --colors 4", "--colors is '4'; it must be from 2 to 3"),
+    ("atlas sample.png -o out --gutter -1", "--gutter is '-1'; it must be 0 or more"),
+    ("atlas sample.png -o out --tile-size 512", "72x64, which has no usable 128x128 pixels"),
+    ("atlas sample.png -o out --method best-tile", "best-tile does not do hole filling"),
+    ("atlas sample.png -o out --size 64", "--size has no effect on atlas; it is for synth, fuse"),
+    ("compare sample.png -o c.png", "cannot write '.png'"),
+    ("compare sample.png --json --seed -1", "--seed is"),
+    ("report sample.png", "RESULT"),
+    ("report sample.png no.png --json", "no.png: cannot read"),
+    ("report no.png sample.png --json", "no.png: cannot read"),
+    ("report sample.png photo.png -o r.htm", "did you mean '.html'"),
+    ("report sample.png photo.png -o no/r.html", "does not exist"),
+    ("report sample.png photo.png --source no.npz --json", "does not exist"),
+    ("report sample.png photo.png --source photo.png --json", "not a saved weftex result"),
+    ("report sample.png photo.png --source a.npz --json", "the source makes 80x80 from 72x64"),
+    ("report sample.png other.png --json", "uint8 with 1 channels"),
     ("methods quiltin", "did you mean 'quilting'"),
     ("samples more", "unexpected argument"),
 ]
@@ -97,7 +140,7 @@ def test_bad_input_is_one_line_and_leaves_everything(here, capsys, words, messag
     (here / "twin.png").hardlink_to("sample.png")
     if "a.npz" in words:
         weftex.synthesize("sample.png", 80, method="quilting", seed=1).save("a.npz")
-    words = re.sub("^[SP](?= )", lambda start: STARTS[start.group()], words).split()
+    words = re.sub("^[SFP](?= )", lambda start: STARTS[start.group()], words).split()
     assert re.search(message, fails(capsys, here, *words))
 
 

@@ -1,10 +1,9 @@
 """weftex estimate."""
 
 import numpy as np
-import pytest
 
 import weftex
-from commands import fails, weft_run
+from commands import weft_run
 from weftex.io.pictures import read_image
 
 
@@ -35,14 +34,3 @@ def test_light_joints_are_said(here, capsys):
     words = ["estimate", "sample:bricks", "--maps", "height", "-o"]
     assert weft_run(*words, "ridges") == weft_run(*words, "pits", "--invert") == 0
     assert capsys.readouterr().err.count("use --invert") == 1
-
-
-@pytest.mark.parametrize(
-    "words, message",
-    [
-        (["sample.png", "-o", "b", "--relief", "-1"], "above 0"),
-        (["sample.png", "photo.png", "-o", "b", "--maps", "rough"], "maps has 'rough'"),
-    ],
-)
-def test_bad_input(here, capsys, words, message):
-    assert message in fails(capsys, here, "estimate", *words)

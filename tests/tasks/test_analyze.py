@@ -136,29 +136,6 @@ def test_the_command_prints_it(capsys):
     assert max(map(len, out.splitlines())) <= 100
 
 
-@pytest.mark.parametrize(
-    ("words", "message"),
-    [
-        (["nothing.png"], "nothing.png"),
-        (["sample:nothing"], "nothing"),
-        (["a.png", "--jsno"], "did you mean '--json'"),
-        ([], "SAMPLE"),
-        (["a.png", "--lattice", "1,2,3"], "lattice is '1,2,3'; it must be 4 numbers"),
-        (["a.png", "--lattice", "9,0,0,2"], "it must be smaller"),
-        (["a.png", "--runners-up", "25"], "runners_up is 25; it must be from 0 to 24"),
-        (["a.png", "--runners-up", "-1"], "runners_up is -1"),
-        (["a.png", "b.png"], "unexpected argument 'b.png'"),
-    ],
-)
-def test_bad_input_is_one_line(words, message, capsys, tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    write_image("a.png", np.zeros((8, 8), np.uint8))
-    assert cli.main(["analyze", *words]) == 2
-    out, err = capsys.readouterr()
-    assert out == "" and err.startswith("weftex: error: ") and err.count("\n") == 1
-    assert message in err
-
-
 def test_lattices_are_rated_as_asked(tmp_path, capsys):
     """A given lattice and runners-up, drawn and in JSON."""
     drawn = tmp_path / "o.png"

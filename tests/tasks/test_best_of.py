@@ -94,12 +94,3 @@ def test_the_command_and_the_pictures_of_debug(tmp_path, monkeypatch, capsys):
     made = weftex.synthesize(SAMPLE, 90, seed=int(kept), method="quilting")
     for name, what in zip(names, ["sources", *names[1:]], strict=True):
         assert np.array_equal(read_image(f"how/{name}.png").pixels, made.draw(what))
-    for wrong, message in (
-        (["-o", "c.png", "--best-of", "0"], "--best-of is '0'; it must be from 1"),
-        (["-o", "c.png", "--best-of", "graphcut"], "--best-of is 'graphcut'; it must be from 1"),
-        (["-o", "c.png", "--debug", "how/seams.png"], "several files are written; name a folder"),
-        (["-o", "c.png", "--debug", "new", "--sample-guide", "s.png"], "without a guide"),
-    ):
-        assert main([*words, *wrong]) == 2
-        assert message in capsys.readouterr().err
-    assert not (tmp_path / "new").exists() and not (tmp_path / "c.png").exists()
