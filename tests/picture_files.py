@@ -5,12 +5,14 @@ from __future__ import annotations
 import functools
 import os
 import struct
+import textwrap
 import zlib
 
 import numpy as np
 import pytest
 
 import families
+from processes import run
 from weftex.errors import FileError
 from weftex.io import pictures as io
 
@@ -75,11 +77,31 @@ def bomb(width, height):
     return PNG + header + chunk(b"IDAT", zlib.compress(b"\0" * 1000)) + chunk(b"IEND", b"")
 
 
-def open_way(folder):
-    """Let another user come to this folder of pytest's."""
-    while str(folder) not in ("/", "/tmp"):
+def run_as_nobody(code, folder, *paths):
+    """Run code, in which `said` prints the error of a call, as a user who may not do everything."""
+    while str(folder) not in ("/", "/tmp"):  # which lead to this folder of pytest's
         os.chmod(folder, os.stat(folder).st_mode | 0o111)
         folder = os.path.dirname(folder)
+    return run(AS_NOBODY + textwrap.dedent(code), *paths)
+
+
+AS_NOBODY = """
+import os, sys
+import numpy as np
+import OpenImageIO
+from weftex.io import pictures as io
+
+if os.getuid() == 0:
+    os.setgid(65534)
+    os.setuid(65534)
+
+def said(call, *words):
+    try:
+        call(*words)
+    except io.FileError as error:
+        print(error)
+
+"""
 
 
 def store(path, pixels):

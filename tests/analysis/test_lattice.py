@@ -334,11 +334,6 @@ def test_overlaps_count_from_the_share_on(sample):
     assert counts == sorted(counts, reverse=True) and counts[0] > counts[1] > counts[2]
 
 
-def test_both_ratings_find_the_same_lattice(sample):
-    assert find_lattice(sample, goodness="height").same_as(BOND)
-    assert find_lattice(sample).same_as(BOND)
-
-
 def test_rows_are_rated_by_their_ridges():
     """Of exact rows in any colors along them: the correlation is 0 between, and 1 at, the rows."""
     y = np.arange(120)[:, None]

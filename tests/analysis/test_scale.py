@@ -40,12 +40,6 @@ def grating(height, width, period, angle=0.0):
     return np.sin(2 * np.pi * (x * math.cos(angle) + y * math.sin(angle)) / period)
 
 
-def dots(height, width, period):
-    """Discs on a square lattice."""
-    y, x = (np.mgrid[:height, :width] % period) - period / 2
-    return np.where(y**2 + x**2 < (0.3 * period) ** 2, 1.0, -1.0)
-
-
 def colored_noise(side, seed, exponent):
     """Noise whose amplitude falls with that power of the frequency: pictures have about 1."""
     noise = np.fft.fft2(np.random.default_rng(seed).standard_normal((side, side)))
@@ -107,11 +101,6 @@ def test_gratings(period, shape):
         scale = found(levels(grating(*shape, period, angle)))
         assert scale.scale == pytest.approx(period, rel=0.05)
         assert scale.confidence > 0.75
-
-
-@pytest.mark.parametrize("period", [8, 12, 17, 24])
-def test_dots(period):
-    assert found(levels(dots(150, 130, period))).scale == pytest.approx(period, rel=0.06)
 
 
 @pytest.mark.parametrize("direction", [(1, 0), (0, 1), (1, 1), (2, -1)])

@@ -9,7 +9,7 @@ import shutil
 import numpy as np
 import pytest
 
-from picture_files import bomb, fails, noise, oiio_write, open_way, smooth, store
+from picture_files import bomb, fails, noise, oiio_write, run_as_nobody, smooth, store
 from processes import run
 from weftex.errors import FileError
 from weftex.io import pictures as io
@@ -35,11 +35,7 @@ def test_not_a_regular_file(tmp_path):
     fails("/dev/null", "not a regular file")
 
 
-def test_null_byte_and_bad_utf8(tmp_path):
-    with pytest.raises(FileError, match="null"):
-        io.read_image("a\0b.png")
-    with pytest.raises(FileError, match="null"):
-        io.write_image("a\0b.png", noise((2, 2)))
+def test_names_that_are_no_utf8(tmp_path):
     shutil.copy(io.sample_path("grass"), os.fsencode(tmp_path) + b"/\xff.png")
     for call in (io.read_image, lambda path: io.write_image(path, noise((2, 2)))):
         with pytest.raises(FileError, match="utf-8") as info:
@@ -56,18 +52,7 @@ def test_names_print_on_one_line(tmp_path):
 def test_unreadable_file_and_folder(tmp_path):
     io.write_image(tmp_path / "a.png", noise((4, 4)))
     os.chmod(tmp_path / "a.png", 0)
-    code = """
-        import os, sys
-        from weftex.io import pictures as io
-        if os.getuid() == 0:
-            os.setgid(65534); os.setuid(65534)
-        try:
-            io.read_image(sys.argv[1])
-        except io.FileError as error:
-            print(error)
-    """
-    open_way(tmp_path)
-    done = run(code, tmp_path / "a.png")
+    done = run_as_nobody("said(io.read_image, sys.argv[1])", tmp_path, tmp_path / "a.png")
     assert done.stdout == f"{tmp_path / 'a.png'}: cannot read: Permission denied\n", done.stderr
 
 
@@ -107,7 +92,7 @@ def cuts(size, count=60):
 @pytest.mark.parametrize(
     "name",
     ["a.png", "a16.png", "a.jpg", "prog.jpg", "gray.jpg", "a.tif", "af.tif", "raw.tif", "lzw.tif",
-     "a.webp", "lossy.webp", "a.bmp", "a.exr", "half.exr", "a.jxl", "a.hdr"],
+     "first.tif", "a.webp", "lossy.webp", "a.bmp", "a.exr", "half.exr", "a.jxl", "a.hdr"],
 )  # fmt: skip
 def test_every_truncation_is_an_error(tmp_path, name, capfd):
     pixels = smooth(60, 50)
@@ -116,6 +101,8 @@ def test_every_truncation_is_an_error(tmp_path, name, capfd):
         Image.fromarray(pixels).save(path, **({"progressive": True} if "prog" in name else {}))
     elif name in ("raw.tif", "lzw.tif"):
         Image.fromarray(pixels).save(path, compression="raw" if "raw" in name else "tiff_lzw")
+    elif name == "first.tif":  # whose directory is before its pixels
+        tifffile.imwrite(path, pixels, rowsperstrip=7, photometric="rgb")
     elif name in ("half.exr", "a.hdr"):
         kind = "openexr" if "exr" in name else "hdr"
         oiio_write(path, kind, (pixels / 255).astype("float32"))
@@ -138,14 +125,6 @@ def test_every_truncation_is_an_error(tmp_path, name, capfd):
     assert accepted == []
     captured = capfd.readouterr()
     assert captured.out + captured.err == ""
-
-
-def test_a_tiff_with_its_directory_first_is_not_half_read(tmp_path):
-    tifffile.imwrite(tmp_path / "a.tif", smooth(60, 50), rowsperstrip=7, photometric="rgb")
-    data = (tmp_path / "a.tif").read_bytes()
-    for end in cuts(len(data)):
-        (tmp_path / "a.tif").write_bytes(data[:end])
-        fails(tmp_path / "a.tif", "cannot read|damaged|not a picture|empty")
 
 
 @pytest.mark.parametrize("suffix", [".png", ".jpg", ".tif", ".webp", ".bmp", ".exr", ".jxl"])

@@ -7,8 +7,7 @@ import os
 import numpy as np
 import pytest
 
-from picture_files import fails, files_in, noise, open_way
-from processes import run
+from picture_files import fails, files_in, noise, run_as_nobody
 from weftex.errors import FileError, InvalidInputError
 from weftex.io import pictures as io
 
@@ -100,28 +99,14 @@ def test_read_only_folder_and_file(tmp_path):
     os.chmod(folder, 0o555)
     os.chmod(tmp_path / "old.png", 0o444)
     os.chmod(tmp_path, 0o777)
-    open_way(tmp_path)
     code = """
-        import os, sys
-        import numpy as np
-        import OpenImageIO
-        from weftex.io import pictures as io
-        if os.getuid() == 0:
-            os.setgid(65534); os.setuid(65534)
         for path in sys.argv[1:]:
-            for call in (io.check_output, lambda p: io.write_image(p, np.zeros((4, 4), "u1"))):
-                try:
-                    call(path)
-                except io.FileError as error:
-                    print(error)
-        try:
-            with io.atomic(sys.argv[1]):
-                print("not here")
-        except io.FileError as error:
-            print(error)
+            said(io.check_output, path)
+            said(io.write_image, path, np.zeros((4, 4), "u1"))
+        said(io.atomic(sys.argv[1]).__enter__)
     """
     paths = [folder / "new.png", folder / "old.png", tmp_path / "old.png"]
-    done = run(code, *paths)
+    done = run_as_nobody(code, tmp_path, *paths)
     assert done.stdout.splitlines() == [
         *[f"{folder / 'new.png'}: the folder {folder} is read-only"] * 2,
         *[f"{folder / 'old.png'}: the folder {folder} is read-only"] * 2,
