@@ -93,7 +93,7 @@ WRONG = [
     ("S --size 2mx3", "2k or 2mx1.5m \\(meters\\)"),
     ("S --sample-width 2k", "0.6m, 60cm or 600mm"),
     ("S --sample-width 0m", "a length above 0"),
-    ("S --sample-width 9m --density 90px/m", "sample.png, 72x64, would be scaled 11.2 times"),
+    ("S --sample-width 9m --density 90px/m", "sample.png, 72x64, would be scaled 11.25 times"),
     ("prepare sample.png -o b.png --density 90", "sample.png states none; give the"),
     ("batch uneven -o out --size 2m", "batch takes pixels, as samples may differ"),
     ("analyze nothing.tif", "nothing.tif: cannot read"),
