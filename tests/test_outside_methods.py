@@ -16,10 +16,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from weftex.canvas import as_canvas
 from weftex.method import Method, Model
 from weftex.parameters import parameter
-from weftex.random import seed_number
 from weftex.results.pixels import PixelSynthesis
 
 
@@ -42,19 +40,17 @@ class ShiftedModel(Model):
     def __init__(self, method, exemplar):
         self.method, self.exemplar = method, exemplar
 
-    def sample(self, size, *, seed=None, tileable=False, threads=None, progress=None):
-        canvas, number = as_canvas(size, tileable), seed_number(seed)
-        self.method.require(canvas)
+    def make(self, canvas, seed, threads, progress):
         height, width = self.exemplar.shape
         y, x = np.indices(canvas.shape)
-        x = x + y // height * self.method.shift + number
+        x = x + y // height * self.method.shift + seed
         index = (y % height * width + x % width).astype(np.int32)
         return PixelSynthesis(
             canvas,
             index,
             sample_shape=self.exemplar.shape,
             exemplar=self.exemplar,
-            provenance=self.method.describe() | {"seed": number},
+            provenance=self.method.describe() | {"seed": seed},
         )
 '''
 

@@ -29,7 +29,6 @@ from weftex.analysis.lattice import Lattice, find_lattice, rate_lattices
 from weftex.analysis.overlay import draw_lattice
 from weftex.analysis.pairs import SIGNIFICANT, tile_shares
 from weftex.analysis.relief import relief
-from weftex.methods.best_tile.repetition import repeated as repeated_tiles
 from weftex.methods.best_tile.tiles import tile_errors
 
 REGULAR = ("bricks", "tiles", "weave")
@@ -215,10 +214,8 @@ def fig46(folder: Path, suffix: str) -> None:
         sides = CanvasLattice(model.vectors).sample
         tiles = list(zip(corners, ("lime", "red"), strict=True))
         line = [outline(p, tiles, sides) for p in (shown.astype(np.uint8), pixels)]
-        canvas, lattice = weftex.Canvas(256, 256), CanvasLattice(model.vectors)
-        for corner in corners:
-            index = repeated_tiles(sample, corner, model.rows, lattice, canvas, (0, 0), None)
-            line.append(pixels.reshape(-1, pixels.shape[2])[index])
+        for model.anchor in map(tuple, corners):
+            line.append(model.sample(256).image)
         lines.append(line)
     rows(folder / f"fig46{suffix}", "differences, sample, best tile, worst tile", lines)
 

@@ -64,7 +64,6 @@ class Model(ABC):
     def __repr__(self) -> str:
         return f"<{type(self).__name__} of {self.exemplar!r} for {self.method!r}>"
 
-    @abstractmethod
     def sample(
         self,
         size: Canvas | int | tuple[int, int],
@@ -89,6 +88,15 @@ class Model(ABC):
         progress : callable, optional
             See `weftex.progress.ProgressCallback`.
         """
+        canvas = as_canvas(size, tileable)
+        self.require(canvas)
+        return self.make(canvas, seed_number(seed), thread_count(threads), progress)
+
+    @abstractmethod
+    def make(
+        self, canvas: Canvas, seed: int, threads: int, progress: ProgressCallback | None
+    ) -> Synthesis:
+        """What a model defines: `sample`, once its arguments are checked."""
 
     def require(self, canvas: Canvas) -> None:
         """Refuse a canvas that the method does not do, or on which a chosen parameter is idle."""

@@ -8,5 +8,5 @@ Each cut along a path is a dynamic program, and each has its own costs and steps
 | `methods.near_regular.edge_kernels.least_boundary` | between pixels, given ends | near-regular |
 | `seams.path.least_path` | over pixels, open or closed | ashikhmin, wrapped output |
 
-Cuts of any shape are by `maxflow`: graphcut, `around` (fill), `boundary` and `merge` (fuse).
+Cuts of any shape are by `maxflow`: graphcut, `boundary` (fuse and fill), `merge` (fuse).
 """

@@ -17,7 +17,7 @@ from weftex.random import seed_number
 from weftex.raster.arrays import as_array
 from weftex.raster.masks import grown
 from weftex.results.pixels import PixelSynthesis
-from weftex.seams.around import cut_around
+from weftex.seams.boundary import cut_around
 from weftex.tasks.method_names import AUTO, is_auto, make_method
 from weftex.tasks.region import Region
 

@@ -18,7 +18,7 @@ from weftex.random import draw
 from weftex.raster.masks import grown
 from weftex.raster.turning import boxes_of, turned_pixels
 from weftex.results.pixels import PixelSynthesis
-from weftex.seams.around import cut_around
+from weftex.seams.boundary import cut_around
 from weftex.search.translation import Spectra, correlations, window_mismatch
 from weftex.tasks.auto import AutoModel, look
 from weftex.tasks.auto.rule import is_sure

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from functools import partial
 from typing import TYPE_CHECKING, ClassVar, Self
 
 import numpy as np
 
 from weftex.methods.ashikhmin.choice import Choice, random_places
-from weftex.methods.pixels.growth import PixelModel, WindowedMethod, narrowed, width_for
+from weftex.methods.pixels import PixelModel, WindowedMethod, square_width
 from weftex.parameters import parameter
 from weftex.raster.masks import peeled
 from weftex.search.windows import square_windows
@@ -18,7 +17,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from weftex.exemplar import Exemplar
-    from weftex.methods.pixels.growth import Growth
+    from weftex.methods.pixels import Growth
     from weftex.search.windows import Windows
 
 _PROPOSED_WIDTH = 5
@@ -89,10 +88,9 @@ class Ashikhmin(WindowedMethod):
 
     def resolved(self, exemplar: Exemplar) -> Self:
         """See `Method.resolved`; `jumps` depends on the canvas."""
-        width = width_for(self.window_width, exemplar, _PROPOSED_WIDTH)
-        if self.window_width is None:
-            width = narrowed(width, partial(square_windows, exemplar))
-        return replace(self, window_width=width)
+        return replace(
+            self, window_width=square_width(self.window_width, exemplar, _PROPOSED_WIDTH)
+        )
 
 
 @dataclass(frozen=True, eq=False)

@@ -14,7 +14,7 @@ from weftex.search.windows import new_query
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from weftex.methods.pixels.growth import Growth
+    from weftex.methods.pixels import Growth
     from weftex.progress import Progress
     from weftex.search.windows import Windows
 

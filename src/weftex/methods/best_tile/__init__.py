@@ -3,23 +3,28 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
+
+import numpy as np
 
 from weftex.analysis.canvas_lattice import Around, CanvasLattice, check_lattice, found_vectors
 from weftex.errors import InvalidInputError
 from weftex.method import Method
-from weftex.methods.best_tile.repetition import repeated
 from weftex.methods.best_tile.tiles import border_for, least_corner, tile_errors, tile_rows
-from weftex.methods.lattices.model import LatticeModel
+from weftex.methods.lattices import LatticeModel
 from weftex.parameters import parameter
+from weftex.progress import Progress
 from weftex.results.pixels import PixelSynthesis
 
 if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
     from weftex.canvas import Canvas
     from weftex.exemplar import Exemplar
     from weftex.progress import ProgressCallback
 
 _LIMIT = 0.05  # strain of a lattice that wraps around a canvas
+_BAND = 16  # rows that are made at a time
 
 
 @dataclass(frozen=True)
@@ -115,20 +120,45 @@ class BestTileModel(LatticeModel):
         self.anchor = least_corner(errors)
         super().__init__(replace(method, lattice=vectors, border_width=border), exemplar, vectors)
 
-    def make(
+    def lay(
         self,
         canvas: Canvas,
         origin: tuple[int, int],
         seed: int,
-        threads: int | None,
+        threads: int,
         progress: ProgressCallback | None,
         period: tuple[int, int] | None = None,
     ) -> PixelSynthesis:
         """Repeat the best tile: f(x) = f(x + a v1 + b v2) (eq. 4.1)."""
         around = canvas if period is None else Around(*period)
         lattice = CanvasLattice(self.vectors, around, _LIMIT)
-        tile = self.anchor, self.rows
-        index = repeated(self.exemplar, *tile, lattice, canvas, origin, progress, period)
+        index = np.full(canvas.shape, -1, np.int32)
+        pixels = self.exemplar.pixels.reshape(-1, *self.exemplar.pixels.shape[2:])
+
+        def preview() -> NDArray[Any]:
+            made: NDArray[Any] = pixels[index]
+            made[index < 0] = 0
+            return made
+
+        # Coordinates up to 2**40 are exact to 2**-13 pixel in a float. On a canvas that wraps they
+        # count from its corner.
+        lines = [np.arange(n) + at for n, at in zip(canvas.shape, origin, strict=True)]
+        if period is not None:
+            lines = [line % n for line, n in zip(lines, period, strict=True)]
+        down, across = (line - at for line, at in zip(lines, self.anchor, strict=True))
+        bands = Progress(progress, canvas.height, "rows", preview)
+        for top in range(0, canvas.height, _BAND):
+            y, x = down[top : top + _BAND, None], across[None, :]
+            a, b = (np.floor(along + 2.0**-20) for along in lattice.multiples(y, x))
+            away = [a * lattice.canvas[0, k] + b * lattice.canvas[1, k] for k in (0, 1)]
+            v, u = y - np.rint(away[0]), x - np.rint(away[1])
+            # Vectors with fractions, or a stretched lattice, lead a little past the tile: there
+            # the tile's border is repeated.
+            row = np.clip(v - self.rows[0, 0], 0, len(self.rows) - 1).astype(np.int64)
+            u = np.clip(u, self.rows[row, 1], self.rows[row, 2] - 1).astype(np.int64)
+            y, x = self.rows[row, 0] + self.anchor[0], u + self.anchor[1]
+            index[top : top + _BAND] = y * self.exemplar.shape[1] + x
+            bands.advance(len(a))
         about: dict[str, object] = {"seed": seed, "anchor": list(self.anchor)}
         if any(around.wrap):
             about["strain"] = round(lattice.strain, 6)

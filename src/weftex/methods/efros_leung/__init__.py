@@ -6,7 +6,6 @@ Section III.A is that of the survey in docs/background/fidelity/non-parametric-s
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from functools import partial
 from typing import TYPE_CHECKING, ClassVar, Self
 
 import numpy as np
@@ -18,13 +17,13 @@ from weftex.methods.efros_leung.layers import (
     unfilled_with_filled_neighbors,
 )
 from weftex.methods.efros_leung.weighted_search import ExhaustiveSearch, gaussian_weights
-from weftex.methods.pixels.growth import PixelModel, WindowedMethod, narrowed, width_for
+from weftex.methods.pixels import PixelModel, WindowedMethod, square_width
 from weftex.parameters import parameter
 from weftex.search.windows import square_windows
 
 if TYPE_CHECKING:
     from weftex.exemplar import Exemplar
-    from weftex.methods.pixels.growth import Growth
+    from weftex.methods.pixels import Growth
     from weftex.search.windows import Windows
 
 _PROPOSED_WIDTH, _SEED_WIDTH = 15, 3  # pixels
@@ -78,10 +77,9 @@ class EfrosLeung(WindowedMethod):
 
     def resolved(self, exemplar: Exemplar) -> Self:
         """See `Method.resolved`."""
-        width = width_for(self.window_width, exemplar, _PROPOSED_WIDTH)
-        if self.window_width is None:
-            width = narrowed(width, partial(square_windows, exemplar))
-        return replace(self, window_width=width)
+        return replace(
+            self, window_width=square_width(self.window_width, exemplar, _PROPOSED_WIDTH)
+        )
 
     def fit_exemplar(self, exemplar: Exemplar) -> PixelModel:
         """Find the sample's windows, and weigh their pixels."""

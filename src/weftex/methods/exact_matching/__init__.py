@@ -9,6 +9,7 @@ import numpy as np
 
 from weftex.errors import InvalidInputError
 from weftex.methods.exact_matching.defaults import resolved_values, window_width
+from weftex.methods.exact_matching.lists import Prepared, prepare
 from weftex.methods.exact_matching.matching import (
     Matching,
     Parents,
@@ -16,14 +17,13 @@ from weftex.methods.exact_matching.matching import (
     random_band,
     structured_band,
 )
-from weftex.methods.exact_matching.model import Prepared, prepare
-from weftex.methods.pixels.growth import PixelModel, WindowedMethod
+from weftex.methods.pixels import PixelModel, WindowedMethod
 from weftex.parameters import parameter
 
 if TYPE_CHECKING:
     from weftex.canvas import Canvas
     from weftex.exemplar import Exemplar
-    from weftex.methods.pixels.growth import Growth
+    from weftex.methods.pixels import Growth
 
 
 @dataclass(frozen=True)

@@ -9,7 +9,7 @@ import numpy as np
 from weftex.analysis.properties import regularity
 from weftex.analysis.scale import dominant_scale
 from weftex.methods.exact_matching.color_index import ColorIndex
-from weftex.methods.pixels.growth import narrowed, width_for
+from weftex.methods.pixels import narrowed, width_for
 from weftex.search.pyramid_windows import sample_pyramid
 from weftex.search.windows import windows_of
 

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from weftex.methods.exact_matching.lists import ColorLists
-    from weftex.methods.pixels.growth import Growth
+    from weftex.methods.pixels import Growth
 
 _MOST_NEIGHBORS = 8
 

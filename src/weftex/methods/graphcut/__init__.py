@@ -17,7 +17,7 @@ from weftex.methods.graphcut.entire import EntirePatchMatching, OrientedMatching
 from weftex.methods.graphcut.placement import draw_offsets
 from weftex.methods.graphcut.sample import PATCH_SHARE, Sample, check_boundary, patch_shape_for
 from weftex.methods.graphcut.subpatch import SubPatchMatching
-from weftex.methods.pixels.growth import PixelModel
+from weftex.methods.pixels import PixelModel
 from weftex.parameters import parameter
 from weftex.repeats import PatchPenalty, Repetition
 from weftex.repeats.salience import SaliencePenalty
@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from weftex.canvas import Canvas
     from weftex.exemplar import Exemplar
     from weftex.methods.graphcut.placement import Patch, Placement
-    from weftex.methods.pixels.growth import Growth
+    from weftex.methods.pixels import Growth
 
 _LARGE = 2**14  # pixels of a patch from which on candidates are cut in threads
 _PATCHES = 2  # in a row between two belts of a plane

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from weftex.canvas import Canvas
     from weftex.methods.graphcut.placement import Patch
     from weftex.methods.graphcut.sample import Sample
-    from weftex.methods.pixels.growth import Growth
+    from weftex.methods.pixels import Growth
 
 _AHEAD = 2**16  # pixels that are searched at a time for one that is missing
 _TOLERATED = 1.4  # times the least cost, of patches that another seed fills a hole by

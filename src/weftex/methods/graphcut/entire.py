@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from weftex.methods.graphcut.sample import Sample
-    from weftex.methods.pixels.growth import Growth
+    from weftex.methods.pixels import Growth
     from weftex.repeats import Penalty
 
 _AROUND = 32  # pixels around a hole that are matched, or half as many as it is wide

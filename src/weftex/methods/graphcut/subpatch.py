@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from weftex.methods.graphcut.sample import Sample
-    from weftex.methods.pixels.growth import Growth
+    from weftex.methods.pixels import Growth
     from weftex.repeats import Penalty
 
 _MOST_PIXELS = 2**20  # of a sample that is searched as a whole

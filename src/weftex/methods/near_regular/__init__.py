@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from weftex.method import Method
-from weftex.methods.lattices.model import LatticeModel
+from weftex.methods.lattices import LatticeModel
 from weftex.methods.near_regular.blocks import Plan, draw_constrained_blocks, fill_gaps
 from weftex.methods.near_regular.layout import divide
 from weftex.methods.near_regular.sample import (
@@ -18,7 +18,7 @@ from weftex.methods.near_regular.sample import (
 )
 from weftex.methods.near_regular.seams import blend_linearly, cut_seams, paste_blocks
 from weftex.parameters import parameter
-from weftex.threads import thread_count, thread_map
+from weftex.threads import thread_map
 
 if TYPE_CHECKING:
     from weftex.canvas import Canvas
@@ -161,18 +161,18 @@ class NearRegularModel(LatticeModel):
         self.blocks = prepare(method, exemplar)
         super().__init__(method, exemplar, method.lattice or ())
 
-    def make(
+    def lay(
         self,
         canvas: Canvas,
         origin: tuple[int, int],
         seed: int,
-        threads: int | None,
+        threads: int,
         progress: ProgressCallback | None,
         period: tuple[int, int] | None = None,
     ) -> PatchSynthesis:
         """Make an output by section 4.2, with the improvements that chapter 6 proposes."""
         method, sample = self.method, self.blocks
-        with thread_map(thread_count(threads)) as each:
+        with thread_map(threads) as each:
             # 4.2: split the output into square blocks; f[x] = f[x + a v1 + b v2] (eq. 4.3) says
             # which windows of the sample are similar to each.
             layout = divide(method, sample, canvas, origin, seed, period)

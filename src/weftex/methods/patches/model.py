@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from weftex.canvas import Canvas, as_canvas
+from weftex.canvas import Canvas
 from weftex.endless.boxes import canvas_of, check_period
 from weftex.endless.grid import Sizes
 from weftex.errors import InvalidInputError
@@ -31,17 +31,14 @@ from weftex.methods.patches.plane_order import PatchAxis, PlaneOrder, least_peri
 from weftex.methods.patches.zone_kernels import Shortlist
 from weftex.methods.patches.zone_search import ZoneSearch
 from weftex.progress import Progress, ProgressCallback
-from weftex.random import seed_number
 from weftex.results.paste_kernels import Layout
 from weftex.results.patches import PatchSynthesis
-from weftex.threads import thread_count
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from weftex.endless.boxes import Box, PlaneRequest
     from weftex.endless.corners import SamplePieces
-    from weftex.random import Seed
     from weftex.results.synthesis import Synthesis
 
     #: Covers an output with patches: the algorithm of a method.
@@ -63,22 +60,13 @@ class PatchModel(Model):
         self.analysis = PatchAnalysis(self.method, exemplar, ahead=not smaller)
         self._pieces: SamplePieces | None = None
 
-    def sample(
-        self,
-        size: Canvas | int | tuple[int, int],
-        *,
-        seed: Seed = None,
-        tileable: bool | str = False,
-        threads: int | None = None,
-        progress: ProgressCallback | None = None,
+    def make(
+        self, canvas: Canvas, seed: int, threads: int, progress: ProgressCallback | None
     ) -> PatchSynthesis:
-        """See `Model.sample`."""
-        canvas = as_canvas(size, tileable)
-        self.require(canvas)
-        number, count = seed_number(seed), thread_count(threads)
+        """See `Model.make`."""
         canvas.check_known(self.exemplar)
         method = self._given.resolved_on(canvas, self.method)
-        output = Output(self.analysis.for_method(method), canvas, number, count, progress)
+        output = Output(self.analysis.for_method(method), canvas, seed, threads, progress)
         self._cover(output, method)
         placements, weights = output.placements, output.weights()
         if method.pixelwise:  # of the window only the pixel in the middle is pasted
@@ -96,7 +84,7 @@ class PatchModel(Model):
             sample_shape=self.exemplar.shape,
             exemplar=self.exemplar,
             known_from=canvas.known_from,
-            provenance=method.describe() | {"seed": number},
+            provenance=method.describe() | {"seed": seed},
             picture=output.picture(),
         )
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Self
 from weftex.endless.grid import Sizes
 from weftex.errors import InvalidInputError
 from weftex.method import Method
-from weftex.methods.pixels.growth import PixelModel, WindowedMethod
+from weftex.methods.pixels import PixelModel, WindowedMethod
 from weftex.methods.refinement.defaults import Starts, resolved_method, start_text, window_width
 from weftex.methods.refinement.levels import Prepared, prepare
 from weftex.methods.refinement.output import (
@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from weftex.canvas import Canvas
     from weftex.endless.boxes import Box, PlaneRequest
     from weftex.exemplar import Exemplar
-    from weftex.methods.pixels.growth import Growth
+    from weftex.methods.pixels import Growth
 
 _PITCH = 384  # pixels, at least, from one node of a plane to the next
 

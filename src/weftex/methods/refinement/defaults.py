@@ -11,7 +11,7 @@ import numpy as np
 from weftex.analysis.scale import dominant_scale
 from weftex.errors import InvalidInputError
 from weftex.method import Method
-from weftex.methods.pixels.growth import narrowed, width_for
+from weftex.methods.pixels import narrowed, width_for
 from weftex.naming import method_of, text_of
 from weftex.raster.boxes import whole_windows
 from weftex.raster.pyramids import mask_pyramid

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from weftex.methods.pixels.growth import Growth
+    from weftex.methods.pixels import Growth
     from weftex.methods.refinement.levels import Level, Prepared
     from weftex.search.windows import Windows
 

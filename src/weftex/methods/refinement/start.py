@@ -11,7 +11,7 @@ import numpy as np
 from weftex.analysis.canvas_lattice import Around, four_numbers, is_sure
 from weftex.analysis.scale import dominant_scale
 from weftex.errors import InvalidInputError
-from weftex.methods.lattices.model import is_strained
+from weftex.methods.lattices import is_strained
 from weftex.naming import method_of, text_of
 from weftex.raster.masks import grown
 from weftex.registry import METHODS
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from weftex.endless.boxes import Box, PlaneRequest
     from weftex.exemplar import Exemplar
     from weftex.method import Model
-    from weftex.methods.pixels.growth import Growth
+    from weftex.methods.pixels import Growth
     from weftex.methods.refinement.levels import Prepared
     from weftex.search.windows import Windows
 

@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, ClassVar, Self
 
 from weftex.errors import InvalidInputError
-from weftex.methods.pixels.growth import PixelModel, WindowedMethod
+from weftex.methods.pixels import PixelModel, WindowedMethod
 from weftex.methods.wei_levoy.levels import noise, output_pyramid, parents_or_noise
 from weftex.methods.wei_levoy.passes import hole_passes, scan_passes
 from weftex.methods.wei_levoy.sizes import PROPOSED_WIDTH, levels_and_widths, window_width
@@ -21,7 +21,7 @@ from weftex.search.windows import windows_of
 
 if TYPE_CHECKING:
     from weftex.exemplar import Exemplar
-    from weftex.methods.pixels.growth import Growth
+    from weftex.methods.pixels import Growth
     from weftex.search.windows import Windows
 
 _TREES_WINDOWS = 2**17  # a tree over more takes long and hundreds of megabytes

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from functools import partial
 from typing import TYPE_CHECKING
 
 from weftex.errors import InvalidInputError
-from weftex.methods.pixels.growth import narrowed, width_for
+from weftex.methods.pixels import square_width
 from weftex.search.pyramid_windows import interior_windows, sample_pyramid
 from weftex.search.windows import square_windows
 
@@ -49,9 +48,7 @@ def levels_and_widths(
 
 def window_width(exemplar: Exemplar, given: int | None) -> int:
     """Return the width of the windows: the given one, or the widest default that fits."""
-    width = width_for(given, exemplar, PROPOSED_WIDTH)
-    if given is None:
-        width = narrowed(width, partial(square_windows, exemplar))
+    width = square_width(given, exemplar, PROPOSED_WIDTH)
     square_windows(exemplar, width)  # refuses a sample without whole windows
     return width
 

@@ -22,10 +22,9 @@ from weftex.errors import InvalidInputError
 from weftex.exemplar import Exemplar
 from weftex.method import Method, Model
 from weftex.methods import make_method
-from weftex.methods.lattices.model import LatticeModel, is_strained
+from weftex.methods.lattices import LatticeModel, is_strained
 from weftex.parameters import parameter
 from weftex.progress import Progress
-from weftex.random import seed_number
 from weftex.tasks.auto.findings import Findings, look, with_full
 from weftex.tasks.auto.rule import choose, choose_for_hole, is_sure, places_freely, strain_notes
 from weftex.tasks.auto.trial import MARGIN, PREVIEW, best_of_choices, others, refined_if_whole
@@ -34,7 +33,6 @@ if TYPE_CHECKING:
     from weftex.analysis.lattice import Lattice
     from weftex.endless.boxes import Box, PlaneRequest
     from weftex.progress import ProgressCallback
-    from weftex.random import Seed
     from weftex.results.synthesis import Synthesis
 
 #: Tried in turn where a method cannot be fitted, as to a sample that is mostly masked.
@@ -127,50 +125,42 @@ class AutoModel(Model):
             self._models[key] = method.fit(self.exemplar)
         return self._models[key]
 
-    def sample(
-        self,
-        size: Canvas | int | tuple[int, int],
-        *,
-        seed: Seed = None,
-        tileable: bool | str = False,
-        threads: int | None = None,
-        progress: ProgressCallback | None = None,
+    def make(
+        self, canvas: Canvas, seed: int, threads: int, progress: ProgressCallback | None
     ) -> Synthesis:
         """Make an output with the method that is chosen for it.
 
-        The parameters are those of every model. The result's provenance has the method with its
-        parameters, so that it can be made again by name, and the reason.
+        The result's provenance has the method with its parameters, so that it can be made again by
+        name, and the reason.
         """
-        canvas = as_canvas(size, tileable)
-        self.method.require(canvas)
         choice, _ = self.chosen(canvas)
-        choices, number = [choice], seed_number(seed)
+        choices = [choice]
         if canvas.guide is None and canvas.known is None and self._effort != "quick":
             choices += others(choice, self.findings, canvas, self._effort)
         lattice = self.findings.lattice if len(choices) > 1 else None
         if lattice is not None and choice.method == "near-regular":
 
             def preview(one: Choice) -> Synthesis:
-                return self._fitted(one).sample(PREVIEW, seed=number, threads=threads)
+                return self._fitted(one).sample(PREVIEW, seed=seed, threads=threads)
 
             choices = [refined_if_whole(choices, lattice, self.exemplar, preview)]
         choice = choices[0]
         done: list[Synthesis] = []
         steps = Progress(progress, len(choices), "choices", lambda: done[-1].image)
 
-        def make(one: Choice) -> Synthesis:
+        def tried(one: Choice) -> Synthesis:
             within = progress if len(choices) == 1 else steps.within()
             model = self._fitted(one)
-            result = model.sample(canvas, seed=number, threads=threads, progress=within)
+            result = model.sample(canvas, seed=seed, threads=threads, progress=within)
             done.append(result)
             if len(choices) > 1:
                 steps.advance(1)
             return result
 
         if len(choices) == 1:
-            made = make(choice)
+            made = tried(choice)
         else:
-            choice, made = best_of_choices(choices, self.exemplar, make)
+            choice, made = best_of_choices(choices, self.exemplar, tried)
         made.provenance["reason"] = choice.reason
         if choice.warnings:
             made.provenance["warnings"] = list(choice.warnings)

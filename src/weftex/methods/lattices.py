@@ -6,17 +6,15 @@ from abc import abstractmethod
 from typing import TYPE_CHECKING
 
 from weftex.analysis.canvas_lattice import VISIBLE_STRAIN, Around, CanvasLattice
-from weftex.canvas import Canvas, as_canvas
 from weftex.endless.boxes import canvas_of
 from weftex.errors import UnsupportedError
 from weftex.method import Method, Model
-from weftex.random import seed_number
 
 if TYPE_CHECKING:
+    from weftex.canvas import Canvas
     from weftex.endless.boxes import Box, PlaneRequest
     from weftex.exemplar import Exemplar
     from weftex.progress import ProgressCallback
-    from weftex.random import Seed
     from weftex.results.synthesis import Synthesis
 
 
@@ -35,45 +33,34 @@ class LatticeModel(Model):
         self.method, self.exemplar, self.vectors = method, exemplar, vectors
 
     @abstractmethod
-    def make(
+    def lay(
         self,
         canvas: Canvas,
         origin: tuple[int, int],
         seed: int,
-        threads: int | None,
+        threads: int,
         progress: ProgressCallback | None,
         period: tuple[int, int] | None = None,
     ) -> Synthesis:
         """Return an output whose corner is at `origin` in the plane of the sample's lattice.
 
-        With a `period` that plane wraps.
+        Where the canvas wraps, or with a `period` the plane, the lattice is stretched until whole
+        tiles fit; `provenance["strain"]` says how much.
         """
 
-    def sample(
-        self,
-        size: Canvas | int | tuple[int, int],
-        *,
-        seed: Seed = None,
-        tileable: bool | str = False,
-        threads: int | None = None,
-        progress: ProgressCallback | None = None,
+    def make(
+        self, canvas: Canvas, seed: int, threads: int, progress: ProgressCallback | None
     ) -> Synthesis:
-        """See `Model.sample`; errors name a good size if the lattice would be strained too much.
-
-        Where the canvas wraps, the lattice is stretched until whole tiles fit;
-        `provenance["strain"]` says how much.
-        """
-        canvas = as_canvas(size, tileable)
-        self.require(canvas)
-        return self.make(canvas, canvas.origin, seed_number(seed), threads, progress)
+        """See `Model.make`; errors name a good size if the lattice would be strained too much."""
+        return self.lay(canvas, canvas.origin, seed, threads, progress)
 
     def make_window(
         self, box: Box, asked: PlaneRequest, progress: ProgressCallback | None = None
     ) -> Synthesis:
-        """See `Model.make_window`; a period stretches the lattice as a tileable picture does."""
+        """See `Model.make_window`."""
         corner = box.rows.first, box.columns.first
         canvas = canvas_of(box)
-        found = self.make(canvas, corner, asked.seed, asked.threads, progress, asked.period)
+        found = self.lay(canvas, corner, asked.seed, asked.threads, progress, asked.period)
         found.is_window = True
         found.provenance |= asked.told
         return found

@@ -7,20 +7,18 @@ from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 
-from weftex.canvas import Canvas, as_canvas
 from weftex.errors import InvalidInputError
 from weftex.method import Method, Model
 from weftex.progress import Progress, ProgressCallback
-from weftex.random import seed_number
 from weftex.results.pixels import PixelSynthesis
 from weftex.search.picture_kernels import Picture
-from weftex.threads import thread_count
+from weftex.search.windows import square_windows
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    from weftex.canvas import Canvas
     from weftex.exemplar import Exemplar
-    from weftex.random import Seed
     from weftex.search.windows import Windows
 
 
@@ -103,22 +101,14 @@ class PixelModel(Model):
         self.method, self.exemplar = method, exemplar
         self.prepared, self._grow = prepared, grow
 
-    def sample(
-        self,
-        size: Canvas | int | tuple[int, int],
-        *,
-        seed: Seed = None,
-        tileable: bool | str = False,
-        threads: int | None = None,
-        progress: ProgressCallback | None = None,
+    def make(
+        self, canvas: Canvas, seed: int, threads: int, progress: ProgressCallback | None
     ) -> PixelSynthesis:
-        """See `Model.sample`."""
-        canvas = as_canvas(size, tileable)
-        self.require(canvas)
+        """See `Model.make`."""
         canvas.check_known(self.exemplar)
         canvas.check_guide(self.exemplar)
-        number, windows = seed_number(seed), self.prepared.windows
-        growth = Growth(canvas, self.exemplar, windows, number, thread_count(threads), progress)
+        windows = self.prepared.windows
+        growth = Growth(canvas, self.exemplar, windows, seed, threads, progress)
         if not growth.done.all():
             self._grow(self.prepared, growth)
         index = windows.to_sample(growth.source)
@@ -132,7 +122,7 @@ class PixelModel(Model):
             known_from=canvas.known_from,
             tone_reach=growth.tone_reach,
             threads=growth.threads,
-            provenance=self.method.describe() | {"seed": number} | growth.about,
+            provenance=self.method.describe() | {"seed": seed} | growth.about,
         )
 
 
@@ -165,6 +155,12 @@ def width_for(given: int | None, exemplar: Exemplar, proposed: int) -> int:
             f"{exemplar.shape[0]}, which has room for {largest}"
         )
     return given or max(1, min(proposed - 1 + proposed % 2, largest))
+
+
+def square_width(given: int | None, exemplar: Exemplar, proposed: int) -> int:
+    """Return the given width, or the widest up to `proposed` of which a window is whole."""
+    width = width_for(given, exemplar, proposed)
+    return width if given else narrowed(width, lambda side: square_windows(exemplar, side))
 
 
 def narrowed(width: int, find: Callable[[int], object]) -> int:

@@ -1,1 +1,0 @@
-"""What methods that choose single pixels share."""
