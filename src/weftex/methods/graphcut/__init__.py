@@ -150,8 +150,7 @@ class GraphCut(Method):
 
     orientations: str = parameter(
         "upright",
-        "orientations of the entire sample: upright, also rotated by 180 degrees, or all eight "
-        "(rotated by 90, 180 and 270 degrees, and mirrored); more repeat less",
+        "orientations of the entire sample: upright, also rotated by 180 degrees, or all eight",
         choices=("upright", *_TURNS),
         needs=("placement", ("entire",)),
     )
