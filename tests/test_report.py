@@ -39,7 +39,7 @@ def test_the_page_is_whole_and_needs_nothing_else(files, tmp_path, capsys):
     assert said.err == "" and said.out.count("\n") == 1 and said.out[0].isupper()
     text = (tmp_path / "r.html").read_text("utf-8")
     page = Page(text)
-    assert len(page.pictures) == 5  # sample, result, seams, source, use
+    assert len(page.pictures) == 5  # sample, result, broken, source, use
     for picture in page.pictures:
         assert picture["alt"] and picture["src"].startswith("data:image/png;base64,")
         base64.b64decode(picture["src"].partition(",")[2], validate=True)

@@ -89,8 +89,9 @@ def test_the_nearest_windows_by_definition(rng):
         second = [one for one in own if one[0][axis] >= side - side // 2]
         halves = apart(first, second)
         usual.append(np.mean([*halves.min(axis=0), *halves.min(axis=1)]))
-    expected = np.quantile(nearest, 0.97) / (max(usual) + seen)
-    assert found["broken"] == pytest.approx(expected, rel=1e-5)
+    nearest = nearest / (max(usual) + seen)
+    assert found["worst"] == pytest.approx(np.quantile(nearest, 0.97), rel=1e-5)
+    assert found["broken"] == pytest.approx(np.sqrt(nearest).mean(), rel=1e-5)
 
     def closeness(of):
         table = apart(of, of)
@@ -118,7 +119,7 @@ def test_the_score_is_the_weighted_sum_and_monotone():
     for name in WEIGHTS:
         worse = {"lattice": 0.1, "seams": 2.0}.get(name, 0.5)
         assert weigh(figures | {name: worse}) > weigh(figures)
-    assert weigh({}) is None and weigh({"broken": None}) is None
+    assert weigh({}) is None and weigh({"worst": None}) is None
 
 
 def test_the_tables_of_the_judged_pictures_belong_together():
@@ -138,8 +139,9 @@ def test_weights_and_agreement_are_those_of_the_judged_pictures():
     more = module.sure(figures)
     fitted = module.fitted(figures, ordered + more)
     assert dict(zip(WEIGHTS, fitted, strict=True)) == pytest.approx(WEIGHTS, abs=0.006)
+    programs = module.known("programs.csv"), module.pairs(module.table("programs.csv"))
     for name in module.MEASURED:
-        agrees = module.agreement(name, figures, ordered)[0]
+        agrees = module.agreement(name, *(programs if name == "broken" else (figures, ordered)))[0]
         if name in FIGURES:
             assert FIGURES[name].agrees == pytest.approx(agrees, abs=0.006)
             assert agrees >= 0.6 or name in (

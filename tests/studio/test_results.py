@@ -121,7 +121,7 @@ def test_figures_and_faults(page):
     found = page.get(f"results/{result['id']}/figures")
     assert found["score"] > 0 and found["verdict"].endswith(".")
     assert set(found["figures"]) == {one["name"] for one in page.get("about")["figures"]}
-    assert page.get(f"results/{result['id']}/seams").startswith(SIGNATURE)
+    assert page.get(f"results/{result['id']}/broken").startswith(SIGNATURE)
 
 
 def test_a_screen_shows_any_kind_of_pixels(rng):

@@ -269,9 +269,12 @@ def main() -> None:
     for name, agrees, count in judges(ordered):
         print(f"  {name:16} {agrees:.3f} of {count}")
     print("figures with a judge")
-    for name in MEASURED:
+    for name in (name for name in MEASURED if name != "broken"):
         agrees, count = agreement(name, figures, ordered)
         print(f"  {name:16} {agrees:.3f} of {count}")
+    print("broken with a judge, on pictures of several programs")
+    agrees, count = agreement("broken", known("programs.csv"), pairs(table("programs.csv")))
+    print(f"  {agrees:.3f} of {count}")
     print("score with a judge, on surfaces that were not fitted")
     by_marks(left_out(figures, ordered, more), ordered)
     print("and on the pictures of other looks, which nothing was fitted to")

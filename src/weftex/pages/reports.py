@@ -22,9 +22,9 @@ if TYPE_CHECKING:
     Bytes = NDArray[np.uint8]
 
 _CAPTIONS = {
-    "seams": (
-        "Seams",
-        "Red where neighboring lines of pixels differ in a way that is rare in the sample.",
+    "broken": (
+        "Broken things",
+        "Red where windows of a third of the sample's side are unlike all of the sample's.",
     ),
     "source": (
         "Source",
@@ -67,7 +67,7 @@ class Report(Page):
     real : dict of str to float or None
         The same measures of the sample's halves, each as if made from the other.
     maps : dict of str to uint8 array (H, W, 3)
-        "seams" and, with a source, "source" and "use" (of the sample).
+        "broken" and, with a source, "source" and "use" (of the sample).
     provenance : dict
         How the result was made, if it is known.
     notes : tuple of str
@@ -209,7 +209,7 @@ def report(
     >>> made = weftex.synthesize("sample:weave", 128, method="quilting", seed=1)
     >>> found = report("sample:weave", made)
     >>> found.assessment.flags, sorted(found.maps), "<img" in found.html()
-    ((), ['seams', 'source', 'use'], True)
+    ((), ['broken', 'source', 'use'], True)
     """
     exemplar = load_exemplar(sample)
     if isinstance(source, (str, os.PathLike)):

@@ -27,7 +27,13 @@ LARGEST_MEASURED = 2048
 """Pixels a side: of a larger result the middle is measured, except for the wrap."""
 
 _DIGITS = 3
-_SCORED = "uneven", "autocorrelation", "lattice", "seams"  # terms of the score shown by themselves
+_SCORED = (
+    "uneven",
+    "broken",
+    "autocorrelation",
+    "lattice",
+    "seams",
+)  # terms of the score shown by themselves
 
 
 @dataclass(frozen=True)
@@ -38,7 +44,7 @@ class Assessment:
 
     Attributes
     ----------
-    uneven, patches, color, autocorrelation, lattice, seams, sharpness : float or None
+    uneven, patches, broken, color, autocorrelation, lattice, seams, sharpness : float or None
         The measures of these names.
     patch_scales : tuple of float
         `patches` at each of its scales, finest first.
@@ -56,6 +62,7 @@ class Assessment:
     uneven: float | None = None
     patches: float | None = None
     patch_scales: tuple[float, ...] = ()
+    broken: float | None = None
     color: float | None = None
     color_difference: float | None = None
     autocorrelation: float | None = None

@@ -9,11 +9,12 @@ import numpy as np
 
 from weftex.analysis.properties import border_steps
 from weftex.errors import InvalidInputError
-from weftex.exemplar.turns import as_made_from
+from weftex.exemplar.turns import as_it_was, as_made_from
 from weftex.quality.assess import LARGEST_MEASURED
 from weftex.quality.figures import FIGURES
-from weftex.quality.seams import StepModel, seam_map
-from weftex.quality.view import middle, view_of, views
+from weftex.quality.score import Scorer
+from weftex.quality.seams import StepModel
+from weftex.quality.view import middle, view_of
 from weftex.results.drawing import draw_sources
 
 if TYPE_CHECKING:
@@ -24,7 +25,7 @@ if TYPE_CHECKING:
 
     Bytes = NDArray[np.uint8]
 
-_SEAM = 0.5  # surprise beyond the usual that is drawn at full strength
+_BROKEN = 0.6  # of the distance between the sample's halves, from which windows are marked
 _STEPS = 2.0  # more than this many usual steps are a seam, even if no place stands out
 _LIMIT = FIGURES["wrap"].limit or 1.0
 _MARK = (255, 40, 0)
@@ -48,17 +49,16 @@ def fault_maps(
         )
     height, width = pixels.shape[:2]
     pixels = middle(pixels, (min(height, LARGEST_MEASURED), min(width, LARGEST_MEASURED)))
-    own, made = views(exemplar, pixels)
-    maps = {}
-    seams = seam_map(StepModel(own), made)
-    if seams is not None:
+    maps, scorer = {}, Scorer(as_it_was(exemplar))
+    broken = scorer.broken_map(scorer.view(pixels))
+    if broken is not None:
         picture = as_shown(exemplar, pixels)
-        maps["seams"] = _marked(picture, np.minimum(seams / _SEAM, 1), (255, 40, 0))
+        maps["broken"] = _marked(picture, np.clip(broken / _BROKEN - 1, 0, 1), (255, 40, 0))
     if source is not None:
         places = source.pictured_source()
         if source.canvas.hole is not None:
             places[~source.canvas.hole] = -1
-        places = middle(places, made.shape)
+        places = middle(places, pixels.shape[:2])
         known = places[..., 0] >= 0
         maps["source"] = draw_sources(places, pictured.shape)
         count = np.zeros(pictured.shape)

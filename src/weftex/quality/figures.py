@@ -75,6 +75,13 @@ FIGURES: dict[str, Figure] = {
         "has patches that the sample lacks",
         agrees=0.67,
     ),
+    "broken": Figure(
+        "broken things", _HALVES, "low", 1.25,
+        "Whether things are whole: how far windows of a third of the sample's side are from it.",
+        "faults below a twentieth of the sample's side; repetition",
+        "has broken or merged things",
+        agrees=0.75,
+    ),
     "color": Figure(
         "color", _HALVES, "low", 3.0,
         "Whether colors occur as often as in the sample.",

@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     Places = NDArray[np.int32]
 
 WEIGHTS = {
-    "broken": 3.25,
+    "worst": 3.25,
     "uneven": 3.63,
     "alike": 1.08,
     "lattice": 6.08,
@@ -55,8 +55,8 @@ _DIGITS = 3
 def terms(figures: Mapping[str, Any]) -> dict[str, float]:
     """Return the terms of the score before weighting: 0 is perfect; unknown terms are left out."""
     known = {name: float(figures[name]) for name in WEIGHTS if figures.get(name) is not None}
-    if "broken" in known:
-        known["broken"] = math.log1p(known["broken"])
+    if "worst" in known:
+        known["worst"] = math.log1p(known["worst"])
     if "lattice" in known:  # more regular than the sample is no fault
         known["lattice"] = max(1 - known["lattice"], 0.0)
     if "autocorrelation" in known:
@@ -108,22 +108,42 @@ class Scorer:
     def windows(self, made: View) -> dict[str, float]:
         """Compare the windows of a picture with the sample's; empty where the picture is too small.
 
-        `broken`: the 97 % quantile of the windows' distances to the nearest of the sample; 1 is
-        the mean distance between windows of the sample's halves. `uneven`: relative entropy of
-        the use of the sample's 4x4 cells. `alike`: mean logarithm of how much nearer to each
-        other its windows are than the sample's, beyond what a larger photo gains.
+        `broken`: the mean distance of windows to the nearest of the sample, a root mean square of
+        pixels; 1 is the distance between windows of the sample's halves. `worst`: the 97 %
+        quantile of the squared distances. `uneven`: relative entropy of the use of the sample's
+        4x4 cells. `alike`: mean logarithm of how much nearer to each other its windows are than
+        the sample's, beyond what a larger photo gains.
         """
-        made = self._coarse(made)
-        if min(made.shape) < self._width or not len(self._own):
+        windows = self._windows(self._coarse(made))
+        if not len(windows) or not len(self._own):
             return {}
-        windows = self._windows(made)
         apart, which = nearest(windows, self._own)
         closeness = self._closeness(windows) - self._own_closeness
+        usual = self._usual + self._visible
         return {
-            "broken": float(np.quantile(apart, _QUANTILE)) / (self._usual + self._visible),
+            "broken": float(np.sqrt(apart).mean(dtype=np.float64)) / math.sqrt(usual),
+            "worst": float(np.quantile(apart, _QUANTILE)) / usual,
             "uneven": self._uneven(self._own.places[which]),
             "alike": max(0.0, closeness - _LARGER_PHOTO),
         }
+
+    def broken_map(self, made: View) -> Floats | None:
+        """Return `broken` of the windows around each pixel, (H, W); None where there are none."""
+        coarse = self._coarse(made)
+        windows = self._windows(coarse)
+        if not len(windows) or not len(self._own):
+            return None
+        apart = np.sqrt(nearest(windows, self._own)[0] / (self._usual + self._visible))
+        total, count = np.zeros((2, *coarse.shape), np.float32)
+        for (y, x), one in zip(windows.places.tolist(), apart.tolist(), strict=True):
+            total[y : y + self._width, x : x + self._width] += one
+            count[y : y + self._width, x : x + self._width] += 1
+        rows, columns = (
+            np.minimum(np.arange(side) >> self._levels - 1, few - 1)
+            for side, few in zip(made.shape, coarse.shape, strict=True)
+        )
+        found: Floats = (total / np.maximum(count, 1))[np.ix_(rows, columns)]
+        return found
 
     def figures(self, made: View) -> dict[str, float | None]:
         """Return the figures that the score adds up; none where a mask leaves no whole window."""

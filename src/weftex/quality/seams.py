@@ -55,14 +55,10 @@ class StepModel:
         """Return whether sample and result are large enough to be measured."""
         return self.able and min(result.shape) > _BORDER
 
-    def excess(self, result: View, axis: int) -> tuple[Floats, float]:
-        """Return the surprise above the sample's 99 % quantile, and its mean over the sample's.
-
-        Place [y, x] is the step from a pixel to the next along the axis; the outermost steps are
-        left out.
-        """
+    def excess(self, result: View, axis: int) -> float:
+        """Return the mean surprise above the sample's 99 % quantile, over the sample's own."""
         over = np.maximum(self._surprise(result, axis) - self._usual[axis], 0)
-        return over, float(over.mean(dtype=np.float64)) / self._own[axis]
+        return float(over.mean(dtype=np.float64)) / self._own[axis]
 
     def border_places(self, result: View, axis: int) -> NDArray[np.bool_]:
         """Return where along the border the surprise is beyond 99 % of that inside.
@@ -90,20 +86,7 @@ def seams(model: StepModel, result: View) -> float | None:
     """
     if not model.fits(result):
         return None
-    return float(np.mean([model.excess(result, axis)[1] for axis in (0, 1)]))
-
-
-def seam_map(model: StepModel, result: View) -> Floats | None:
-    """Return where the seams are, (H, W): 0 for none, 1 and more for what the sample rarely has."""
-    if not model.fits(result):
-        return None
-    found = np.zeros(result.shape, np.float32)
-    for axis in (0, 1):
-        over = model.excess(result, axis)[0]
-        top, left = ((h - o) // 2 for h, o in zip(result.shape, over.shape, strict=True))
-        part = found[top : top + over.shape[0], left : left + over.shape[1]]
-        np.maximum(part, over, out=part)
-    return found
+    return float(np.mean([model.excess(result, axis) for axis in (0, 1)]))
 
 
 def wrap_seam(model: StepModel, result: View, wrap: tuple[bool, bool]) -> float | None:

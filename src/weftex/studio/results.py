@@ -103,16 +103,16 @@ def figures_of(made: Result, session: Session) -> dict[str, Any]:
     return session.find(measure, lambda _: 4096, "figures", made.id)
 
 
-def seams_of(made: Result, session: Session) -> Bytes:
-    """Return a picture of where a result has seams that show, as its report has it."""
+def broken_of(made: Result, session: Session) -> Bytes:
+    """Return a picture of where a result has broken things, as its report has it."""
 
     def draw() -> Bytes:
-        found = fault_maps(made.result.sample, made.result.image, None).get("seams")
+        found = fault_maps(made.result.sample, made.result.image, None).get("broken")
         if found is None:
-            raise Refusal(422, "the result is too small for a map of its seams")
+            raise Refusal(422, "the result is too small for a map of broken things")
         return found
 
-    return session.find(draw, lambda found: found.nbytes, "seams", made.id)
+    return session.find(draw, lambda found: found.nbytes, "broken", made.id)
 
 
 def preview_of(sample: Exemplar) -> Any:

@@ -277,10 +277,10 @@ async def figures(call: Call) -> Any:
     return await call.work(results.figures_of, _made(call), call.session)
 
 
-@route("GET", "/results/{id}/seams")
-async def seams(call: Call) -> Any:
-    """Show where a result has seams."""
-    return await _reduced(call, await call.work(results.seams_of, _made(call), call.session))
+@route("GET", "/results/{id}/broken")
+async def broken(call: Call) -> Any:
+    """Show where a result has broken things."""
+    return await _reduced(call, await call.work(results.broken_of, _made(call), call.session))
 
 
 async def _reduced(call: Call, picture: NDArray[np.uint8]) -> Response:

@@ -42,7 +42,7 @@ export class SeeScreen {
     this.spot = h("dl", { class: "facts" }, h("dd", { class: "hint wide" }, t("see.hover")));
     this.lightBox = h("section", { class: "section", hidden: true });
     this.figures = h("section", { class: "section" }, h("h3", {}, t("see.figures")), h("p", { class: "hint" }, t("see.measuring")));
-    const overlays = [["", t("overlay.none")], ...app.about.drawings.map((one) => [one, t(`overlay.${one}`)]), ["fault", t("fault.seams")]];
+    const overlays = [["", t("overlay.none")], ...app.about.drawings.map((one) => [one, t(`overlay.${one}`)]), ["fault", t("fault.broken")]];
     this.said = h("p", { class: "note error", role: "alert", hidden: true });
     const strength = h("input", { type: "range", min: 0, max: 1, step: 0.05, value: this.opacity, oninput: () => {
       this.opacity = Number(strength.value);
@@ -81,7 +81,7 @@ export class SeeScreen {
     this.said.hidden = true;
     if (!key) return stage.main.show({ overlay: null });
     const { result } = app;
-    const what = key === "fault" ? "seams" : `picture?draw=${key}`;
+    const what = key === "fault" ? "broken" : `picture?draw=${key}`;
     try {
       const kept = (result.overlays ??= {});
       kept[key] ??= (await app.ask(result, (id) => app.api.picture(`results/${id}/${what}`, { most: 2048 }))).bitmap;
