@@ -127,14 +127,14 @@ class Scorer:
             "alike": max(0.0, closeness - _LARGER_PHOTO),
         }
 
-    def broken_map(self, made: View) -> Floats | None:
+    def broken_map(self, made: View) -> NDArray[np.float64] | None:
         """Return `broken` of the windows around each pixel, (H, W); None where there are none."""
         coarse = self._coarse(made)
         windows = self._windows(coarse)
         if not len(windows) or not len(self._own):
             return None
         apart = np.sqrt(nearest(windows, self._own)[0] / (self._usual + self._visible))
-        total, count = np.zeros((2, *coarse.shape), np.float32)
+        total, count = np.zeros((2, *coarse.shape))
         for (y, x), one in zip(windows.places.tolist(), apart.tolist(), strict=True):
             total[y : y + self._width, x : x + self._width] += one
             count[y : y + self._width, x : x + self._width] += 1
@@ -142,7 +142,7 @@ class Scorer:
             np.minimum(np.arange(side) >> self._levels - 1, few - 1)
             for side, few in zip(made.shape, coarse.shape, strict=True)
         )
-        found: Floats = (total / np.maximum(count, 1))[np.ix_(rows, columns)]
+        found: NDArray[np.float64] = (total / np.maximum(count, 1))[np.ix_(rows, columns)]
         return found
 
     def figures(self, made: View) -> dict[str, float | None]:

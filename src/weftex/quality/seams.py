@@ -6,7 +6,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from weftex.quality import kernels
 from weftex.quality.view import View, some
 from weftex.raster.boxes import centered_sums
 
@@ -22,6 +21,7 @@ _LEARN = 2**14  # places
 _ALONG = 8  # pixels to either side over which surprise is averaged along a line
 _USUAL = 0.99  # quantile of the surprise; above it is a seam
 _LONGEST_BORDER = 2048  # pixels a side that the border of a result is compared with
+_STRIP = 32  # lines that are predicted at a time, for the processor's cache
 _BORDER = 2 * (_REACH + _ALONG)
 
 
@@ -159,12 +159,22 @@ def _fit(gray: Floats, usable: NDArray[np.bool_]) -> Model | None:
 def _surprise(steps: Floats, model: Model) -> Floats:
     """Return the prediction error of each step over the usual one; means along lines."""
     weights, knots, usual = model
-    height, width = steps.shape[0] - 2 * _ROWS - 2 * _ALONG, steps.shape[1] - 2 * _REACH
-    scratch, sums = np.empty((2, width), np.float32), np.zeros((2 * _ALONG + 1, width))
-    found = np.empty((height, width), np.float32)
-    shifts, factors = _shifts(steps.shape[1]), weights.astype(np.float32)
-    kernels.surprise(steps, shifts, factors, knots, usual, _ROWS, _REACH, scratch, sums, found)
-    return found
+    height, width = steps.shape[0] - 2 * _ROWS, steps.shape[1] - 2 * _REACH
+    error = steps[_ROWS:-_ROWS, _REACH:-_REACH].copy()
+    activity = np.zeros_like(error)
+    for top in range(0, height, _STRIP):
+        lines = np.s_[top : top + _STRIP]
+        for (dy, dx), weight in zip(_around(), weights.astype(np.float32), strict=True):
+            step = steps[_ROWS + dy :, _REACH + dx :][:height, :width][lines]
+            error[lines] -= weight * step
+            activity[lines] += step * step
+    expected = np.interp(activity / np.float32(len(weights)), knots, usual)
+    found = np.sqrt(error * error / expected).astype(np.float32)
+    # Sums of all lines so far, less those of 17 lines ago.
+    sums = np.pad(found.cumsum(axis=0, dtype=np.float64), [(1, 0), (0, 0)])
+    pooled = 2 * _ALONG + 1
+    means: Floats = ((sums[pooled:] - sums[:-pooled]) / pooled).astype(np.float32)
+    return means
 
 
 def _whole(usable: NDArray[np.bool_], axis: int) -> NDArray[np.bool_]:
