@@ -55,10 +55,10 @@ def test_maps_that_cannot_be_named(photos, capsys):
     words = ["synth", "photos", "-o", "out", "--maps"]
     assert "--maps is 'wood.png'" in fails(capsys, photos, *words, "wood.png")
     assert "each once" in fails(capsys, photos, *words, "color=a.png,color=b.png")
-    assert "no name of a file in photos" in fails(capsys, photos, *words, "color=../a.png")
+    assert "not a file in photos" in fails(capsys, photos, *words, "color=../a.png")
     assert "nothing.png" in fails(capsys, photos, *words, "color=nothing.png")
     words = ["synth", "photos/wood.png", "-o", "out.png", "--maps", "color=wood.png"]
-    assert "is no folder" in fails(capsys, photos, *words)
+    assert "is not a folder" in fails(capsys, photos, *words)
     for sample in (noise((9, 9)), weftex.Exemplar(noise((9, 9)))):
         with pytest.raises(weftex.InvalidInputError, match="files has no effect"):
             weftex.load_exemplar(sample, files={"color": "a.png"})

@@ -150,13 +150,13 @@ def test_mask_guide_and_labels_come_along(rng):
 
 def test_copies_of_copies_and_lattices_are_refused(rng):
     found = weftex.prepare.turned(rng.integers(0, 256, (32, 32)).astype(np.uint8), "flip")
-    with pytest.raises(weftex.InvalidInputError, match="is of turned copies already"):
+    with pytest.raises(weftex.InvalidInputError, match="already consists of rotated copies"):
         weftex.prepare.turned(found, "4")
     for turn in ("2", None, 4, ["flip"]):
         with pytest.raises(weftex.InvalidInputError, match="turn is .* must be one of flip, half"):
             weftex.prepare.turned(np.zeros((8, 8), np.uint8), turn)
     for method in (weftex.NearRegular(lattice=(8, 0, 0, 8)), weftex.BestTile(lattice=(8, 0, 0, 8))):
-        with pytest.raises(weftex.UnsupportedError, match="goes by one lattice"):
+        with pytest.raises(weftex.UnsupportedError, match="needs one lattice"):
             method.fit(found)
 
 

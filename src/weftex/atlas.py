@@ -48,7 +48,7 @@ _MIX = np.array([0x7FEB352D, 0x846CA68B], np.uint32)
 class Atlas:
     """All corner tiles of a material, in a grid of `colors` squared rows and columns.
 
-    Without a gutter the grid is a tileable image, as every tile is beside tiles that fit it.
+    Without a gutter, the grid is a tileable image: all neighboring tiles fit together.
 
     Attributes
     ----------

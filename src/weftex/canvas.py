@@ -97,7 +97,7 @@ class Canvas:
         if self.known_from is not None:
             object.__setattr__(self, "known_from", _place(self.known_from))
         if self.hole is None and self.known is not None:
-            raise InvalidInputError("known pixels need a hole, which says where there are none")
+            raise InvalidInputError("known pixels need a hole, the mask of the pixels to fill")
         if self.hole is not None:
             object.__setattr__(self, "hole", as_mask(self.hole, "hole"))
             if self.known is not None:
@@ -247,7 +247,7 @@ def as_canvas(size: Canvas | int | tuple[int, int], tileable: bool | str = False
         )
     if isinstance(size, Canvas):
         if tileable:
-            raise InvalidInputError("give wrap to the Canvas instead of tileable beside it")
+            raise InvalidInputError("tileable has no effect with a Canvas; give wrap to the Canvas")
         return size
     if isinstance(size, numbers.Integral) and not isinstance(size, bool):
         size = (int(size), int(size))

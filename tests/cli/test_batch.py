@@ -87,7 +87,7 @@ def test_nothing_is_overwritten_unless_told(here, samples, capsys):
     before = contents(here / "out")
     capsys.readouterr()
     message = fails(capsys, here, "batch", "samples", "-o", "out", *WORDS)
-    assert "is there; give --skip-existing" in message
+    assert "exists; give --skip-existing" in message
     (here / "out" / "grass.png").unlink()
     assert weft_run("batch", "samples", "-o", "out", *WORDS, "--skip-existing") == 0
     assert contents(here / "out") == before
@@ -148,8 +148,8 @@ def test_one_bad_sample_does_not_stop_the_others(here, samples, capsys):
         (["--keep-best", "2"], "--keep-best is 2; it must be from 1 to --count, 1"),
         (["--template", "{other}"], "it may have {name} and {seed}"),
         (["--template", "{name.__class__}"], "it may have {name} and {seed}"),
-        (["--template", "../{name}"], "is no name of an output"),
-        (["--template", ".weftex-{name}"], "is no name of an output"),
+        (["--template", "../{name}"], "cannot name an output"),
+        (["--template", ".weftex-{name}"], "cannot name an output"),
         (["--template", "{name}" + 252 * "z"], "a name of "),
         (["--count", "2", "--template", "{name}"], "two outputs would be named"),
         (["--skip-existing", "--force"], "not both"),
@@ -171,7 +171,7 @@ def test_samples_and_folders_of_others_are_not_replaced(here, samples, capsys):
     assert "is an input" in fails(capsys, here, "batch", "samples", "-o", "samples", *words)
     (here / "out" / "wall").mkdir(parents=True)
     (here / "out" / "wall" / "mine.txt").write_text("mine")
-    assert "no batch made" in fails(capsys, here, "batch", "samples", "-o", "out", *words)
+    assert "batch did not make" in fails(capsys, here, "batch", "samples", "-o", "out", *words)
     assert weft_run("batch", "samples", "-o", "samples/out", *WORDS) == 0
     assert weft_run("batch", "samples", "-o", "samples/out", *words) == 0
     assert len(records(samples / "out")) == 3

@@ -193,11 +193,11 @@ def test_what_has_no_effect_or_cannot_be(sets, capsys):
     for words, says in (
         (["synth", "one.png", "-o", "x.png", "--preset", "gltf"], "--preset has no effect"),
         (["synth", "rock", "-o", "x", "--preset", "unity"], "did you mean 'unity-urp'?"),
-        (["synth", "one.png", "-o", "x.png", "--maps", "color=one.png"], "is no folder"),
+        (["synth", "one.png", "-o", "x.png", "--maps", "color=one.png"], "is not a folder"),
         (["synth", "rock", "-o", "x", "--maps", "color=Rock01.png,albedo=Rock01.png"], "two"),
         (["synth", "dark", "-o", "x"], "height contains NaN"),
         (["synth", "empty", "-o", "x"], "the file is empty"),
-        (["synth", "lods", "-o", "x"], "two pictures that are named normal"),
+        (["synth", "lods", "-o", "x"], "two pictures named normal"),
         (["synth", "rock", "-o", "one.png"], "several files are written; name a folder"),
         (["fuse", "rock", "moss", "-o", "x", *gradient, "--missing", "=1"], "each once"),
         (["replay", "rock", "rock", "-o", "x"], "rock"),

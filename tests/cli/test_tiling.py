@@ -88,5 +88,5 @@ def test_bad_input(folder, here, capsys, words, message):
 def test_a_folder_with_a_stray_file_among_maps_stays_one_set(folder, here, capsys):
     write_image(folder / "set" / "notes.png", noise((60, 64)))
     before = listing(here)
-    assert "names are of no map (notes)" in fails(capsys, here, "tile", folder / "set", "-o", "a")
+    assert "no map (notes)" in fails(capsys, here, "tile", folder / "set", "-o", "a")
     assert listing(here) == before

@@ -83,7 +83,7 @@ def test_a_restart_waits_for_a_block_that_is_being_written(tmp_path, monkeypatch
     monkeypatch.setattr(TiffStore, "put", slow)
 
     def task():
-        with pytest.raises(FileError, match="it was begun again"):  # it is not noted as done
+        with pytest.raises(FileError, match="another command restarted"):  # it is not noted as done
             block_maker(old)((record.run, (0, 1, 1)))
 
     late = threading.Thread(target=task)
@@ -124,7 +124,11 @@ def test_a_worker_goes_on_when_its_plane_was_begun_again(tmp_path):
 
 @pytest.mark.parametrize(
     ("mine", "why"),
-    [("p.tif", "is there already"), ("p.tif/0", "is no file"), ("p.tif.run/0", "files of others")],
+    [
+        ("p.tif", "exists already"),
+        ("p.tif/0", "is no file"),
+        ("p.tif.run/0", "contains other files"),
+    ],
 )
 @pytest.mark.parametrize("recorded", [False, True])  # that a file of weftex is there
 def test_files_and_folders_of_others_are_kept(tmp_path, target, mine, why, recorded):
@@ -348,7 +352,7 @@ def test_a_renamed_sample_is_the_same(tmp_path):
     changed = np.array(SAMPLE)
     changed[0, 0] ^= 1
     write_image(tmp_path / "b.png", changed)
-    with pytest.raises(InvalidInputError, match="its sample is another"):
+    with pytest.raises(InvalidInputError, match="its sample is different"):
         weftex.planes.stream(tmp_path / "b.png", tmp_path / "p.tif", SIZE, **HOW)
 
 
@@ -363,7 +367,7 @@ def test_a_removed_plane_is_not_touched_by_the_run_that_made_it(tmp_path):
     """Nor does that run, when it fails, remove the one that was begun since."""
     target = tmp_path / "p.tif"
     old = plane_of(target, 9)
-    with pytest.raises(FileError, match="begun again, or removed"), at_work(old) as record:
+    with pytest.raises(FileError, match="restarted or removed"), at_work(old) as record:
         for path in tmp_path.iterdir():
             shutil.rmtree(path) if path.is_dir() else path.unlink()
         assert run(_STREAM, target).returncode == 0

@@ -99,7 +99,7 @@ def test_other_runs_are_refused(sample, tmp_path):
     ]:
         with pytest.raises(InvalidInputError, match=why):
             weftex.planes.stream(sample, target, 100, **HOW | change)
-    with pytest.raises(InvalidInputError, match="its sample is another"):
+    with pytest.raises(InvalidInputError, match="its sample is different"):
         weftex.planes.stream(noise((60, 64, 3)), target, 100, **HOW)
     assert listing(tmp_path) == before
     weftex.planes.stream(sample, target, 100, restart=True, **HOW | {"seed": 5})

@@ -36,7 +36,7 @@ def test_maps_are_paired_by_role_at_any_scale(rng):
 
 def test_samples_share_no_lattice():
     tiles = np.tile(noise((8, 8)), (5, 5))
-    with pytest.raises(weftex.UnsupportedError, match="goes by one lattice"):
+    with pytest.raises(weftex.UnsupportedError, match="needs one lattice"):
         weftex.NearRegular(lattice=(8, 0, 0, 8)).fit(weftex.prepare.together([tiles, tiles]))
 
 

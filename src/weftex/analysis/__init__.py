@@ -1,4 +1,4 @@
-"""What a sample is like: its lattice, its scale, and other properties.
+"""Analyze a sample: its lattice, its scale, and other properties.
 
 The lattice by chapter 3 of the thesis on near-regular textures, in its order; `weftex.reference`
 has it as one function: `correlation` (3.1 and 3.2), `autocorrelations` and their peaks (3.3, step

@@ -63,7 +63,7 @@ _SHIFTED = [(1, 0), (2, 1), (3, 1), (3, 2), (4, 1), (4, 3)]
 _CROSSINGS = [np.array([[k, 0], [shift, 1]]) for k, shift in _SHIFTED]
 _CROSSINGS += [whole[::-1, ::-1] for whole in _CROSSINGS[2:]]
 
-#: Weights of `Evidence.figures`, of which the first is 1, by what the figures measure.
+#: Weights of `Evidence.figures`, of which the first is 1, by figure.
 WEIGHTS: dict[str, tuple[float, ...]] = {
     "pairs": (-4.32, 6.32, 1.54),
     "rows": (-5.46, 0.0, 3.01),

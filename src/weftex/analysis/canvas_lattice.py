@@ -66,9 +66,9 @@ class CanvasLattice:
             if not self.strain <= limit:
                 better = [f"{w}x{h} would do" for h, w in fitting_sizes(vectors, canvas, limit)]
                 raise InvalidInputError(
-                    f"the lattice would have to be stretched by {100 * self.strain:.1f} % to go "
-                    f"around {canvas.width}x{canvas.height}, at most {100 * limit:.1f} % look "
-                    f"right; {[*better, 'make it larger'][0]}"
+                    f"the lattice would have to be stretched by {100 * self.strain:.1f} % to fit "
+                    f"{canvas.width}x{canvas.height}, and at most {100 * limit:.1f} % is allowed; "
+                    f"{[*better, 'make it larger'][0]}"
                 )
         (a, b), (c, d) = self.canvas
         det = a * d - b * c

@@ -119,7 +119,7 @@ def _run(arguments: list[str]) -> None:
             raise InvalidInputError("--for-program takes files; - stands for a pipe")
         from weftex.io.streams import as_files
 
-        sending = partial(hear_signals, "standard output may have got a part")
+        sending = partial(hear_signals, "standard output may have received a part")
         with as_files(arguments, sending) as words:
             _run_command(name, words[1:])
     else:

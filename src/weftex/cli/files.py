@@ -149,7 +149,7 @@ def plan(
     folder = args.output
     if not any(one.folder for one in materials):
         if args.preset is not None:
-            raise InvalidInputError(f"--preset has no effect: {first.name} is no folder")
+            raise InvalidInputError(f"--preset has no effect: {first.name} is not a folder")
         folder, name = os.path.split(args.output)
         main = first.main
         file, said = fitted_file(name, main, pictures[main], first.roles[main].name)

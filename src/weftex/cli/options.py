@@ -1,4 +1,4 @@
-"""What commands share beside the declared options of jobs: outputs, limits, method parameters."""
+"""Options of commands that recipes do not declare: outputs, limits, method parameters."""
 
 from __future__ import annotations
 
@@ -133,7 +133,7 @@ def _add_parameters(parser: Parser, argv: list[str], name: str) -> list[str]:
 
 
 def _refuse_parameter(option: str) -> None:
-    """Name the methods that have a parameter which "auto" chooses by itself."""
+    """Name the methods that have a parameter which "auto" chooses."""
     name = option[2:].replace("-", "_")
     from weftex.methods import owners
 

@@ -92,7 +92,7 @@ def stems_of(args: argparse.Namespace, material: Material) -> dict[str, str]:
     if args.preset is None:
         return {}
     if not material.folder:
-        raise InvalidInputError(f"--preset has no effect: {material.name} is no folder")
+        raise InvalidInputError(f"--preset has no effect: {material.name} is not a folder")
     from weftex.io.presets import read_preset
 
     preset = read_preset(args.preset)

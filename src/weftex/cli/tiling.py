@@ -32,7 +32,7 @@ _AXES = TASKS["tile"].options["axes"]
 
 
 def add_tools(parser: Parser) -> None:
-    """Add the options of `TOOLS` and what belongs to them."""
+    """Add the options of `TOOLS`, and --picture."""
     add = parser.add_argument_group("check, pad and crop").add_argument
     text = "check whether images are tileable; exit code 0 if all are, 1 if not"
     add("--check", action="store_true", help=text)

@@ -121,7 +121,7 @@ class Exemplar(Displayable):
         if self.alpha and self.channels < 2:
             raise InvalidInputError(f"{name} has one channel, so it cannot be color with alpha")
         if maps is not None and not isinstance(maps, Mapping):
-            raise InvalidInputError(f"maps is {shown(maps)}; it must be arrays by their names")
+            raise InvalidInputError(f"maps is {shown(maps)}; it must map names to arrays")
         for key in maps or ():
             if not isinstance(key, str):
                 raise InvalidInputError(f"maps has the name {shown(key)}; it must be a text")

@@ -40,7 +40,7 @@ def load_exemplar(
         the pixels, and all maps take part in matching. "sample:NAME" is a sample that ships with
         weftex.
     files : mapping of str to str, optional
-        The files of the folder to use, by what they show, such as
+        The files of the folder to use, by role, such as
         ``{"color": "front.png", "normal": "n.png"}``; other files are ignored.
     **options
         Parameters of `Exemplar`, such as `mask` and `tileable`.
@@ -58,13 +58,13 @@ def load_exemplar(
     ['ao', 'height', 'normal', 'roughness']
     """
     if files is not None and not isinstance(files, Mapping):
-        raise InvalidInputError(f"files is {shown(files)}; it must be files by what they are")
+        raise InvalidInputError(f"files is {shown(files)}; it must map roles to files")
     if files is not None and not isinstance(sample, (str, os.PathLike)):
         raise InvalidInputError("files has no effect unless the sample is a folder of maps")
     if isinstance(sample, Exemplar):
         if options:
             raise InvalidInputError(
-                f"the sample is an Exemplar; give {next(iter(options))} to that"
+                f"the sample is an Exemplar; give {next(iter(options))} to the Exemplar"
             )
         return sample
     if isinstance(sample, (str, os.PathLike)):
@@ -152,7 +152,7 @@ def read_material(path: StrPath, files: Mapping[str, str] | None = None, **limit
     place, given = locate(path)
     if not is_folder(path):
         if files is not None:
-            raise InvalidInputError(f"{given} is no folder, so it has no maps to name")
+            raise InvalidInputError(f"{given} is not a folder, so it has no maps to name")
         name = os.path.basename(given)
         picture = read_image(path, **limits)
         picture.pixels.setflags(write=False)  # an Exemplar needs no copy then
@@ -222,8 +222,8 @@ def _by_role(
     if unknown:
         some = ", ".join(unknown[:4]) + (", ..." if len(unknown) > 4 else "")
         raise InvalidInputError(
-            f"{folder} has pictures whose names are of no map ({some}), and a folder "
-            f"is taken for the maps of one material; {_FIX}"
+            f"{folder} is read as the maps of one material, but the names of some pictures name "
+            f"no map ({some}); {_FIX}"
         )
     _refuse_twins(known, folder)
     order = sorted(known)
@@ -236,9 +236,9 @@ def _as_named(
     """The paths, and the roles, by the names that maps were given."""
     for name, file in files.items():
         if not isinstance(file, str) or os.path.basename(file) != file or not file:
-            raise InvalidInputError(f"{file!r} is no name of a file in {given}")
+            raise InvalidInputError(f"{file!r} is not a file in {given}")
         if not isinstance(name, str) or not name:
-            raise InvalidInputError(f"files has the name {shown(name)}; it must say what a map is")
+            raise InvalidInputError(f"files has the name {shown(name)}; it must be a role")
     if not files:
         raise InvalidInputError(f"files names no maps of {given}")
     roles = {name: role_of(name) or Role(name) for name in sorted(files)}
@@ -251,7 +251,7 @@ def _refuse_twins(roles: Mapping[str, Role], folder: str) -> None:
     for name, role in roles.items():
         if role.name in seen:
             raise InvalidInputError(
-                f"{folder} has two pictures that are named {role.name} ({seen[role.name]}, {name})"
-                f", and a folder is taken for the maps of one material; {_FIX}"
+                f"{folder} is read as the maps of one material, but has two pictures named "
+                f"{role.name} ({seen[role.name]}, {name}); {_FIX}"
             )
         seen[role.name] = name

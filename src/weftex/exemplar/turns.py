@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 
 def turned(sample: Sample, turn: str) -> Exemplar:
-    """Put copies of a sample beside it, mirrored or turned, so that there is more to choose from.
+    """Add mirrored or rotated copies to a sample, so that methods choose from more pixels.
 
     The copies lie in one picture, a masked line of pixels between any two, so that every method
     takes pieces from all of them and none from two at once. The vectors of normal maps are turned
@@ -56,7 +56,7 @@ def turned(sample: Sample, turn: str) -> Exemplar:
     if not isinstance(turn, str) or turn not in TURNS:
         raise InvalidInputError(f"turn is {shown(turn)}; it must be one of {', '.join(TURNS)}")
     if exemplar.turn is not None:
-        raise InvalidInputError(f"{exemplar.name} is of turned copies already")
+        raise InvalidInputError(f"{exemplar.name} already consists of rotated copies")
     own = np.ones(exemplar.shape, bool) if exemplar.mask is None else exemplar.mask
     return exemplar.changed(
         pixels=turned_pixels(exemplar.pixels, turn, exemplar.role),

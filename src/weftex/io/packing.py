@@ -148,7 +148,7 @@ class _Packer:
                 raise InvalidInputError(f"{path} has {colors} channels; a map of normals has three")
             if mixing_of(pixels, "normal", like.alpha).kind != Kind.VECTORS:
                 raise InvalidInputError(
-                    f"{path} is no map of normals: the length of its vectors is not 1"
+                    f"{path} is not a normal map: the length of its vectors is not 1"
                 )
         elif shows.kind != "color" and part.channel is None and not shows.channels and colors > 1:
             if (pixels[..., 1:colors] != pixels[..., :1]).any():

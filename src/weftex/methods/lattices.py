@@ -27,8 +27,8 @@ class LatticeModel(Model):
     def __init__(self, method: Method, exemplar: Exemplar, vectors: tuple[float, ...]) -> None:
         if exemplar.pieces:
             raise UnsupportedError(
-                f"{method.slug} goes by one lattice, which several samples, or copies that "
-                "are turned, do not share; use one sample as it is, or another method"
+                f"{method.slug} needs one lattice, which several samples or rotated copies do "
+                "not have; use one sample without turn, or another method"
             )
         self.method, self.exemplar, self.vectors = method, exemplar, vectors
 

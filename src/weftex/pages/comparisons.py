@@ -108,8 +108,8 @@ class Comparison(Page):
             return ""
         return (
             f"{best.method} has a better score than {auto} ({best.rank:.2f}, {mine[0].rank:.2f}), "
-            f"but auto chooses by what the sample is like, before anything is made; of what it "
-            f"tries, another wins only if its score is lower by {MARGIN:g}"
+            f"but auto chooses from an analysis of the sample, before it makes anything; another "
+            f"method that it tries wins only if its score is lower by {MARGIN:g}"
         )
 
     def as_dict(self) -> dict[str, Any]:

@@ -66,13 +66,13 @@ def _continued(plane: PlaneFile, record: Record, restart: bool, repair: bool) ->
                 raise FileError(f"{flaws[0]} is missing or damaged; {REPAIR}")
             return run
     if repair:
-        raise FileError(f"{plane.path} was not begun")
+        raise FileError(f"{plane.path} was not started")
     own = [os.path.abspath(_path(plane, name)) for name in run.files] if run else []
     for path in there:
         if os.path.abspath(path) not in own:
             raise FileError(
-                f"{path} is there already, and {record.folder} does not say that it is of this "
-                "plane; remove it, or name another file"
+                f"{path} exists already, and {record.folder} does not list it as part of this "
+                "image; remove it, or name another file"
             )
     return None
 
@@ -84,14 +84,14 @@ def _refuse_other(plane: PlaneFile, run: Run) -> None:
         if found != wanted:
             values = f"{shown(found)}, here {shown(wanted)}"
             raise InvalidInputError(
-                f"{plane.path} was begun by another run: its {_NAMES.get(name, name)} is "
-                f"{'another than this one' if name == 'digest' else values}; --restart begins "
-                "again, or name another file"
+                f"{plane.path} was started by another run: its {_NAMES.get(name, name)} is "
+                f"{'different' if name == 'digest' else values}; --restart starts again, or name "
+                "another file"
             )
 
 
 def _begin(plane: PlaneFile, record: Record, restart: bool, repair: bool) -> None:
-    """Make the files, unless a run is continued. Whoever is killed in between begins anew."""
+    """Make the files, unless a run is continued. A run killed in between starts again."""
     if run := _continued(plane, record, restart, repair):
         record.run = run.name
         if plane.part is None:

@@ -136,9 +136,9 @@ class Definition:
         whole = all(side.denominator == 1 for side in sides) and block.bit_count() == 1
         if scales[0] != scales[1] or not whole or block < 16:
             raise InvalidInputError(
-                f"map '{name}' is no multiple or fraction of the sample that a plane can have: "
-                "maps have 1, 2, 4 or 1/2, 1/4, 1/8 pixels along one of the sample, and the "
-                "plane's size is a multiple of what one of them covers"
+                f"map '{name}' does not suit a plane: maps must be 1, 2 or 4 times as large as "
+                "the sample, or 2, 4 or 8 times smaller, and the plane's size must be a "
+                "multiple of their scale"
             )
         dtype = "float32" if picture.pixels.dtype.kind == "f" else picture.pixels.dtype.name
         channels = sum(picture.pixels.shape[2:])

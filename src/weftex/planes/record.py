@@ -110,7 +110,7 @@ class Record:
         foreign = [one for one in self._names() if one not in known and not is_stale(one)]
         if foreign and not os.path.exists(self._path(_RUN)):
             raise FileError(
-                f"{self.folder} has files of others, such as {foreign[0]}; move them, or name "
+                f"{self.folder} contains other files, such as {foreign[0]}; move them, or name "
                 "another file"
             )
 
@@ -245,7 +245,7 @@ class Record:
         current = self.current()
         if current is None or current.name != self.run:
             raise FileError(
-                f"{self.target}: it was begun again, or removed; this run writes nothing more"
+                f"{self.target}: another command restarted or removed it; this run stops"
             )
 
     @contextmanager

@@ -209,8 +209,8 @@ def check(path: str | os.PathLike[str], *, read: bool = False) -> PlaneFile:
         raise FileError(f"{plane.path} is not whole: {_what_is_missing(plane, done)}")
     if wrong := [*plane.damaged(done)] if read else []:
         raise FileError(
-            f"{plane.path}: {len(wrong)} blocks are not what was written, the first at level, row, "
-            f"column {min(wrong)}; {_REPAIR}"
+            f"{plane.path}: {len(wrong)} blocks differ from their checksums, the first at "
+            f"level, row, column {min(wrong)}; {_REPAIR}"
         )
     return plane
 

@@ -1,4 +1,4 @@
-"""Samples made ready: photos straightened and evenly lit, maps estimated, samples turned or joined.
+"""Prepare samples: straighten and light photos, estimate maps, rotate copies, join samples.
 
 Most functions take what `weftex.load_exemplar` takes and return an `Exemplar`; functions of
 surfaces take and return arrays.

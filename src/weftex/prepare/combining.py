@@ -204,7 +204,7 @@ def _check_scales(
 def _checked(missing: Mapping[str, float | str] | None) -> dict[str, float | str]:
     """Return the values by equivalent names."""
     if missing is not None and not isinstance(missing, Mapping):
-        raise InvalidInputError(f"missing is {shown(missing)}; it must be values by maps' names")
+        raise InvalidInputError(f"missing is {shown(missing)}; it must map names of maps to values")
     for name, value in (missing or {}).items():
         number = isinstance(value, (int, float, np.number)) and not isinstance(value, bool)
         inside = number and 0 <= float(value) <= 1

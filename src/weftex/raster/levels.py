@@ -38,7 +38,7 @@ def scale_to_bytes(pixels: NDArray[Any]) -> tuple[float, float]:
 
 
 def to_bytes(pixels: NDArray[Any], scale: tuple[float, float]) -> NDArray[np.float64]:
-    """Return (H, W, C) in bytes that are not rounded yet, by what becomes 0 and 255."""
+    """Return (H, W, C) scaled from 0 to 255, not rounded; the ends of `scale` become 0 and 255."""
     low, high = scale
     pixels = np.clip(pixels.reshape(*pixels.shape[:2], -1).astype(np.float64), low, high)
     exponent = _exponent(max(abs(low), abs(high)))

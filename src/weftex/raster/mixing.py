@@ -1,4 +1,4 @@
-"""How the values of two patches are mixed where both show, by what a picture stores.
+"""Blend the values of two patches: the rule for each kind of picture.
 
 Normal maps store vectors, whose parts from -1 to 1 are numbers around a middle.
 """
@@ -113,7 +113,7 @@ def middle_of(pixels: NDArray[Any]) -> float:
 
 
 def opposite(values: NDArray[Any], middle: float) -> NDArray[Any]:
-    """Return one part of vectors, the other way around; `middle` is that of floats."""
+    """Return one part of vectors, in reverse; `middle` is that of floats."""
     if values.dtype.kind == "u":
         return np.iinfo(values.dtype).max - values
     return 2 * middle - values

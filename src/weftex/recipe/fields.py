@@ -174,7 +174,7 @@ def gradient(given: Mapping[str, Any]) -> Any:
 def checked_material(given: Any, *, local: bool = False) -> dict[str, Any]:
     """Return a checked description of a material: its source and options of `MATERIAL`.
 
-    The source is "sample", the name of a bundled one; or "maps", images by what they show, and
+    The source is "sample", the name of a bundled one; or "maps", images by role, and
     "name"; or, if `local`, "path" of a file, or of a folder with "maps", its files.
     """
     if not isinstance(given, Mapping):

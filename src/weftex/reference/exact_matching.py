@@ -101,7 +101,7 @@ def synthesize(
     search_space = texture_analysis(pixels, centers, tolerance)
 
     def causal_neighborhood(y: int, x: int) -> Any:
-        """Steps to the pixels that are there already."""
+        """Steps to the neighbors that are already made."""
         inside = (causal + (y, x) >= 0).all(axis=1) & (causal[:, 1] + x < width)
         return causal[inside]
 

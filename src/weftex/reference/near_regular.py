@@ -29,7 +29,7 @@ def near_regular(
     match: str = "difference",
     seed: int = 0,
 ) -> Made:
-    """Fill every second block at random, but in step, and the gaps by their borders.
+    """Draw every second block at multiples of the vectors, and fill the gaps by their borders.
 
     D. López Recas: Constrained random sampling and gap filling technique for near-regular texture
     synthesis, diploma thesis, TU Berlin 2011, section 4.2.

@@ -158,7 +158,7 @@ def _analysis(loaded: PreparedMaterial) -> dict[str, Any]:
 
 
 def _quick_analysis(loaded: PreparedMaterial) -> dict[str, Any]:
-    """The same of a large sample, by what `auto` looks at: a smaller copy and a part."""
+    """Describe a large sample from a smaller copy and a part of it, which `auto` analyzes."""
     exemplar = loaded.exemplar
     model = weftex.Auto().fit_exemplar(exemplar)
     seen = model.findings

@@ -247,7 +247,7 @@ class Session:
             raise Refusal(413, line)
 
     def take(self, file: Path, about: dict[str, Any]) -> bool:
-        """Move a file among the uploads; return False if the same bytes are there already.
+        """Move a file among the uploads; return False if the same bytes are stored already.
 
         The line about it is written last, so an upload is listed only if all of it is there.
         """

@@ -81,7 +81,7 @@ def run(argv: list[str]) -> None:
 
 
 def _folder_of_tiles(args: argparse.Namespace, outputs: Outputs) -> str | None:
-    """Make the folder that gets a file for each tile of an image, if OUT is no image."""
+    """Make the folder that gets a file for each tile of an image, unless OUT is an image."""
     from weftex.io.formats import suffix_of, written_as
     from weftex.io.pictures import is_folder
 

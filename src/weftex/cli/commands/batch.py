@@ -98,7 +98,7 @@ def run(argv: list[str]) -> None:
             raise InvalidInputError(
                 f"{len(failures)} of {len(left)} jobs failed, the first: {failures[0]}{stray}"
             )
-        skipped = f", {len(jobs) - len(left)} were there" if len(left) < len(jobs) else ""
+        skipped = f", {len(jobs) - len(left)} existed" if len(left) < len(jobs) else ""
         done = f"did {len(left)} jobs of {len(entries)} samples{skipped}, in {bar.took:.2f} s"
         return f"{done}; {os.path.join(args.output, _SHEET)} shows all outputs{stray}"
 
@@ -269,7 +269,7 @@ def _check_name(stem: str, suffix: str) -> None:
     """Refuse names that files cannot have, hidden ones, and that of the manifest."""
     plain = os.path.basename(stem) == stem and stem.isprintable()
     if not plain or stem.startswith(".") or stem.casefold() in ("", MANIFEST):
-        raise InvalidInputError(f"the template makes {shown(stem)}, which is no name of an output")
+        raise InvalidInputError(f"the template makes {shown(stem)}, which cannot name an output")
     if len(os.fsencode(stem + suffix)) > _LONGEST:
         raise InvalidInputError(
             f"the template makes a name of {len(stem + suffix)} letters; systems have room for "
@@ -291,11 +291,11 @@ def left_of(jobs: Sequence[Job], args: argparse.Namespace, manifest: Manifest) -
             if os.path.join(os.path.realpath(job.path), "").startswith(above):
                 raise FileError(f"{paths[one]} is a sample; name another folder for outputs")
             if args.force and os.path.isdir(paths[one]):
-                raise FileError(f"{paths[one]} is a folder that no batch made; move it away")
+                raise FileError(f"{paths[one]} is a folder that batch did not make; move it")
         if there and not args.force and (not args.skip_existing or foreign):
             raise FileError(
-                f"{paths[there[0]]} is there; give --skip-existing to go on, or --force to make it "
-                "anew"
+                f"{paths[there[0]]} exists; give --skip-existing to continue, or --force to "
+                "make it anew"
             )
         left.append(job)
     return left

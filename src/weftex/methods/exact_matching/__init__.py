@@ -118,7 +118,7 @@ class ExactMatching(WindowedMethod):
     def __post_init__(self) -> None:
         super().__post_init__()
         if self.tolerance is not None and self.nearest_colors is not None:
-            raise InvalidInputError("tolerance and nearest_colors are two ways; give one of them")
+            raise InvalidInputError("tolerance and nearest_colors exclude each other; give one")
 
     def fit_exemplar(self, exemplar: Exemplar) -> PixelModel:
         """Propose what was left open; make the lists of colors (section 4.1)."""

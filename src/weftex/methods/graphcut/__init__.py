@@ -211,7 +211,7 @@ class GraphCut(Method):
         """Prepare a sample, and perhaps copies of it that are turned."""
         if self.orientations in _TURNS:
             if self.lattice is not None:
-                raise InvalidInputError("copies that are turned share no lattice")
+                raise InvalidInputError("lattice and orientations exclude each other; give one")
             exemplar = turned(exemplar, _TURNS[self.orientations])
         return GraphCutModel(self, exemplar)
 

@@ -201,7 +201,7 @@ class Refinement(WindowedMethod):
         if canvas.guide is not None and self.search == "nearest":
             raise InvalidInputError("search is 'nearest', which follows no guide; use 'coherent'")
         if canvas.guide is not None and self.joints is not None:
-            raise InvalidInputError("joints keeps what follows no guide; leave it out")
+            raise InvalidInputError("joints and a guide exclude each other; leave one out")
 
     def window_of(self, exemplar: Exemplar) -> int:
         """See `Method.window_of`."""

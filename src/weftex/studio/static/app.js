@@ -370,7 +370,7 @@ export class App extends Shelf {
     return result;
   }
 
-  /** The recipe itself if that is quick, by what was made before; else at a size that takes a blink. */
+  /** The recipe itself, if earlier runs say that it is quick; else the same at a size that is quick. */
   smaller(recipe) {
     if (recipe.task !== "synth" || recipe.guide || Math.min(...recipe.size) < 1) return recipe;
     const pace = this.pace.get(paceOf(recipe));

@@ -1,4 +1,4 @@
-"""The rule of `auto`: a method by what a sample is like and what is to be made."""
+"""The rule of `auto`: a method for a sample and a canvas."""
 
 from __future__ import annotations
 

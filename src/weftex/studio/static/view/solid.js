@@ -150,7 +150,7 @@ function looking([x, y, z], wide) {
   return new Float32Array([...columns.flat(), 0, 0, -far * deep + (2 * high * low) / (low - high), far]);
 }
 
-/** A grid of points, by what `point(u, v)` says of each: [place, normal, tangent, [u, v, fade]]. */
+/** A grid of points; `point(u, v)` returns each as [place, normal, tangent, [u, v, fade]]. */
 function grid(columns, rows, point, into = { points: [], triangles: [] }) {
   const first = into.points.length / 12;
   for (let row = 0; row <= rows; row++) for (let column = 0; column <= columns; column++) into.points.push(...point(column / columns, row / rows).flat());
