@@ -8,7 +8,7 @@ import pytest
 import weftex
 from families import canvas_of, every, method_of
 from weftex.errors import CancelledError
-from weftex.progress import Progress
+from weftex.progress import Progress, counted, listening
 
 
 def test_counts_and_passes_everything_on():
@@ -80,3 +80,38 @@ def test_an_error_in_the_callback_comes_through():
 
     with pytest.raises(ZeroDivisionError):
         weftex.synthesize(SAMPLE, 60, seed=1, progress=callback)
+
+
+def test_work_within_a_step_is_its_share():
+    seen = []
+    with listening(lambda *given: seen.append(given[:3])), counted(4, "outer") as step:
+        step(1)
+        with counted(2, "inner") as inner:
+            inner(1)
+        step(3)
+    assert seen == [(percent, 100, "outer") for percent in (0, 25, 25, 37, 100)]
+    with counted(1, "nobody listens") as step:
+        step(1)
+
+
+WORK = {
+    "analysis": lambda sample: weftex.analyze(sample),
+    "trees": lambda sample: weftex.WeiLevoy().fit(sample),
+    "colors": lambda sample: weftex.ExactMatching().fit(sample),
+    "similar pixels": lambda sample: weftex.Refinement().fit(sample),
+}
+
+
+@pytest.mark.parametrize("stage", WORK)
+def test_analyses_and_fits_count_and_can_be_stopped(stage):
+    sample = weftex.load_exemplar("sample:pebbles")
+    seen = []
+    with listening(lambda done, total, now, _: seen.append((now, done))):
+        WORK[stage](sample)
+    counts = [done for now, done in seen if now == stage]
+    assert counts[0] == 0 and max(counts) > 0
+    assert stage != "analysis" or counts == sorted(counts)
+    sample = weftex.Exemplar(sample.pixels)  # nothing of it is known yet
+    stopping = listening(lambda done, total, now, _: done == 0)
+    with pytest.raises(CancelledError, match="cancelled after"), stopping:
+        WORK[stage](sample)

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from contextvars import ContextVar
 from time import perf_counter, process_time, thread_time
 from typing import Any, Literal
 
@@ -141,3 +143,45 @@ class Progress:
             return callback(self.done, self.total, self.stage, preview) is not False
 
         return ask
+
+
+#: What hears of `counted` work.
+_listener: ContextVar[ProgressCallback | None] = ContextVar("listener", default=None)
+
+
+@contextmanager
+def listening(callback: ProgressCallback | None) -> Iterator[None]:
+    """Report to a callback what is `counted` within the block."""
+    token = _listener.set(callback)
+    try:
+        yield
+    finally:
+        _listener.reset(token)
+
+
+@contextmanager
+def counted(total: float, stage: str) -> Iterator[Callable[[float], None]]:
+    """Count work to which no callback is passed, such as an analysis or a fit, in percent.
+
+    Yields a function that advances by steps; work counted within a step is its share of that step.
+    """
+    callback, done = _listener.get(), 0.0
+
+    def tell(share: float) -> bool:
+        if callback is None or callback is True:
+            return True
+        percent = int(100 * (done + min(share, 0.99)) / total)
+        return callback(percent, 100, stage, lambda: None) is not False
+
+    def advance(steps: float) -> None:
+        nonlocal done
+        done += steps
+        if not tell(0.0):
+            raise CancelledError(f"cancelled after {100 * done / total:.0f} % of {stage}")
+
+    def within(part: int, of: int, inner: str, preview: Callable[[], Any]) -> bool:
+        return tell(part / of if of else 0.0)
+
+    with listening(None if callback is None else within):
+        advance(0)
+        yield advance

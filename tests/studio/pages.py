@@ -124,6 +124,12 @@ class Page:
             job = self.get(f"jobs/{job['id']}?seen={job['version']}&wait=5")
         return job
 
+    def look(self, material):
+        """What analysis says about a material."""
+        job = self.wait(self.post(f"materials/{material}/look"))
+        assert job["state"] == "done", job
+        return job["results"][0]
+
     def made(self, recipe, **more):
         """The only result of a job."""
         job = self.job(recipe, **more)

@@ -3,6 +3,7 @@
 import socket
 import time
 
+import numpy as np
 import pytest
 from pages import ENDED
 
@@ -45,6 +46,18 @@ def test_progress_previews_and_an_end(client, page):
     job = page.wait(job)
     assert (job["state"], job["results"], job["error"]) == ("cancelled", [], None)
     assert idle(client)
+
+
+def test_an_analysis_counts_and_can_be_stopped(client, page, tmp_path):
+    pixels = np.random.default_rng(1).integers(0, 256, (512, 512, 3), np.uint8)
+    spec = {"maps": {"color": page.upload_pixels(pixels, tmp_path)}}
+    path = f"materials/{page.post('materials', spec)['id']}/look"
+    job = page.wait(page.post(path), states=("running", *ENDED))
+    job = page.get(f"jobs/{job['id']}?seen={job['version']}&wait=5")
+    assert (job["stage"], job["total"], job["state"]) == ("analysis", 100, "running")
+    page.ask("DELETE", f"jobs/{job['id']}")
+    assert page.wait(job)["state"] == "cancelled" and idle(client)
+    assert page.look(path.split("/")[1])["scale"] > 0
 
 
 def test_waiting_for_news_takes_no_longer_than_asked(page):

@@ -181,6 +181,14 @@ def folders(client):
     return len(list(client.studio.downloads.folder.iterdir()))
 
 
+def look(client, page):
+    path = f"materials/{page.post('materials', {'sample': 'weave'})['id']}/look"
+    answers = at_once(page, [("POST", path, {})] * TIMES)  # each ends the one before
+    assert 200 in codes(answers) and set(codes(answers)) <= {200, 429}
+    assert page.look(path.split("/")[1])["scale_source"] == "lattice"
+    assert idle(client)
+
+
 def presets(client, page):
     chain = [{"label": "Made", "recipe": QUICK | {"materials": [{"maps": {"color": "photo"}}]}}]
     names = [f"preset {number}" for number in range(TIMES)]
@@ -196,7 +204,7 @@ CASES = {
     "POST /session": same("session", None), "POST /leave": leave, "POST /uploads": upload,
     "POST /sets": same("sets", lambda page: {"uploads": [page.upload(png(0))["id"]]}),
     "POST /materials": same("materials", lambda page: color(page.upload(png(0)))),
-    "POST /materials/{id}/estimates": estimates,
+    "POST /materials/{id}/estimates": estimates, "POST /materials/{id}/look": look,
     "POST /jobs": jobs, "POST /planes": same("planes", WEAVE),
     "POST /results/{id}/exports": export, "POST /results/{id}/sample": use_as_sample,
     "POST /steps": steps, "POST /presets": presets, "POST /works/{id}/open": continue_work,

@@ -65,7 +65,7 @@ def test_a_new_method_is_there_by_itself(page, monkeypatch):
 
 def test_what_a_material_is(page):
     material = page.post("materials", BRICKS)["id"]
-    seen = page.get(f"materials/{material}/look")
+    seen = page.look(material)
     assert seen["lattice"]["words"] == "126.2 x 41.8 px, every other row shifted by half"
     assert len(seen["runners_up"]) == 4 and len(seen["lattice"]["lines"]) == 2
     assert "the sample has a lattice of 126.2 x 41.8 px" in seen["auto"]["reason"]
@@ -81,10 +81,10 @@ def test_what_can_be_mended_has_a_button(page, tmp_path):
     pixels = read_image("sample:pebbles").pixels.astype(float)
     lit = (pixels * np.linspace(0.25, 1, pixels.shape[1])[:, None]).astype(np.uint8)
     spec = {"maps": {"color": page.upload_pixels(lit, tmp_path)}}
-    seen = page.get(f"materials/{page.post('materials', spec)['id']}/look")
+    seen = page.look(page.post("materials", spec)["id"])
     (mending,) = [one for one in seen["mending"] if one["what"] == "even_light"]
     better = page.post("materials", spec | mending["spec"])
-    seen = page.get(f"materials/{better['id']}/look")
+    seen = page.look(better["id"])
     assert [one for one in seen["mending"] if one["what"] == "even_light"] == []
 
 

@@ -11,6 +11,7 @@ import numpy as np
 from weftex.analysis import kernels
 from weftex.analysis.correlation import correlate, correlation_and_power, whitened
 from weftex.analysis.relief import Relief, relief
+from weftex.progress import counted
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -37,14 +38,17 @@ class Autocorrelations:
 
 def autocorrelations(exemplar: Exemplar) -> Autocorrelations:
     """Return the autocorrelations of a sample."""
-    flat = relief(exemplar)
-    usable, power = flat.usable >= 0.5, None
-    if usable.all():
-        own, power = correlation_and_power(flat.levels)
-    else:
-        own = correlate(flat.levels, usable)
-    even, chance = whitened(flat, power)
-    return Autocorrelations(flat, Field(own), Field(even, _SIGMAS * chance), chance)
+    with counted(4, "analysis") as step:
+        flat = relief(exemplar)
+        usable, power = flat.usable >= 0.5, None
+        if usable.all():
+            own, power = correlation_and_power(flat.levels)
+        else:
+            own = correlate(flat.levels, usable)
+        step(2)
+        even, chance = whitened(flat, power)
+        step(1)
+        return Autocorrelations(flat, Field(own), Field(even, _SIGMAS * chance), chance)
 
 
 class Field:

@@ -39,6 +39,7 @@ from weftex.analysis.relief import maps_alone
 from weftex.analysis.rows import ridges
 from weftex.errors import InvalidInputError
 from weftex.exemplar import Exemplar
+from weftex.progress import counted
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -178,10 +179,14 @@ def find_lattice(exemplar: Exemplar, *, goodness: str = "contrast") -> Lattice |
         return None
     known = _FOUND.setdefault(exemplar, {})
     if goodness not in known:
-        known[goodness] = lattice_in(autocorrelations(exemplar), goodness)
-        maps = maps_alone(exemplar)
-        if known[goodness] is None and maps is not None:
-            known[goodness] = lattice_in(autocorrelations(maps), goodness)
+        with counted(4, "analysis") as step:
+            fields = autocorrelations(exemplar)
+            step(1)
+            known[goodness] = lattice_in(fields, goodness)
+            step(1)
+            maps = maps_alone(exemplar)
+            if known[goodness] is None and maps is not None:
+                known[goodness] = lattice_in(autocorrelations(maps), goodness)
     return known[goodness]
 
 
@@ -203,13 +208,15 @@ def _as_in_thesis(fields: Autocorrelations, goodness: str) -> Evidence | None:
 
 def _by_contrast(fields: Autocorrelations) -> Evidence | None:
     """Return the pair or rows with the best evidence."""
-    best = better_pair(fields, pair_candidates(fields))
-    if best is not None and LEAST <= best.confidence < CLEAR and best.kind != "stripes":
-        best = checked_by_rows(fields, best)
-    if best is not None and best.confidence >= LEAST:
-        return with_alternation(fields, best) if len(best.vectors) == 2 else best
-    rows = _rows(fields)
-    return None if rows is None else lattice_of_rows(fields, rows)
+    with counted(2, "analysis") as step:
+        best = better_pair(fields, pair_candidates(fields))
+        step(1)
+        if best is not None and LEAST <= best.confidence < CLEAR and best.kind != "stripes":
+            best = checked_by_rows(fields, best)
+        if best is not None and best.confidence >= LEAST:
+            return with_alternation(fields, best) if len(best.vectors) == 2 else best
+        rows = _rows(fields)
+        return None if rows is None else lattice_of_rows(fields, rows)
 
 
 def _rows(fields: Autocorrelations) -> Evidence | None:

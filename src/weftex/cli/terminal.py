@@ -195,7 +195,7 @@ def run(work: Callable[[Bar, Outputs], Result], quiet: bool) -> tuple[Result, Ba
 
     def begin() -> None:
         try:
-            with outputs:
+            with outputs, progress.listening(bar):
                 done = work(bar, outputs)
             outcome.append((done, None))
         except BaseException as error:

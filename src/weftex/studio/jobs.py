@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from weftex.errors import CancelledError
+from weftex.progress import listening
 from weftex.studio.pictures import smaller
 from weftex.studio.refusals import Refusal, answer_of
 
@@ -38,7 +39,7 @@ class Job:
     """
 
     def __init__(
-        self, session: Session, recipe: Recipe, work: Work, lane: str | None, leave: str
+        self, session: Session, recipe: Recipe | None, work: Work, lane: str | None, leave: str
     ) -> None:
         self.id, self.session = os.urandom(12).hex(), session
         self.recipe, self.work = recipe, work
@@ -90,7 +91,8 @@ class Job:
         self.version += 1
         try:
             self.check()
-            self.work(self)
+            with listening(self):
+                self.work(self)
         except CancelledError:
             self._finish("cancelled")
         except Exception as error:  # one line for the page, whatever it is
@@ -133,7 +135,7 @@ class Job:
             "preview": self.picture[0],
             **self.failure,
             "results": list(self.results),
-            "recipe": self.recipe.as_json(),
+            "recipe": None if self.recipe is None else self.recipe.as_json(),
         }
 
 

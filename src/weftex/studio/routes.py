@@ -22,7 +22,7 @@ from weftex.studio.refusals import Refusal, answer_of
 from weftex.studio.requests import Call, route
 from weftex.studio.synthesis import Result, begin_plane, open_job, plane_window
 from weftex.studio.uploads import IncomingUpload, label_of
-from weftex.studio.work import compared, plain, several
+from weftex.studio.work import compared, look_at, plain, several
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Callable
@@ -153,10 +153,11 @@ async def _shown(call: Call, sample: Exemplar) -> Response:
     return await call.picture(lambda: shown_smaller(sample, times), sample.shape)
 
 
-@route("GET", "/materials/{id}/look")
+@route("POST", "/materials/{id}/look")
 async def look(call: Call) -> Any:
-    """Say what a material is like."""
-    return await call.work(materials.analysis_of, await _loaded(call), call.session)
+    """Queue a job that says what a material is like; it ends an analysis that is under way."""
+    job = Job(call.session, None, look_at(await _loaded(call)), "look", "cancel")
+    return await _queued(call, job)
 
 
 @route("POST", "/materials/{id}/estimates")
@@ -193,9 +194,8 @@ _LONGEST_TEXT = 200
 
 @route("POST", "/jobs")
 async def add_job(call: Call) -> Any:
-    """Queue a job; its end, if that comes within so many milliseconds."""
+    """Queue a job that makes something."""
     given = await call.object("recipe", "count", "methods", "lane", "leave")
-    within = whole_number(call.query, "within", 0, 0, 1000)
     recipe = Recipe.from_json(given.get("recipe"))
     recipes = several(recipe, given.get("count"), given.get("methods"))
     await call.work(open_job, recipe, call.session)  # what is too large never waits
@@ -205,7 +205,12 @@ async def add_job(call: Call) -> Any:
         raise InvalidInputError(f"lane is {shown(lane)}; it must be a short text")
     if leave not in ("cancel", "keep"):
         raise InvalidInputError(f"leave is {shown(leave)}; it must be 'cancel' or 'keep'")
-    job = Job(call.session, recipe, work, lane, leave)
+    return await _queued(call, Job(call.session, recipe, work, lane, leave))
+
+
+async def _queued(call: Call, job: Job) -> Any:
+    """Queue a job; tell of its end, if that comes within so many milliseconds."""
+    within = whole_number(call.query, "within", 0, 0, 1000)
     call.studio.jobs.add(job)
     return await _told(call, job, within / 1000, lambda: job.state in ENDED)
 

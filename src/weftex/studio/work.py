@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from weftex.errors import CancelledError, InvalidInputError, WeftexError, shown
 from weftex.studio import results
-from weftex.studio.materials import id_of
+from weftex.studio.materials import analysis_of, id_of
 from weftex.studio.refusals import answer_of
 from weftex.studio.synthesis import Result, bytes_of, make, open_job
 
@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from weftex.recipe import Recipe
+    from weftex.recipe.opening import PreparedMaterial
     from weftex.studio.jobs import Job
 
 MOST_SEEDS = 16
@@ -51,9 +52,15 @@ def compared(recipes: list[Recipe]) -> Callable[[Job], None]:
     return work
 
 
+def look_at(loaded: PreparedMaterial) -> Callable[[Job], None]:
+    """Analyze a material."""
+    return lambda job: job.add(analysis_of(loaded, job.session))
+
+
 def made_of(recipe: Recipe, job: Job) -> Result:
     """Make a recipe, or remember it; progress goes to the job."""
     session = job.session
+    job(0, 1, "reading", lambda: None)
     ready = open_job(recipe, session)
     job.to_show = results.preview_of(ready.prepared[0].exemplar)
     key = "result", id_of(ready.recipe.as_json())

@@ -21,6 +21,7 @@ from weftex.errors import InvalidInputError
 from weftex.exemplar import load_exemplar
 from weftex.methods import METHODS
 from weftex.parameters import numbers_of
+from weftex.progress import counted
 from weftex.tasks.auto import Auto
 
 if TYPE_CHECKING:
@@ -227,12 +228,23 @@ def analyze(
         )
     exemplar = load_exemplar(sample)
     given = None if lattice is None else given_lattice(lattice, exemplar)
-    down, right = border_steps(exemplar)
-    model = Auto().fit_exemplar(exemplar)
-    look = model.findings
-    seen = autocorrelations(exemplar)
-    own = look.lattice if look.exact else lattice_in(seen)
-    found = dominant_scale(exemplar, own)
+    with counted(8, "analysis") as step:
+        model = Auto().fit_exemplar(exemplar)
+        look = model.findings
+        step(1)
+        seen = autocorrelations(exemplar)
+        step(2)
+        own = look.lattice if look.exact else lattice_in(seen)
+        step(1)
+        found = dominant_scale(exemplar, own)
+        down, right = border_steps(exemplar)
+        alike = regularity(exemplar)
+        step(1)
+        ratings = _rate(exemplar, own, given, runners_up, seen)
+        step(1)
+        colors, windows = _count_colors(exemplar), _windows(exemplar)
+        step(1)
+        choice = model.choose((2 * exemplar.shape[0], 2 * exemplar.shape[1]))
     return Analysis(
         name=exemplar.name,
         height=exemplar.shape[0],
@@ -241,19 +253,19 @@ def analyze(
         dtype=exemplar.pixels.dtype.name,
         alpha=exemplar.alpha,
         maps=tuple(sorted(exemplar.maps)),
-        colors=_count_colors(exemplar),
+        colors=colors,
         scale=found.scale,
         confidence=found.confidence,
         scale_source=found.source,
         spectrum=_bands(found),
-        regularity=regularity(exemplar),
+        regularity=alike,
         lattice=own,
-        ratings=_rate(exemplar, own, given, runners_up, seen),
+        ratings=ratings,
         border_steps=(down, right),
         tiles=(down <= SEAMLESS, right <= SEAMLESS),
         evenness=look.evenness,
-        choice=model.choose((2 * exemplar.shape[0], 2 * exemplar.shape[1])),
-        windows=_windows(exemplar),
+        choice=choice,
+        windows=windows,
     )
 
 

@@ -13,6 +13,7 @@ from weftex.exemplar import Exemplar
 from weftex.methods.exact_matching import list_kernels as kernels
 from weftex.methods.exact_matching.color_index import ColorIndex
 from weftex.methods.exact_matching.defaults import reach_of
+from weftex.progress import counted
 from weftex.search.picture_kernels import Query
 from weftex.search.pyramid_windows import sample_pyramid
 from weftex.search.windows import windows_of
@@ -224,8 +225,10 @@ def prepare(method: Any, exemplar: Exemplar) -> Prepared:
         )
     coarser = [*samples[1:], None]
     levels = [LevelSample(method, *pair) for pair in zip(samples, coarser, strict=True)]
-    for level in levels:
-        _ = level.causal
+    with counted(len(levels), "colors") as step:
+        for level in levels:
+            _ = level.causal
+            step(1)
     if method.init == "structured":
         _ = levels[-1].turned
     return Prepared(method, windows, tuple(levels))

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from weftex.methods.refinement import similar_kernels as kernels
+from weftex.progress import counted
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -50,15 +51,17 @@ def similar_places(
         kernels.nearest_windows(windows.pixels, centers, every, reach, _SAME_PLACE, room, found)
     else:
         searched = len(centers) <= _MOST_CENTERS
-        for first in range(0, len(centers), _AT_ONCE):
-            part = slice(first, first + _AT_ONCE)
-            near = _children(windows, centers[part], *coarser, _AROUND if searched else (0,))
-            if searched:
-                kernels.nearest_windows(
-                    windows.pixels, centers[part], near, reach, _SAME_PLACE, room, found[part]
-                )
-            else:
-                found[part] = near
+        with counted(len(centers), "similar pixels") as advance:
+            for first in range(0, len(centers), _AT_ONCE):
+                part = slice(first, first + _AT_ONCE)
+                near = _children(windows, centers[part], *coarser, _AROUND if searched else (0,))
+                if searched:
+                    kernels.nearest_windows(
+                        windows.pixels, centers[part], near, reach, _SAME_PLACE, room, found[part]
+                    )
+                else:
+                    found[part] = near
+                advance(len(centers[part]))
     rank = np.zeros(windows.usable.size, np.int32)
     rank[centers] = np.arange(len(centers), dtype=np.int32)
     result: NDArray[np.int32] = found[rank[nearest_center(windows.usable).ravel()]]

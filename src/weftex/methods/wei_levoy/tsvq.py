@@ -10,12 +10,14 @@ search.
 from __future__ import annotations
 
 import heapq
+import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from weftex.methods.wei_levoy import tsvq_kernels as kernels
+from weftex.progress import counted
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -61,20 +63,28 @@ def build_tsvq(vectors: NDArray[np.uint8], places: NDArray[np.int32], tree_size:
         np.empty(count, np.int32), np.empty((2, size), np.int64),
     )  # fmt: skip
     made, heap = 1, [(0, 0)]
-    while heap and made < most_nodes:
-        node = heapq.heappop(heap)[1]
-        _, start, stop = nodes[node].tolist()
-        if spread[node] == 0 or (not tree_size and stop - start <= LEAF_VECTORS):
-            continue
-        middle = kernels.split(splitting, start, stop, made, _LLOYD_ROUNDS)
-        nodes[node, 0] = made
-        nodes[made] = (-1, start, middle)
-        nodes[made + 1] = (-1, middle, stop)
-        heapq.heappush(heap, (-int(spread[made]), made))
-        heapq.heappush(heap, (-int(spread[made + 1]), made + 1))
-        made += 2
+    with counted(max(1.0, _splits(count)), "trees") as step:
+        while heap and made < most_nodes:
+            node = heapq.heappop(heap)[1]
+            _, start, stop = nodes[node].tolist()
+            if spread[node] == 0 or (not tree_size and stop - start <= LEAF_VECTORS):
+                step(_splits(stop - start))
+                continue
+            middle = kernels.split(splitting, start, stop, made, _LLOYD_ROUNDS)
+            step(_splits(stop - start) - _splits(middle - start) - _splits(stop - middle))
+            nodes[node, 0] = made
+            nodes[made] = (-1, start, middle)
+            nodes[made + 1] = (-1, middle, stop)
+            heapq.heappush(heap, (-int(spread[made]), made))
+            heapq.heappush(heap, (-int(spread[made + 1]), made + 1))
+            made += 2
     nodes, spread = nodes[:made].copy(), spread[:made]
     # Of equal vectors the first one stands for all, or a sample of few colors would take long.
     equal = (nodes[:, 0] < 0) & (spread == 0)
     nodes[equal, 2] = nodes[equal, 1] + 1
     return TSVQ(np.ascontiguousarray(vectors[order]), places[order], nodes, centroids[:made].copy())
+
+
+def _splits(count: int) -> float:
+    """Return how often vectors would be split down to leaves, each time in halves, in all."""
+    return count * math.log2(max(1.0, count / LEAF_VECTORS))

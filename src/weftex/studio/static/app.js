@@ -1,7 +1,7 @@
 import { Api, StudioError } from "./api.js";
 import { drawSquare, h } from "./dom.js";
 import { fromAddress, History, toAddress } from "./history.js";
-import { paceOf, placed } from "./pace.js";
+import { paceOf, placed } from "./previews.js";
 import { beginTask } from "./screens/tasks.js";
 import { sameJson, Shelf } from "./shelf.js";
 import { t } from "./strings.js";

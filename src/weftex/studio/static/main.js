@@ -199,6 +199,7 @@ function addKeys() {
     else if (command && key === "enter") run(event, () => (present === "make" ? screens.make.make() : go("make", { now: true })));
     else if (event.altKey && /^[1-6]$/.test(key)) run(event, () => go(names[key - 1]));
     else if (key === "escape" && app.job) run(event, () => app.cancel());
+    else if (key === "escape" && app.lookJob) run(event, () => app.looking.abort());
     else if (typing || command || event.altKey || event.defaultPrevented) return;
     else if (present === "paint" && "[]".includes(key)) run(event, () => screens.paint.painter?.keys(event));
     else if (stage.mainKeys(key)) event.preventDefault();

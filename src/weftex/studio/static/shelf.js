@@ -1,5 +1,3 @@
-import { learn, shareOf } from "./pace.js";
-
 /** The materials that are open, the one that work begins from, and what analysis says about it. */
 export class Shelf extends EventTarget {
   constructor() {
@@ -39,30 +37,33 @@ export class Shelf extends EventTarget {
     const material = await this.api.post("materials", spec);
     const picture = await this.api.picture(`materials/${material.id}/picture`, { map: material.main, most: 2048 });
     this.material = { ...material, ...picture, asked: spec };
-    this.look = this.looking = null;
-    this.lookError = null;
+    this.looking?.abort();
+    this.look = this.looking = this.lookJob = this.lookError = null;
     this.preview = null;
     this.tell("material");
   }
 
-  /** Have the sample analyzed, once; "look" is told when that has ended. */
+  /** Have the sample analyzed, once; "looking" is told how far that is, and "look" when it has ended. */
   analyze() {
-    const asked = this.material;
     if (this.looking) return;
-    const begun = performance.now();
-    const { width, height } = asked;
-    const pixels = width * height;
-    this.lookShare = () => shareOf("look", pixels, (performance.now() - begun) / 1000);
-    this.looking = this.api
-      .get(`materials/${asked.id}/look`)
-      .then((look) => {
-        if (this.material === asked) this.look = look;
-        learn("look", pixels, (performance.now() - begun) / 1000);
-      })
-      .catch((error) => {
-        if (this.material === asked) this.lookError = error;
-      })
-      .finally(() => this.tell("look"));
+    const asked = this.material;
+    const { signal } = (this.looking = new AbortController());
+    const set = (type, changes) => {
+      if (this.material !== asked) return;
+      Object.assign(this, changes);
+      this.tell(type);
+    };
+    this.api
+      .post(`materials/${asked.id}/look?within=250`, {}, { signal })
+      .then((job) => this.api.follow(job, (lookJob) => set("looking", { lookJob }), signal))
+      .then((job) => set("look", { look: job.results[0], lookJob: null }))
+      .catch((lookError) => set("look", { lookError, lookJob: null }));
+  }
+
+  /** Have the sample analyzed again, after an error or a stop. */
+  analyzeAgain() {
+    this.looking = this.lookError = null;
+    this.analyze();
   }
 
   /** The name and a picture of a material on the shelf. */

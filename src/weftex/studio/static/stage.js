@@ -1,6 +1,5 @@
 import { download, fill, h, icon, iconButton } from "./dom.js";
-import { learn, shareOf } from "./pace.js";
-import { duration, has, number, t } from "./strings.js";
+import { duration, has, number, progressOf, t } from "./strings.js";
 import { Camera } from "./view/camera.js";
 import { LightView } from "./view/light.js";
 import { lightMaps } from "./view/light_maps.js";
@@ -8,7 +7,6 @@ import { Plane } from "./view/plane.js";
 import { SolidView } from "./view/solid.js";
 import { Viewer } from "./view/viewer.js";
 
-const TICK = 200; // milliseconds
 const MODES = { picture: "picture", split: "split", maps: "maps", light: "light", solid: "solid", plane: "plane" };
 
 /** The picture's part of the page: one view, or several that move together, and the bar below them. */
@@ -303,17 +301,7 @@ export class Stage {
     const slow = job && (!job.quiet || job.seconds > 0.6);
     this.chip.hidden = !slow;
     if (!slow) return;
-    const pixels = this.app.material.width * this.app.material.height;
-    const silent = job.state === "running" && !job.total; // the sample is analyzed, which reports nothing
-    const seconds = job.seconds + (performance.now() - job.heard) / 1000;
-    const share = silent ? shareOf("begin", pixels, seconds) : job.total ? job.done / job.total : 0;
-    if (job.total && this.silent === job.id) learn("begin", pixels, seconds);
-    this.silent = silent ? job.id : null;
-    clearTimeout(this.ticking);
-    if (silent) this.ticking = setTimeout(() => this.tellJob(), TICK);
-    const text = job.state === "waiting" ? t(job.ahead ? "job.waiting" : "job.ending", { n: job.ahead }) : silent ? t("job.analyzing") : has(`job.${job.stage}`) ? t(`job.${job.stage}`) : job.stage || t("job.starting");
-    const count = silent ? t("job.about", { n: number(100 * share) }) : !job.total ? "" : job.total > 100 ? `${number(100 * share)} %` : t("job.count", { done: number(job.done), total: number(job.total) });
-    const left = job.left >= 1 ? t("job.left", { time: duration(job.left) }) : "";
+    const { text, share } = progressOf(job);
     const picture = job.many > 1 ? t("job.picture", { n: Math.min(job.many, job.results.length + 1), of: job.many }) : "";
     if (!this.chip.firstChild) {
       this.chip.append(
@@ -323,7 +311,7 @@ export class Stage {
       );
     }
     this.chip.querySelector(".progress-line span").style.width = `${100 * share}%`;
-    this.chip.querySelector(".progress-text").textContent = [picture, text, count, left].filter(Boolean).join(" · ");
+    this.chip.querySelector(".progress-text").textContent = [picture, text].filter(Boolean).join(" · ");
   }
 
   buildBar() {

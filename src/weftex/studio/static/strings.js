@@ -44,3 +44,14 @@ export function duration(seconds) {
   if (seconds < 90) return t("time.s", { n: number(seconds, seconds < 10 ? 1 : 0) });
   return t("time.min", { n: Math.floor(seconds / 60), s: Math.round(seconds % 60) });
 }
+
+/** What a job is doing and how much of it is done, in words, and as a share. */
+export function progressOf(job) {
+  if (!job) return { text: t("job.starting"), share: 0 };
+  const share = job.total ? job.done / job.total : 0;
+  const [stage, now] = job.stage.split(", now ");
+  const doing = job.state === "waiting" ? t(job.ahead ? "job.waiting" : "job.ending", { n: job.ahead }) : has(`job.${stage}`) ? t(`job.${stage}`) : job.stage || t("job.starting");
+  const count = !job.total ? "" : job.total > 24 ? `${number(100 * share)} %` : t("job.count", { done: number(job.done), total: number(job.total) });
+  const left = share > 0.2 && job.left >= 1 ? t("job.left", { time: duration(job.left) }) : "";
+  return { text: [doing, now, count, left].filter(Boolean).join(" · "), share };
+}

@@ -24,7 +24,7 @@ from weftex.method import Method, Model
 from weftex.methods import make_method
 from weftex.methods.lattices import LatticeModel, is_strained
 from weftex.parameters import parameter
-from weftex.progress import Progress
+from weftex.progress import Progress, counted
 from weftex.tasks.auto.findings import Findings, look, with_full
 from weftex.tasks.auto.rule import choose, choose_for_hole, is_sure, places_freely, strain_notes
 from weftex.tasks.auto.trial import MARGIN, PREVIEW, best_of_choices, others, refined_if_whole
@@ -105,17 +105,19 @@ class AutoModel(Model):
 
     def chosen(self, size: Canvas | int | tuple[int, int]) -> tuple[Choice, Model]:
         """Return the rule's choice and its model, or the next method that can be fitted."""
-        first = self.choose(size)
         failure: InvalidInputError | None = None
-        for slug in (first.method, *(other for other in _OTHERS if other != first.method)):
-            choice = first
-            if failure is not None:
-                because = f"{first.because}, but {first.method} cannot be fitted ({failure})"
-                choice = Choice(slug, {}, because, first.warnings)
-            try:
-                return choice, self._fitted(choice)
-            except InvalidInputError as error:
-                failure = failure or error
+        with counted(2, "analysis") as step:
+            first = self.choose(size)
+            step(1)
+            for slug in (first.method, *(other for other in _OTHERS if other != first.method)):
+                choice = first
+                if failure is not None:
+                    because = f"{first.because}, but {first.method} cannot be fitted ({failure})"
+                    choice = Choice(slug, {}, because, first.warnings)
+                try:
+                    return choice, self._fitted(choice)
+                except InvalidInputError as error:
+                    failure = failure or error
         raise failure or InvalidInputError("no method can be fitted to this sample")
 
     def _fitted(self, choice: Choice) -> Model:

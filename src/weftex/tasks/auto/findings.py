@@ -12,6 +12,7 @@ from weftex.analysis.properties import Evenness, evenness, sidedness
 from weftex.analysis.relief import maps_alone, smaller_copy
 from weftex.analysis.scale import dominant_scale
 from weftex.exemplar import Exemplar
+from weftex.progress import counted
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -46,22 +47,26 @@ def look(exemplar: Exemplar) -> Findings:
         return Findings(
             exemplar.shape, None, True, 1.0, count_colors(small), Evenness(0, 0, 0, (1, 1))
         )
-    lattice = find_lattice(small)
-    scale = dominant_scale(small, lattice).scale
-    if step > 1:
-        maps = maps_alone(exemplar)
-        lattice = _of_whole(lattice, step, exemplar)
-        if lattice is None and maps is not None:
-            lattice = _of_whole(find_lattice(smaller_copy(maps, LOOK)[0]), step, maps)
-    return Findings(
-        shape=exemplar.shape,
-        lattice=lattice,
-        exact=step == 1,
-        scale=round(scale * step, 2),
-        colors=count_colors(small if step == 1 else _part(exemplar)),
-        evenness=evenness(small),
-        sidedness=sidedness(small) if _may_turn(exemplar) else 1.0,
-    )
+    with counted(4, "analysis") as advance:
+        lattice = find_lattice(small)
+        advance(1)
+        scale = dominant_scale(small, lattice).scale
+        advance(1)
+        if step > 1:
+            maps = maps_alone(exemplar)
+            lattice = _of_whole(lattice, step, exemplar)
+            if lattice is None and maps is not None:
+                lattice = _of_whole(find_lattice(smaller_copy(maps, LOOK)[0]), step, maps)
+        advance(1)
+        return Findings(
+            shape=exemplar.shape,
+            lattice=lattice,
+            exact=step == 1,
+            scale=round(scale * step, 2),
+            colors=count_colors(small if step == 1 else _part(exemplar)),
+            evenness=evenness(small),
+            sidedness=sidedness(small) if _may_turn(exemplar) else 1.0,
+        )
 
 
 def with_full(found: Findings, exemplar: Exemplar) -> Findings:

@@ -1,6 +1,6 @@
 import { drawSquare, field, fill, h, icon, segments, tick } from "../dom.js";
 import { sameJson } from "../shelf.js";
-import { number, t } from "../strings.js";
+import { number, progressOf, t } from "../strings.js";
 import { LatticeLayer } from "../view/lattice.js";
 
 /** What the sample is: its scale, its lattice drawn over it, light and slant, what auto would do. */
@@ -14,6 +14,7 @@ export class SampleScreen {
     });
     this.shown = true;
     this.update = () => this.draw();
+    this.tell = () => this.tellLook?.();
     this.begin = () => {
       this.chosen = null; // a lattice of another sample
       this.draw();
@@ -23,6 +24,7 @@ export class SampleScreen {
   enter(panel) {
     this.panel = panel;
     this.app.addEventListener("look", this.update);
+    this.app.addEventListener("looking", this.tell);
     this.app.addEventListener("material", this.begin);
     this.stage.mode = "picture";
     this.stage.setSubject("sample");
@@ -34,6 +36,7 @@ export class SampleScreen {
   leave() {
     const { main } = this.stage;
     this.app.removeEventListener("look", this.update);
+    this.app.removeEventListener("looking", this.tell);
     this.app.removeEventListener("material", this.begin);
     main.layers = main.layers.filter((one) => one !== this.lattice.paint);
     main.tools = main.tools.filter((one) => one !== this.lattice);
@@ -51,25 +54,27 @@ export class SampleScreen {
       h("div", {}, h("h2", {}, material.name), h("p", { class: "hint" }, about.join(" · "))),
       [...(app.notes ?? []), ...material.notes].map((line) => h("p", { class: "note" }, line)),
       this.shelf(),
-      look ? this.found(look) : app.lookError ? h("p", { class: "note error" }, app.lookError.message) : this.waiting(),
+      look ? this.found(look) : this.waiting(),
     );
     if (!look) return this.lattice.set(null);
     const chosen = this.chosen ?? look.lattice;
     this.lattice.set(this.shown && chosen ? chosen.vectors : null, chosen?.lines);
   }
 
-  /** What is being done, and about how much of it. */
+  /** What is being done and how much of it, or what ended it; and how to stop it, or to begin again. */
   waiting() {
+    const { app } = this;
+    const { lookError: error } = app;
+    if (error) return [h("p", { class: `note ${error.name === "AbortError" ? "" : "error"}` }, error.name === "AbortError" ? t("look.stopped") : error.message), h("button", { type: "button", onclick: () => app.analyzeAgain() ?? this.draw() }, t("look.again"))];
     const bar = h("span");
     const text = h("p", { class: "hint", role: "status" });
-    const tell = () => {
-      const percent = Math.round(100 * this.app.lookShare());
-      bar.style.width = `${percent}%`;
-      text.textContent = `${t("job.analyzing")} · ${t("job.about", { n: number(percent) })}`;
+    this.tellLook = () => {
+      const { text: said, share } = progressOf(app.lookJob);
+      bar.style.width = `${100 * share}%`;
+      text.textContent = said;
     };
-    tell();
-    const ticking = setInterval(() => (text.isConnected ? tell() : clearInterval(ticking)), 200);
-    return [text, h("div", { class: "meter" }, bar)];
+    this.tellLook();
+    return [text, h("div", { class: "meter" }, bar), h("button", { type: "button", onclick: () => app.looking.abort() }, t("job.cancel"))];
   }
 
   shelf() {
