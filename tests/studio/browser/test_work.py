@@ -43,8 +43,8 @@ def test_results_are_retouched_and_nothing_is_lost(tab: Any, address: str, photo
     before = steps(page)
 
     page.click(".strip button:has-text('quilting · 1')")  # back, and on from there
-    page.wait_for_selector(".stage-bar strong >> text=quilting")
     page.click("[data-screen=make]")
+    page.wait_for_selector(".stage-bar strong >> text=quilting")
     page.focus("input[type=number][step='1'][min='0']")
     for key in ("Control+a", "7", "Tab"):
         page.keyboard.press(key)
