@@ -11,7 +11,7 @@ from typing import Any, Literal
 
 from weftex.errors import CancelledError, InvalidInputError, shown
 
-__all__ = ["Bar", "Progress", "ProgressCallback"]
+__all__ = ["Bar", "Progress", "ProgressCallback", "listening"]
 
 ProgressCallback = Callable[[int, int, str, Callable[[], Any]], object] | Literal[True]
 """A function ``progress(done, total, stage, render)``, or True for a progress bar.
@@ -151,7 +151,19 @@ _listener: ContextVar[ProgressCallback | None] = ContextVar("listener", default=
 
 @contextmanager
 def listening(callback: ProgressCallback | None) -> Iterator[None]:
-    """Report to a callback what is `counted` within the block."""
+    """Report analyses and fits within the block to a callback, in percent of each.
+
+    Parameters
+    ----------
+    callback : callable, optional
+        See `ProgressCallback`; its `render` returns None here.
+
+    Examples
+    --------
+    >>> import weftex
+    >>> with listening(lambda done, total, stage, render: None):
+    ...     found = weftex.analyze("sample:weave")
+    """
     token = _listener.set(callback)
     try:
         yield
