@@ -168,8 +168,8 @@ def atlas(
 
     Every corner of a tile has one of a few colors. Tiles with the same colors at a side fit
     together without a seam, so random corner colors give an endless texture that does not repeat.
-    Salient features of the sample, by which repeats are recognized, are left out, unless it has a
-    lattice or rows, or joints or cracks join all its sides.
+    Salient features of the sample are removed, because they reveal repeats. Samples with a lattice
+    or rows, or with joints or cracks that join all sides, are not changed.
 
     Parameters
     ----------

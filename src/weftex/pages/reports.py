@@ -96,7 +96,7 @@ class Report(Page):
         return "\n".join([self.assessment.verdict(), *told])
 
     def told(self) -> str:
-        """Return the verdict, and a line for each measure that could be taken."""
+        """Return the verdict, and a line for each measure that is not None."""
         lines = [self.verdict()]
         for name, figure in FIGURES.items():
             value = getattr(self.assessment, name)

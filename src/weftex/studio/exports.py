@@ -181,7 +181,7 @@ def _suffix(made: Result, wanted: ExportOptions, name: str) -> str:
 
 
 def _pack(packed: zipfile.ZipFile, file: Path) -> None:
-    """Put a file into a zip; pictures are packed already, and the date is not a file's own."""
+    """Store a file in a zip, uncompressed (pictures are packed already), with a fixed date."""
     about = zipfile.ZipInfo(file.name, _DATE)
     about.external_attr = 0o644 << 16
     with file.open("rb") as source, packed.open(about, "w", force_zip64=True) as target:

@@ -27,9 +27,9 @@ _PROPOSED_WIDTH = 5
 class Ashikhmin(WindowedMethod):
     """Synthesis of natural textures from coherent candidates.
 
-    A pixel is copied from where the source of one of its neighbors continues, so pieces of the
-    sample of any shape grow until another one fits better. A guide makes the picture follow
-    another one.
+    The candidates of a pixel are the sample pixels that continue the sources of its neighbors. So
+    pieces of the sample grow, in any shape, until another piece fits better. With a guide, the
+    output follows another picture.
 
     Examples
     --------

@@ -31,7 +31,7 @@ _BAND = 16  # rows that are made at a time
 class BestTile(Method):
     """Best self-similar tile repetition.
 
-    Of all parallelograms of the sample with the translation vectors as sides, the one whose
+    A tile is a parallelogram of the sample with the translation vectors as sides. The tile whose
     opposite borders differ least is repeated.
 
     Examples

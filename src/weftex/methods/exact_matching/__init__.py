@@ -30,8 +30,8 @@ if TYPE_CHECKING:
 class ExactMatching(WindowedMethod):
     """Exact neighborhood matching.
 
-    Pixels are made in scanline order. Each is copied from the window that matches best among those
-    that have, at the place of one of the four direct neighbors, exactly that neighbor's color.
+    Pixels are made in scanline order. For each, weftex compares only windows that have exactly the
+    color of one of the four direct neighbors, at that neighbor's place, and copies the best one.
 
     Raises
     ------

@@ -31,9 +31,9 @@ _TREES_WINDOWS = 2**17  # a tree over more takes long and hundreds of megabytes
 class WeiLevoy(WindowedMethod):
     """Synthesis in scan order by L-shaped windows, at one resolution or over a pyramid.
 
-    The picture starts as noise. Each pixel in turn is replaced by that of the sample whose window
-    is nearest: the pixels above and to the left and, over a pyramid, all that surround its parent
-    at the next coarser level. A tree of vectors makes the search fast.
+    The picture starts as noise. Each pixel is replaced by the sample pixel with the nearest window.
+    A window holds the pixels above and to the left and, over a pyramid, all pixels around the
+    parent at the next coarser level. A tree of vectors makes the search fast.
 
     Raises
     ------
