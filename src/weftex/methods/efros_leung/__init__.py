@@ -37,8 +37,8 @@ _TRIES = 8  # for each pixel on average; then the threshold rises with every lay
 class EfrosLeung(WindowedMethod):
     """Non-parametric sampling.
 
-    The picture grows in layers from a seed, or into a hole from its border. Each pixel is drawn from
-    the sample pixels whose windows match its known neighbors about as well as the best window.
+    The picture grows in layers from a seed, or into a hole from its border. Each pixel is drawn
+    from the sample pixels whose windows match its known neighbors about as well as the best window.
 
     Examples
     --------
