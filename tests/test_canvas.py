@@ -49,6 +49,8 @@ def test_known_pixels_need_a_hole_and_a_method_needs_both():
         model.sample(Canvas(4, 6, hole=HOLE))
     with pytest.raises(InvalidInputError, match="known is 6x4, the canvas is 6x5"):
         Canvas(5, 6, known=KNOWN, hole=np.ones((5, 6), bool))
+    with pytest.raises(InvalidInputError, match="leave origin out"):
+        Canvas(4, 6, known=KNOWN, hole=HOLE, origin=(2, 3))
     with pytest.raises(InvalidInputError, match="hole is 5x4"):
         Canvas(4, 6, known=KNOWN, hole=HOLE[:, :5])
     assert Canvas(4, 6, known=KNOWN, hole=HOLE.astype(np.uint8)).hole.dtype == bool

@@ -52,6 +52,8 @@ def test_the_page_needs_nothing_but_itself(found, tmp_path):
     assert np.array_equal(read_image(tmp_path / "1.png").pixels, best.image)
     assert np.array_equal(read_image(tmp_path / "2.png").pixels, best.draw())
     assert found.choice.reason in page.text
+    over = sum(len(entry.assessment.flags) for entry in found.entries)
+    assert over > 0 and found.html().count('class="number over"') == over
     assert not re.search(r'(src|href)="(?!data:|#)', found.html())
     with pytest.raises(FileError):
         found.save(tmp_path / "c.png")

@@ -165,6 +165,7 @@ def test_assess_and_report(data):
     made = data.draw(
         drawn_pictures(data.draw(st.tuples(*[st.integers(1, 40)] * 2)), exemplar.pixels)
     )
-    if (html := allowed(lambda: weftex.pages.report(exemplar, made).html())) is not None:
-        Page(html)  # its tags close
+    if (found := allowed(lambda: weftex.pages.report(exemplar, made))) is not None:
+        Page(html := found.html())  # its tags close
+        assert html.count('<td class="over">over') == len(found.assessment.flags)
         assert "nan" not in html.partition("Measures")[2].lower()

@@ -20,8 +20,10 @@ def result_of(sample, source, canvas=None):
 def test_what_is_copied_as_a_whole_has_one_color():
     sample = weftex.Exemplar(noise((30, 31, 3)))
     y, x = np.indices((20, 20))
-    copied = result_of(sample, ((y + 4) * 31 + x + 7).astype(np.int32))
+    around = (y + 14) % 30 * 31 + (x + 17) % 31  # of a sample that repeats
+    copied = result_of(sample, around.astype(np.int32))
     assert len(np.unique(copied.draw("patches").reshape(-1, 3), axis=0)) == 1
+    assert not (copied.draw("seams") == (255, 0, 0)).all(axis=2).any()
     source = np.where(x < 10, (y + 4) * 31 + x + 7, (y + 1) * 31 + x + 2).astype(np.int32)
     halves = result_of(sample, source)
     pieces = halves.draw("patches")

@@ -17,7 +17,7 @@ def painted(*rows):
 
 
 def test_colors_are_numbered_as_they_appear():
-    labels = labels_of(painted([BLUE, BLUE, RED], [GREEN, RED, BLUE]), 3)
+    labels = labels_of(painted([GREEN, GREEN, RED], [BLUE, RED, GREEN]), 3)
     assert labels.tolist() == [[0, 0, 1], [2, 1, 0]]
 
 
