@@ -117,14 +117,6 @@ def test_thin_frames_are_filled_from(thick, search):
         weftex.fill(pixels, hole, method="refinement", search=search, window_width=7)
 
 
-def test_cells_of_a_grid_are_filled_from():
-    y, x = np.indices((40, 40))
-    for side in (1, 2, 5):
-        hole = (y % (side + 1) == 0) | (x % (side + 1) == 0)
-        made = weftex.fill(noise((40, 40)), hole, method="refinement", iterations=1, seed=1)
-        assert made.provenance["window_width"] == 2 * ((side - 1) // 2) + 1
-
-
 def test_it_starts_from_methods_that_are_added_later(monkeypatch):
     with pytest.raises(weftex.InvalidInputError, match="init is 'mine'; known: ashik.*wei-levoy"):
         weftex.Refinement(init="mine")

@@ -1,17 +1,11 @@
-"""Places of a sample that look alike, and the nearest place of a window."""
+"""Places of a sample that look alike, level by level; see the twin in `test_refinement.py`."""
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
 
 import weftex
-from families import noise
-from twins import similar as reference
-from twins.windows import by_rows, window_centers
-from twins.windows import nearest_center as nearest_by_definition
 from weftex.exemplar import Exemplar
-from weftex.methods.refinement.similar import nearest_center, similar_places
+from weftex.methods.refinement.similar import similar_places
 from weftex.raster.pyramids import gaussian_pyramid
 from weftex.search.windows import windows_of
 
@@ -25,24 +19,6 @@ def by_place(windows, found):
         return y - int(top), x - int(left)
 
     return {place(c): [place(p) for p in found[c] if p >= 0] for c in windows.centers}
-
-
-@given(
-    st.tuples(st.integers(3, 10), st.integers(3, 10)),
-    st.sampled_from([1, 2, 255]),
-    st.integers(0, 4),
-    st.booleans(),
-    st.integers(0, 99),
-)
-def test_the_coarsest_level_is_the_slow_twin(shape, colors, count, tileable, seed):
-    pixels = (noise((*shape, 2), seed=seed) % colors).astype(np.uint8)
-    exemplar = Exemplar(pixels, tileable=tileable, alpha=False)
-    windows = windows_of(exemplar, (1, 1, 1, 1))
-    centers = window_centers(np.ones(shape, bool), [1] * 4, tileable)
-    expected = reference.similar_places(pixels, centers, 1, count, lambda _: centers)
-    found = similar_places(windows, 1, count)
-    assert found.shape == (windows.usable.size, count) and found.dtype == np.int32
-    assert by_place(windows, found) == expected
 
 
 def two_levels(tileable):
@@ -80,15 +56,3 @@ def test_large_levels_take_the_children_themselves(tileable, monkeypatch):
     for (y, x), places in found.items():
         children = [(2 * (v - top) + y % 2, 2 * (u - left) + x % 2) for v, u in like[y, x]]
         assert places == [place for place in children if place in found]
-
-
-def test_where_no_window_is_the_nearest_stands_for_it():
-    mask = np.ones((9, 10), bool)
-    mask[4, 5] = False
-    for tileable in (False, True):
-        windows = windows_of(Exemplar(noise((9, 10)), mask=mask, tileable=tileable), (1, 1, 1, 1))
-        rows = by_rows(list(zip(*np.nonzero(windows.usable), strict=True)))
-        result = nearest_center(windows.usable)
-        for y, x in np.ndindex(result.shape):
-            expected = nearest_by_definition(rows, y, x)
-            assert divmod(int(result[y, x]), result.shape[1]) == expected

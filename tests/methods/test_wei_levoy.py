@@ -117,16 +117,3 @@ def test_layers_go_inwards():
     assert order.tolist() != inwards(unknown, (False, False), 2).tolist()
     everything = inwards(np.ones((3, 3), bool), (True, True), 1)
     assert sorted(everything.tolist()) == list(range(9))
-
-
-def test_few_colors_stay_fast():
-    """Equal windows are one leaf with one row, or each pixel would look at thousands."""
-    pixels = np.zeros((64, 64), np.uint8)
-    pixels[10, 10] = 255
-    model = weftex.WeiLevoy(levels=1, window_width=5, search="full").fit(weftex.Exemplar(pixels))
-    assert len(model.prepared.trees.of(0, causal=True).nodes) == 1
-    constant = weftex.WeiLevoy(levels=2).fit(weftex.Exemplar(np.zeros((64, 64), np.uint8)))
-    assert all(
-        constant.prepared.trees.of(level, causal=True).nodes.tolist() == [[-1, 0, 1]]
-        for level in (0, 1)
-    )

