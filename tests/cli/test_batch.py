@@ -102,8 +102,12 @@ def test_a_file_of_somebody_else_is_kept(here, samples, capsys):
     (here / "out" / "sand.jpg").write_text("mine")
     fails(capsys, here, "batch", "samples", "-o", "out", *WORDS)
     assert weft_run("batch", "samples", "-o", "out", *WORDS, "--skip-existing") == 0
+    capsys.readouterr()
     assert (here / "out" / "sand.jpg").read_text() == "mine"
     assert "sand.jpg" not in records(here / "out")
+    (here / "out" / "sand_8.jpg").write_text("mine")
+    words = [*WORDS, "--count", 3, "--keep-best", 2, "--skip-existing"]
+    assert "sand_8.jpg exists" in fails(capsys, here, "batch", "samples", "-o", "out", *words)
 
 
 def test_the_best_are_kept(here, samples):

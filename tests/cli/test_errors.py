@@ -38,6 +38,7 @@ WRONG = [
     ("fill photo.png --mask hole.png -o hole.png", "hole.png is an input"),
     ("synth uneven -o uneven", "uneven is an input"),
     ("analyze sample.png --overlay sample.png", "sample.png is an input"),
+    ("analyze uneven --overlay uneven/a.png", "uneven/a.png is an input"),
     ("S --debug d.png", "d.png: several files are written; name a folder"),
     ("estimate sample.png -o foo.png", "foo.png: several files are written"),
     ("batch uneven -o foo.tif", "foo.tif: several files are written"),
