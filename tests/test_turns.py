@@ -101,9 +101,20 @@ def test_a_map_of_fewer_pixels_is_rendered_in_fewer(rng):
 def test_auto_turns_nothing_whose_maps_would_change_their_size(rng):
     leaves = weftex.read_image("sample:leaves").pixels
     half = rng.random((leaves.shape[0] // 2, leaves.shape[1] // 2))
-    assert weftex.synthesize(leaves, 300, seed=3).turn == "half"
+    assert weftex.synthesize(leaves, 300, seed=3).turn == "8"
     upright = weftex.synthesize(weftex.Exemplar(leaves, maps={"ao": half}), 300, seed=3)
     assert upright.turn is None and upright.maps["ao"].shape == (150, 150)
+
+
+@pytest.mark.parametrize(
+    ("name", "turn"), [("normal", "half"), ("normal_gl", "8"), ("normal_dx", "8")]
+)
+def test_auto_turns_normals_by_90_degrees_if_their_name_says_which_way_y_is(name, turn):
+    """Turned by the other rule they would point the wrong way; upside down both are the same."""
+    leaves = weftex.read_image("sample:leaves").pixels
+    flat = np.broadcast_to(np.uint8([128, 128, 255]), leaves.shape)
+    sample = weftex.Exemplar(leaves, maps={name: flat.copy()}, weights={name: 0})
+    assert weftex.synthesize(sample, 300, seed=3).turn == turn
 
 
 @pytest.mark.parametrize("shape", [(6, 5), (5, 6)])

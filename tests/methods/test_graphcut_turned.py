@@ -94,12 +94,13 @@ def test_what_cannot_be_turned_is_refused():
 def test_auto_turns_what_has_no_way_up_and_all_else_goes_on(tmp_path):
     """Reports, figures and replay take the sample as it was."""
     made = weftex.synthesize("sample:leaves", 300, seed=3)
-    assert made.provenance["orientations"] == "half-turns"
-    assert "upside down" in made.provenance["reason"]
+    assert made.provenance["orientations"] == "all"
+    assert "the same from all sides" in made.provenance["reason"]
     names = ("method", "placement", "orientations", "seed")
     again = weftex.synthesize("sample:leaves", 300, **{k: made.provenance[k] for k in names})
     np.testing.assert_array_equal(again.image, made.image)
     leaves = weftex.load_exemplar("sample:leaves")
     assert weftex.assess(leaves, made).score == weftex.pages.report(leaves, made).assessment.score
-    upright = weftex.synthesize("sample:pebbles", 300, seed=3)
-    assert upright.provenance.get("orientations", "upright") == "upright"
+    for name, way in (("pebbles", "upright"), ("wood", "half-turns")):
+        choice = weftex.Auto().fit(weftex.load_exemplar(f"sample:{name}")).choose(300)
+        assert choice.parameters.get("orientations", "upright") == way

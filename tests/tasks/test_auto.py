@@ -30,6 +30,16 @@ def with_(**changes):
 
 RULE = [
     (GRASS, Canvas(1024, 1024), "graphcut", r"structure is fine \(12.5 px of 256\)"),
+    (with_(scale=9.5), Canvas(512, 512), "graphcut", r"fine \(9.5 px of 256\)$"),
+    (with_(scale=9.5, sidedness=(0.0, 0.1)), Canvas(512, 512), "graphcut", r"px of 256\)$"),
+    (with_(scale=9.5, sidedness=(0.0, 0.0)), Canvas(512, 512), "graphcut", "same from all sides$"),
+    (
+        with_(scale=20.0, sidedness=(0.0, 0.1)),
+        Canvas(512, 512),
+        "graphcut",
+        "looks the same upside down$",
+    ),
+    (with_(scale=20.0, sidedness=(0.1, 0.0)), Canvas(512, 512), "graphcut", r"px of 256\)$"),
     (with_(scale=9.5), Canvas(1024, 1025), "patch-sampling", r"fine \(9.5 px of 256\)"),
     (with_(scale=9.5, colors=2), Canvas(512, 512), "quilting", r"few colors \(2\)"),
     (with_(scale=21.3), Canvas(1100, 1100), "patch-sampling", "fine"),

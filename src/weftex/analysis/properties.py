@@ -121,31 +121,43 @@ def border_steps(exemplar: Exemplar) -> tuple[float, float]:
     return found[0], found[1]
 
 
-def sidedness(exemplar: Exemplar) -> float:
-    """Return how far a sample is from looking the same upside down: the skew of differences."""
+def sidedness(exemplar: Exemplar) -> tuple[float, float]:
+    """Return how far a sample is from looking the same upside down, and turned by 90 degrees.
+
+    The skew of the differences of pixels; and by what share their squares differ between a
+    direction and the same turned or in a mirror, as they do where there is grain or light.
+    """
     flat = relief(exemplar)
     levels, usable = flat.levels.mean(axis=0), flat.usable > 0
-    skews = np.zeros(len(_SHIFTS))
+    skews, squares = np.zeros((2, len(_SHIFTS)))
     for half in (False, True):
         if half:
             rows, columns = (n // 2 * 2 for n in levels.shape)
             corners = [np.s_[y:rows:2, x:columns:2] for y in (0, 1) for x in (0, 1)]
             levels = sum(levels[c] for c in corners)
             usable = np.logical_and.reduce([usable[c] for c in corners])
-        skews += [_skew(levels, usable, shift) for shift in _SHIFTS]
-    return round(float(np.abs(skews).max()) / 2, 2)
+        found = np.array([_skew_and_square(levels, usable, shift) for shift in _SHIFTS])
+        skews += found[:, 0]
+        squares += found[:, 1] / max(float(found[:, 1].max()), 1e-9)
+    alike = [squares[0::4], squares[2::4], squares[1::2]]  # directions that copies exchange
+    apart = [float(np.ptp(one) / max(one.max() + one.min(), 1e-9)) for one in alike]
+    return round(float(np.abs(skews).max()) / 2, 2), round(max(apart), 2)
 
 
-def _skew(levels: Floats, usable: NDArray[np.bool_], shift: tuple[int, int]) -> float:
-    """Return the skew of the differences of usable pixels."""
+def _skew_and_square(
+    levels: Floats, usable: NDArray[np.bool_], shift: tuple[int, int]
+) -> tuple[float, float]:
+    """Return the skew and the mean square of the differences of usable pixels."""
     height, width = levels.shape
     down, along = shift
     one = np.s_[: height - down, max(0, -along) : width - max(0, along)]
     other = np.s_[down:, max(0, along) : width + min(0, along)]
     apart = (levels[other] - levels[one])[usable[one] & usable[other]]
-    cubes = apart * apart * apart
+    squares = apart * apart
+    cubes = squares * apart
     size = float(np.abs(cubes).sum())
-    return float(cubes.sum()) / size if size else 0.0
+    skew = float(cubes.sum()) / size if size else 0.0
+    return skew, float(squares.sum()) / max(len(apart), 1)
 
 
 @dataclass(frozen=True)

@@ -31,7 +31,9 @@ class Findings:
     scale: float  # in pixels of the sample
     colors: int  # different colors; approximate above some thousand
     evenness: Evenness
-    sidedness: float = 1.0  # 1 where rotated copies cannot be made
+    #: How far it is from looking the same upside down, and turned by 90 degrees or in a mirror;
+    #: 1 where such copies cannot be made.
+    sidedness: tuple[float, float] = 1.0, 1.0
     #: Where `lattice` is not exact: that of the sample itself, and rows where it should have rows.
     full: tuple[Lattice, ...] = ()
 
@@ -65,7 +67,7 @@ def look(exemplar: Exemplar) -> Findings:
             scale=round(scale * step, 2),
             colors=count_colors(small if step == 1 else _part(exemplar)),
             evenness=evenness(small),
-            sidedness=sidedness(small) if _may_turn(exemplar) else 1.0,
+            sidedness=_sidedness(exemplar, small),
         )
 
 
@@ -94,10 +96,18 @@ def _exact_rows(exemplar: Exemplar, rows: Lattice) -> Lattice:
     return Lattice(((factor * x, factor * y),), rows.confidence)
 
 
-def _may_turn(exemplar: Exemplar) -> bool:
-    """Return whether rotated copies can be made; smaller maps would be enlarged, see `turned`."""
+def _sidedness(exemplar: Exemplar, small: Exemplar) -> tuple[float, float]:
+    """Return that of a smaller copy where turned copies can be made.
+
+    Smaller maps would be enlarged, see `turned`; by 90 degrees normals can be turned only if their
+    name says whether y is up.
+    """
     fewer = any(exemplar.scale_of(name) < 1 for name in exemplar.maps)
-    return not (exemplar.pieces or exemplar.tileable or fewer)
+    if exemplar.pieces or exemplar.tileable or fewer:
+        return 1.0, 1.0
+    unsaid = any(exemplar.map(name).role.name == "normal" for name in exemplar.maps)
+    upside_down, turned = sidedness(small)
+    return upside_down, 1.0 if unsaid else turned
 
 
 def _of_whole(found: Lattice | None, step: int, exemplar: Exemplar) -> Lattice | None:

@@ -30,7 +30,7 @@ _FINE = 1 / 12  # scale over the side: a patch, a quarter of the side, holds thr
 _GRAIN = 1 / 20  # scale over the side up to which cut features do not show, but repeats do
 #: Strain of a lattice on a canvas that wraps, up to which the entire sample is placed by it.
 _STIFF = 0.02
-#: Sidedness up to which a material looks the same upside down.
+#: Sidedness up to which a material looks the same upside down, or turned and in a mirror.
 _SIDED = 0.06
 #: Pixels of the output above which no rotated copies are used, as they take 60 % more time.
 _TURNED = 2**22
@@ -104,7 +104,7 @@ def _fine(findings: Findings, canvas: Canvas) -> Choice | None:
         return Choice("quilting", {}, because)
     if not _quickly_cut(canvas):
         return Choice("patch-sampling", {}, because)
-    if scale <= _GRAIN * shorter:
+    if scale <= _GRAIN * shorter and _orientations(findings, canvas) != "all":
         return Choice("graphcut", {}, because)
     return _whole(findings, canvas, because)
 
@@ -120,11 +120,21 @@ def _irregular(findings: Findings, canvas: Canvas) -> Choice:
 
 
 def _whole(findings: Findings, canvas: Canvas, because: str) -> Choice:
-    """Return graph cut with entire samples, also upside down where that looks the same."""
-    if findings.sidedness > _SIDED or canvas.height * canvas.width > _TURNED:
+    """Return graph cut with entire samples, also turned and mirrored where that looks the same."""
+    way = _orientations(findings, canvas)
+    if way == "upright":
         return Choice("graphcut", dict(WHOLE), because)
-    parameters = {**WHOLE, "orientations": "half-turns"}
-    return Choice("graphcut", parameters, f"{because} and looks the same upside down")
+    words = {"half-turns": "upside down", "all": "from all sides"}[way]
+    return Choice(
+        "graphcut", {**WHOLE, "orientations": way}, f"{because} and looks the same {words}"
+    )
+
+
+def _orientations(findings: Findings, canvas: Canvas) -> str:
+    upside_down, turned = findings.sidedness
+    if upside_down > _SIDED or canvas.height * canvas.width > _TURNED:
+        return "upright"
+    return "half-turns" if turned > _SIDED else "all"
 
 
 def places_freely(choice: Choice) -> bool:
