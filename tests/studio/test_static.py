@@ -1,9 +1,14 @@
-"""The files of the page: their weight, how they are asked for, and their colors."""
+"""The files of the page: their weight, how they are asked for, their colors and their languages."""
 
+import ast
+import json
 import re
+from pathlib import Path
 
 import pytest
 
+import weftex
+from weftex.studio.about import about
 from weftex.studio.page_files import static_files
 
 FILES = {name: place.read_text("utf-8") for name, (place, _) in static_files().items()}
@@ -12,7 +17,8 @@ GROUNDS = ("bg", "surface", "raised", "wash")
 
 def test_the_page_weighs_little():
     """At most 300 kB with one language; its modules are asked for at once."""
-    own = {name for name in FILES if not name.startswith("strings/")} | {"strings/en.json"}
+    words = ("strings/", "messages/")
+    own = {name for name in FILES if not name.startswith(words)} | {"strings/en.json"}
     assert 100_000 < sum(len(FILES[name].encode()) for name in own) < 300_000
     named = set(re.findall(r'(?:href|src)="/static/([^"]+)"', FILES["index.html"]))
     assert named == own - {"index.html"}
@@ -40,8 +46,6 @@ def test_colors_have_contrast(scheme):
 
 def test_strings_are_there_and_used():
     """Every word that is asked for by its name is there, in every language alike."""
-    import json
-
     tables = {name: json.loads(text) for name, text in FILES.items() if name.startswith("strings/")}
     english = tables["strings/en.json"]
     code = "".join(text for name, text in FILES.items() if name.endswith(".js"))
@@ -53,4 +57,59 @@ def test_strings_are_there_and_used():
         assert {"languages", *table} == english.keys(), name
         for key, text in table.items():
             holes = [set(re.findall(r"\{(\w+)\}", one)) for one in (text, english[key])]
+            assert holes[0] == holes[1], (name, key)
+
+
+SOURCE = Path(weftex.__file__).parent
+#: What weftex itself says of these, the page translates.
+SPOKEN = ["choice.py", "tasks/auto/rule.py", "tasks/auto/trial.py"]
+SHIFTED = ["every other {} shifted by half", "each {} shifted by a third"]
+SHIFTED += ["each {} shifted by a quarter", "each {} shifted by {}"]
+
+
+def template(node):
+    """A text or an f-string with {} where values go; None for anything else."""
+    if isinstance(node, ast.JoinedStr):
+        return "".join(template(part) or "{}" for part in node.values)
+    return node.value if isinstance(node, ast.Constant) and isinstance(node.value, str) else None
+
+
+def spoken(tree):
+    """The sentences of a module: texts with words and spaces that are no docstrings."""
+    inner = {part for node in ast.walk(tree) if isinstance(node, ast.JoinedStr) for part in
+             ast.walk(node) if part is not node}  # fmt: skip
+    inner |= {node.value for node in ast.walk(tree) if isinstance(node, ast.Expr)}
+    texts = [template(node) for node in ast.walk(tree) if node not in inner]
+    return {text for text in texts if text and text.strip().count(" ") > 1}
+
+
+def refusals(tree):
+    """The messages of the refusals of a module."""
+    calls = [node for node in ast.walk(tree) if isinstance(node, ast.Call)]
+    named = [node for node in calls if getattr(node.func, "id", "") == "Refusal"]
+    return {text for node in named if (text := template(node.args[1])) is not None}
+
+
+def test_what_weftex_says_is_translated():
+    """Help, figures, reasons of auto and refusals are in every language, by their templates."""
+    told = about()
+    parameters = [one for method in told["methods"] for one in method["parameters"]]
+    parameters += [one for task in told["tasks"].values() for one in task]
+    wanted = {one["help"] for one in parameters}
+    wanted |= {figure[key] for figure in told["figures"] for key in ("title", "meaning")}
+    for name in SPOKEN:
+        wanted |= spoken(ast.parse((SOURCE / name).read_text("utf-8")))
+    for file in (SOURCE / "studio").glob("*.py"):
+        wanted |= refusals(ast.parse(file.read_text("utf-8")))
+    assert {*SHIFTED} <= spoken(ast.parse((SOURCE / "analysis/overlay.py").read_text("utf-8")))
+    for shift in SHIFTED:
+        wanted |= {"{}, " + shift.replace("{}", line, 1) for line in ("row", "column")}
+    tables = {name: json.loads(text) for name, text in FILES.items() if name.startswith("messages")}
+    assert len(tables) == 5
+    for name, table in tables.items():
+        known = {re.sub(r"\{\d\}", "{}", key) for key in table}
+        assert sorted(wanted - known) == [], name
+        assert table.keys() == tables["messages/de.json"].keys()
+        for key, text in table.items():
+            holes = [sorted(re.findall(r"\{\d\}", one)) for one in (key, text)]
             assert holes[0] == holes[1], (name, key)

@@ -103,8 +103,11 @@ class Store:
             self.remove(oldest)
         with self.lock:
             if self.bytes + count > most:
-                line = f"the studio stores {self.bytes >> 20} MiB of uploads, at most {most >> 20}"
-                raise Refusal(413, f"{line}; remove earlier work on the start page")
+                raise Refusal(
+                    413,
+                    f"the studio stores {self.bytes >> 20} MiB of uploads, at most {most >> 20}; "
+                    "remove earlier work on the start page",
+                )
             self.bytes += count
 
     def release(self, count: int) -> None:

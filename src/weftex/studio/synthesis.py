@@ -97,8 +97,12 @@ def open_job(recipe: Recipe, session: Session) -> OpenedRecipe:
         job = replace(job, recipe=recipe.changed(size=[height, width]))
     if math.prod(job.shape) > session.limits.output_pixels:
         most = session.limits.output_pixels / 2**20
-        line = f"size is {width}x{height}; the studio makes at most {most:g} megapixels at"
-        raise Refusal(413, f"{line} once, weftex on the command line more", "size")
+        raise Refusal(
+            413,
+            f"size is {width}x{height}; the studio makes at most {most:g} megapixels at once, "
+            "weftex on the command line more",
+            "size",
+        )
     return job
 
 

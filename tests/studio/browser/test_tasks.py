@@ -119,6 +119,7 @@ def test_the_language_is_the_browsers(
     page = one.open(address)
     page.click(".samples button:has-text('bricks')")
     page.wait_for_selector(".facts")
+    assert ("because" in page.inner_text(".panel")) == (make == "Make")  # weftex says why
     for screen in ("sample", "make", "see", "paint", "compare", "take"):
         page.click(f"[data-screen={screen}]")
         assert one.probe("wrapped") == [] == one.probe("wide"), screen

@@ -1,9 +1,10 @@
+import { said } from "./strings.js";
 import { bitmapOf } from "./view/pixels.js";
 
 /** The server's one line about what went wrong, and the field that it is about. */
 export class StudioError extends Error {
   constructor(message, { status = 0, parameter = null } = {}) {
-    super(message);
+    super(said(message));
     this.status = status;
     this.parameter = parameter;
   }

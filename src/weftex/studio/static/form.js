@@ -1,5 +1,5 @@
 import { field, h, iconButton } from "./dom.js";
-import { number, t } from "./strings.js";
+import { number, said, t } from "./strings.js";
 
 /**
  * Controls for parameters as the server describes them: {name, type, low, high, unit, choices, default,
@@ -13,7 +13,7 @@ export function controls(parameters, values, largest, usualValues = {}) {
       const usual = one.default ?? usualValues[one.name];
       const most = Math.min(one.high ?? Infinity, one.control === "size" ? largest : Infinity, usual ? usual * 8 : 64);
       const range = { low: usual ? Math.max(one.low ?? 0, usual / 8) : one.low, high: Math.max(most, usual ?? 0) };
-      return { ...one, ...range, usual, label: t(`control.${one.control}`), title: `${one.name}: ${one.help}`, help: t(`control.${one.control}.help`) };
+      return { ...one, ...range, usual, label: t(`control.${one.control}`), title: `${one.name}: ${said(one.help)}`, help: t(`control.${one.control}.help`) };
     });
 }
 
@@ -36,7 +36,7 @@ function control(parameter, values, onchange, error) {
   });
   reset.hidden = !(name in values);
   const kind = parameter.choices?.length ? choice : parameter.type === "bool" ? flag : isNumber(parameter) ? slider : text;
-  const row = field(title(parameter), kind(parameter, values[name], set), { help: parameter.help, value: reset });
+  const row = field(title(parameter), kind(parameter, values[name], set), { help: said(parameter.help), value: reset });
   if (parameter.title) row.title = parameter.title;
   row.classList.add("parameter");
   if (error?.parameter === name) row.append(h("p", { class: "note error", role: "alert" }, error.message));

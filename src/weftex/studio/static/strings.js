@@ -3,9 +3,11 @@
 let words = {};
 let english = {};
 let language = "en";
+let messages = {}; // of the library: translations by English templates with {0}, {1}
+let templates = []; // [pattern, translation], those that say most first
 
-async function load(language) {
-  const answer = await fetch(new URL(`strings/${language}.json`, import.meta.url));
+async function load(language, folder = "strings") {
+  const answer = await fetch(new URL(`${folder}/${language}.json`, import.meta.url));
   return answer.ok ? answer.json() : null;
 }
 
@@ -16,7 +18,14 @@ export async function loadStrings(chosen) {
   const known = english["languages"].split(" ");
   const asked = [chosen, ...(navigator.languages ?? [navigator.language])].map((one) => one?.split("-")[0]);
   const wanted = asked.find((one) => known.includes(one)) ?? "en";
-  if (wanted !== "en") words = (await load(wanted)) || english;
+  if (wanted !== "en") {
+    const [own, said] = await Promise.all([load(wanted), load(wanted, "messages")]);
+    words = own || english;
+    messages = said ?? {};
+    const holes = Object.entries(messages).filter(([template]) => template.includes("{"));
+    holes.sort(([one], [other]) => other.length - one.length);
+    templates = holes.map(([template, translation]) => [patternOf(template), translation]);
+  }
   language = words === english ? "en" : wanted;
   document.documentElement.lang = language;
   return language;
@@ -26,6 +35,21 @@ export async function loadStrings(chosen) {
 export function t(key, values = {}) {
   const text = words[key] ?? english[key] ?? key;
   return text.replace(/\{(\w+)\}/g, (whole, name) => (name in values ? String(values[name]) : whole));
+}
+
+function patternOf(template) {
+  const parts = template.split(/\{\d\}/).map((part) => part.replace(/[.*+?^${}()|[\]\\]/g, "\\$&"));
+  return new RegExp(`^${parts.join("(.+?)")}$`);
+}
+
+/** What the library says, in the page's language where a translation is known, and in English elsewhere. */
+export function said(text) {
+  if (!text || messages[text]) return messages[text] ?? text;
+  for (const [pattern, translation] of templates) {
+    const found = pattern.exec(text);
+    if (found) return translation.replace(/\{(\d)\}/g, (_, k) => said(found[Number(k) + 1]));
+  }
+  return text;
 }
 
 /** Whether a key has words. */

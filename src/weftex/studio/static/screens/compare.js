@@ -1,6 +1,6 @@
 import { fill, h, icon, tick } from "../dom.js";
 import { sameJson } from "../shelf.js";
-import { duration, number, t } from "../strings.js";
+import { duration, number, said, t } from "../strings.js";
 
 const USUAL = ["patch-sampling", "quilting", "graphcut", "near-regular", "best-tile"];
 
@@ -144,7 +144,7 @@ export class CompareScreen {
         {},
         this.rows.map((row) =>
           row.error
-            ? h("tr", {}, h("th", { scope: "row" }, row.method), h("td", { colspan: 2 }, row.error))
+            ? h("tr", {}, h("th", { scope: "row" }, row.method), h("td", { colspan: 2 }, said(row.error)))
             : h("tr", {}, h("th", { scope: "row" }, row.method, row === this.picked ? ` · ${t("compare.picked")}` : ""), h("td", { class: "number-cell" }, row.measured?.score === best ? h("strong", {}, number(best, 1)) : row.measured ? number(row.measured.score, 1) : "…"), h("td", { class: "number-cell" }, duration(row.seconds))),
         ),
       ),

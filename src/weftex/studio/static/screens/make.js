@@ -1,7 +1,7 @@
 import { field, fill, h, icon, iconButton, segments, tick } from "../dom.js";
 import { controls, parameterForm } from "../form.js";
 import { sameJson } from "../shelf.js";
-import { duration, number, t } from "../strings.js";
+import { duration, number, said, t } from "../strings.js";
 import { beginTask, fittingSize, taskButtons } from "./tasks.js";
 
 const CHANGED = 80; // milliseconds after the last change before a slow preview is asked for again
@@ -80,7 +80,7 @@ export class MakeScreen {
     const atSlider = sliders.some((one) => one.name === this.fault?.parameter);
     const beside = others.some((one) => one.name === this.fault?.parameter); // the error stands at its control
     const result = sameJson(app.result?.recipe, recipe) ? app.result : null;
-    const reason = chosen.slug === "auto" ? (result?.reason ?? (free ? app.look?.auto.reason : "")) : chosen.title;
+    const reason = chosen.slug === "auto" ? said(result?.reason ?? (free ? app.look?.auto.reason : "")) : chosen.title;
     fill(
       this.panel,
       h("h2", {}, t("make.title")),
@@ -195,7 +195,7 @@ export class MakeScreen {
     if (!result) return null;
     if (!sameJson(result.recipe, app.recipe)) return h("p", { class: "hint" }, t("make.stale"));
     return [
-      result.warnings.map((line) => h("p", { class: "note" }, line)),
+      result.warnings.map((line) => h("p", { class: "note" }, said(line))),
       h("p", { class: "hint" }, t("make.made", { method: result.method, time: duration(result.seconds) })),
       resultButtons(app),
     ];
@@ -267,7 +267,7 @@ export class MakeScreen {
         const result = job.results[at];
         const { foot, view } = cells[at];
         if (result.error) {
-          foot.querySelector(".cell-note").textContent = result.error;
+          foot.querySelector(".cell-note").textContent = said(result.error);
           continue;
         }
         const { bitmap } = await app.api.picture(`results/${result.id}/picture`, { map: result.main, most: 1024 });

@@ -1,6 +1,6 @@
 import { drawSquare, field, fill, h, icon, segments, tick } from "../dom.js";
 import { sameJson } from "../shelf.js";
-import { number, progressOf, t } from "../strings.js";
+import { number, progressOf, said, t } from "../strings.js";
 import { LatticeLayer } from "../view/lattice.js";
 
 /** What the sample is: its scale, its lattice drawn over it, light and slant, what auto would do. */
@@ -52,7 +52,7 @@ export class SampleScreen {
     fill(
       this.panel,
       h("div", {}, h("h2", {}, material.name), h("p", { class: "hint" }, about.join(" · "))),
-      [...(app.notes ?? []), ...material.notes].map((line) => h("p", { class: "note" }, line)),
+      [...(app.notes ?? []), ...material.notes].map((line) => h("p", { class: "note" }, said(line))),
       this.shelf(),
       look ? this.found(look) : this.waiting(),
     );
@@ -103,7 +103,7 @@ export class SampleScreen {
     const turns = [["", t("turn.none")], ["flip", t("turn.flip")], ["half", t("turn.half")], ["4", t("turn.4")], ["8", t("turn.8")]];
     return [
       look.mending.map((one) =>
-        h("div", { class: "note" }, icon("light"), h("div", {}, h("span", {}, one.why), h("button", { type: "button", onclick: () => app.guard(() => app.mend(one.spec, t(`mend.${one.what}`))) }, t(`mend.${one.what}`)))),
+        h("div", { class: "note" }, icon("light"), h("div", {}, h("span", {}, said(one.why)), h("button", { type: "button", onclick: () => app.guard(() => app.mend(one.spec, t(`mend.${one.what}`))) }, t(`mend.${one.what}`)))),
       ),
       this.mended(spec),
       h(
@@ -119,8 +119,8 @@ export class SampleScreen {
         "section",
         { class: "section" },
         h("h3", {}, t("sample.auto")),
-        h("p", {}, this.chosen ? t("lattice.used", { words: this.chosen.words }) : look.auto.reason),
-        look.auto.warnings.map((line) => h("p", { class: "note" }, line)),
+        h("p", {}, this.chosen ? t("lattice.used", { words: said(this.chosen.words) }) : said(look.auto.reason)),
+        look.auto.warnings.map((line) => h("p", { class: "note" }, said(line))),
         h("button", { type: "button", class: "main large", onclick: () => app.tell("go", { screen: "make", now: true }) }, t("make.go")),
       ),
       this.latticeSection(look),
@@ -153,7 +153,7 @@ export class SampleScreen {
         "label",
         {},
         h("input", { type: "radio", name: "lattice", checked: one.numbers === chosen?.numbers, onchange: () => this.choose(one) }),
-        h("span", {}, one.words, h("span", { class: "hint" }, one.mine ? t("lattice.mine") : k === 0 && look.lattice ? t("lattice.found") : t(look.lattice ? "lattice.next" : "lattice.maybe"))),
+        h("span", {}, said(one.words), h("span", { class: "hint" }, one.mine ? t("lattice.mine") : k === 0 && look.lattice ? t("lattice.found") : t(look.lattice ? "lattice.next" : "lattice.maybe"))),
         h("span", { class: "figure" }, one === look.lattice && one.confidence ? `${number(100 * one.confidence)} %` : ""),
       );
     const inputs = h("div", { class: "row even" });

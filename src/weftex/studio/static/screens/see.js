@@ -1,5 +1,5 @@
 import { field, fill, h, icon } from "../dom.js";
-import { has, number, t } from "../strings.js";
+import { has, number, said, t } from "../strings.js";
 import { resultButtons } from "./make.js";
 
 /** Overlays, figures, what lies under the pointer and where it comes from; the light's own controls. */
@@ -112,12 +112,12 @@ export class SeeScreen {
       .map(([name, value]) => {
         const about = known.get(name) ?? { title: name, meaning: "" };
         const flagged = flags.includes(name);
-        return h("tr", { title: about.meaning }, h("th", { scope: "row" }, about.title, flagged ? h("span", { class: "flag" }, ` ${t("see.flag")}`) : null), h("td", { class: "number-cell" }, number(value, 2)), h("td", { class: "number-cell hint" }, about.limit ? t("see.limit", { n: number(about.limit, 2) }) : ""));
+        return h("tr", { title: said(about.meaning) }, h("th", { scope: "row" }, said(about.title), flagged ? h("span", { class: "flag" }, ` ${t("see.flag")}`) : null), h("td", { class: "number-cell" }, number(value, 2)), h("td", { class: "number-cell hint" }, about.limit ? t("see.limit", { n: number(about.limit, 2) }) : ""));
       });
     fill(
       this.figures,
       h("h3", {}, t("see.figures")),
-      h("p", {}, verdict),
+      h("p", {}, said(verdict)),
       score === null ? null : h("p", { class: "hint" }, t("see.score.help", { n: number(score, 1) })),
       h("details", {}, h("summary", {}, t("see.all", { n: rows.length })), h("div", {}, h("table", {}, h("tbody", {}, rows)))),
     );
