@@ -5,7 +5,7 @@ import pytest
 
 import weftex
 from weftex.analysis.properties import evenness
-from weftex.prepare import even_light
+from weftex.prepare import even_light, lighting
 from weftex.prepare.lighting import _linear, _stored
 
 NAMES = ("pebbles", "bricks", "weave", "grass", "leaves")
@@ -35,6 +35,38 @@ def test_the_light_is_gone_and_the_material_is_as_before(name):
     own, other = (even_light(one).pixels.astype(float) for one in (sample, dark))
     one = np.corrcoef(own.ravel(), other.ravel())[0, 1]
     assert one > 0.998
+
+
+def shaded(exemplar, light):
+    """With the shadow of a pole, whose border is soft, lit by a sky of this color."""
+    height, width = exemplar.shape
+    y, x = np.mgrid[:height, :width] / max(exemplar.shape)
+    away = np.abs(x - 0.3 - 0.3 * y) - 0.12
+    share = 1 / (1 + np.exp(away / 0.02))
+    planes = np.moveaxis(exemplar.pixels, 2, 0)
+    planes = [
+        _stored(_linear(plane) * (1 - share * (1 - one)), plane.dtype)
+        for plane, one in zip(planes, light, strict=True)
+    ]
+    return exemplar.changed(pixels=np.stack(planes, axis=2))
+
+
+def unevenness(found, truth):
+    """How far the light differs from a uniform one."""
+    return float(
+        np.std(np.log(_linear(found.pixels) + 0.01) - np.log(_linear(truth.pixels) + 0.01))
+    )
+
+
+@pytest.mark.parametrize("name", ["bricks", "tiles", "weave"])
+def test_a_soft_shadow_is_removed(name):
+    sample = weftex.load_exemplar(f"sample:{name}")
+    dark = shaded(sample, (0.38, 0.42, 0.5))
+    assert unevenness(even_light(dark), sample) < unevenness(dark, sample) / 2
+    stone = shaded(sample, (0.5, 0.42, 0.38))  # redder, so it is a part of the material
+    polynomial = lighting._light(_linear(stone.pixels[..., 0]), np.ones(sample.shape, bool), 2)
+    own = _stored(_linear(stone.pixels[..., 0]) / polynomial, sample.pixels.dtype)
+    assert np.array_equal(even_light(stone).pixels[..., 0], own)
 
 
 @pytest.mark.parametrize("dtype", [np.uint8, np.uint16, np.float32, np.float64])

@@ -1,4 +1,4 @@
-"""Remove slow lighting from a photo: one side brighter, corners darker."""
+"""Remove uneven light from a photo: one side brighter, corners darker, a soft shadow."""
 
 from __future__ import annotations
 
@@ -22,6 +22,12 @@ if TYPE_CHECKING:
 _CELLS = 32  # along the longer side, whose means the light is fitted to
 _HIGHEST = 8  # degree of the light
 _ROUNDS = 8  # of fitting, each with less weight on what lies off the last
+#: Of shadows: cells along the longer side, and the blur of their areas and borders in cells.
+_FINE, _COARSE, _PENUMBRAS = 64, 3.0, (0.4, 0.7, 1, 1.5, 2, 3, 4, 5)
+_CLEAR = 2.5  # times as deep as cells differ: of more, smaller areas are believed
+_LEAST, _WIDTH = 0.05, 6  # least share of the photo, and width in cells
+#: Least depth in logarithms, and how much less deep blue is than red at least.
+_DEPTH, _BLUER = 0.3, 0.05
 _DARKEST = 1e-4  # of the brightest; darker than that is black, whose light nobody can tell
 
 
@@ -30,6 +36,8 @@ def even_light(sample: Sample, degree: int = 2) -> Exemplar:
 
     The light is taken for a smooth surface, a polynomial in x and y for each color channel. It is
     fitted to the logarithms of the values, as light multiplies, with less weight on outliers.
+    Before, a shadow with a soft border is removed, if the photo has an area that is darker by one
+    factor, a quarter or more, and bluer, as what only the sky lights.
     Integers are taken for sRGB values, floats for linear values.
 
     Parameters
@@ -67,11 +75,98 @@ def even_light(sample: Sample, degree: int = 2) -> Exemplar:
     if exemplar.alpha:
         usable = usable & (pixels[..., -1] > 0)
     even = pixels.copy()
-    for channel in range(exemplar.channels - exemplar.alpha):
-        linear = _linear(pixels[..., channel])
+    bands = [_linear(pixels[..., k]) for k in range(exemplar.channels - exemplar.alpha)]
+    for channel, linear in enumerate(_without_shadow(bands, usable)):
         light = _light(linear, usable, degree)
         even[..., channel] = _stored(linear / light, pixels.dtype)
     return exemplar.changed(pixels=even.reshape(exemplar.pixels.shape))
+
+
+def _without_shadow(bands: list[Floats], usable: NDArray[np.bool_]) -> list[Floats]:
+    """Return channels (H, W), divided by the light in a soft shadow if there is one."""
+    side = max(1, max(usable.shape) // _FINE)
+    seen = usable & np.all([band > _DARKEST * band.max() for band in bands], axis=0)
+    count = cell_sums(seen.astype(np.float64), side)
+    if not seen.any() or min(count.shape) < _WIDTH:
+        return bands
+    there = count > 0
+    sums = (cell_sums(np.log(np.where(seen, band, 1)), side) for band in bands)
+    logs = np.array([np.where(there, one / np.maximum(count, 1), 0) for one in sums])
+    logs = np.where(there, logs, logs[:, there].mean(axis=1)[:, None, None])
+    found = _step(logs, _COARSE)
+    if found is None:
+        return bands
+    share, depths, _ = (found[2] > _CLEAR and _step(logs, _COARSE / 2)) or found
+    whole, even = _enlarged(share, side, usable.shape), []
+    for band, depth in zip(bands, depths, strict=True):
+        lit = band * np.exp(depth * whole)
+        even.append(lit * (band[seen].sum() / lit[seen].sum()))
+    return even
+
+
+def _step(logs: Floats, sigma: float) -> tuple[Floats, Floats, float] | None:
+    """Return the share of shadow of each cell, its depth in each channel, and how clear it is.
+
+    Cells are divided into two areas by Merriman, Bence and Osher's threshold dynamics, and their
+    border is blurred as it fits best. None unless they differ as shadows do.
+    """
+    mean = logs.mean(axis=0)
+    smooth = np.round(_blurred(mean, sigma), 9)
+    cut = np.sort(smooth, axis=None)  # at Otsu's threshold
+    below, number = np.cumsum(cut)[:-1], np.arange(1, cut.size)
+    apart = below / number - (cut.sum() - below) / (cut.size - number)
+    dark = smooth <= cut[np.argmax(np.round(apart**2 * number * number[::-1], 6))]
+    for _ in range(_ROUNDS * 4):
+        if not _LEAST < dark.mean() < 1 - _LEAST:
+            return None
+        off = (mean - mean[dark].mean()) ** 2 - (mean - mean[~dark].mean()) ** 2
+        before, dark = dark, np.round(_blurred(off, sigma), 9) < 0
+        if (before == dark).all():
+            break
+    border = sum(int((np.diff(dark, axis=axis)).sum()) for axis in (0, 1))
+    if 2 * min(dark.sum(), (~dark).sum()) < _WIDTH * border:
+        return None
+    rows, columns = (_span(np.arange(n) + 0.5, n) for n in mean.shape)
+    y, x = np.meshgrid(rows, columns, indexing="ij")
+    slow: Any = legvander2d(y.ravel(), x.ravel(), (2, 2))[:, _terms(2).ravel()]
+    values = logs.reshape(len(logs), -1).T
+
+    def fitted(terms: Any) -> tuple[Any, Any]:
+        factors = np.linalg.lstsq(terms, values, rcond=1e-9)[0]
+        return factors, (values - terms @ factors).mean(axis=1).reshape(mean.shape)
+
+    found = []
+    for width in _PENUMBRAS:
+        share = _blurred(dark.astype(np.float64), width)
+        factors, off = fitted(np.concatenate([share.reshape(-1, 1), slow], axis=1))
+        found.append((share, np.round(-factors[0], 6), off))
+    share, depths, off = min(found, key=lambda one: round(float((one[2] ** 2).sum()), 6))
+    left = [_blurred(one, _COARSE * 2 / 3).var() for one in (off, fitted(slow)[1])]
+    sky = _BLUER < depths[0] - depths[-1] < depths.mean()  # whose light is what shadows get
+    if depths.min() < _DEPTH or left[0] > left[1] / 2 or not sky:
+        return None
+    return np.round(share, 6), depths, float(depths.mean() / max(off.std(), 1e-9))
+
+
+def _blurred(values: Floats, sigma: float) -> Floats:
+    """Return values (H, W) blurred by a Gaussian that ends at the borders."""
+    away = (np.subtract.outer(np.arange(n), np.arange(n)) / sigma for n in values.shape)
+    down, across = (np.exp(-0.5 * one**2) for one in away)
+    down, across = (one / one.sum(axis=1, keepdims=True) for one in (down, across))
+    found: Floats = down @ values @ across.T
+    return found
+
+
+def _enlarged(cells: Floats, side: int, shape: tuple[int, ...]) -> Floats:
+    """Return values of cells, of `side` pixels, between their centers for each pixel."""
+    for axis, length in enumerate(shape):
+        place = (np.arange(length) + 0.5) / side - 0.5
+        place = place.clip(0, cells.shape[axis] - 1)
+        low = place.astype(int)
+        high = np.minimum(low + 1, cells.shape[axis] - 1)
+        part = (place - low)[:, None] if axis == 0 else place - low
+        cells = cells.take(low, axis) * (1 - part) + cells.take(high, axis) * part
+    return cells
 
 
 def _light(linear: Floats, usable: NDArray[np.bool_], degree: int) -> Floats:
