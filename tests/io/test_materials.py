@@ -75,13 +75,15 @@ def test_planes_have_the_size_of_the_material(tmp_path):
         assert f"extent = [{low}, {high}]" in (tmp_path / "a.usda").read_text()
 
 
+@pytest.mark.parametrize("suffix", ["usda", "usdz"])
 @pytest.mark.parametrize("maps", SETS)
-def test_usd(tmp_path, maps):
+def test_usd(tmp_path, maps, suffix):
     pxr = pytest.importorskip("pxr.UsdValidation", reason="needs the extra 'formats'")
     from pxr import Sdr, Usd, UsdShade
 
     files, _ = write_preset(SETS[maps], tmp_path, "usd", name="2 walls")
-    stage = Usd.Stage.Open(str(tmp_path / files[-1]))
+    assert files[-2:] == ["2 walls.usda", "2 walls.usdz"]
+    stage = Usd.Stage.Open(str(tmp_path / f"2 walls.{suffix}"))
     checks = pxr.ValidationRegistry().GetOrLoadAllValidators()
     assert len(checks) > 10
     found = pxr.ValidationContext(checks).Validate(stage)
@@ -94,7 +96,8 @@ def test_usd(tmp_path, maps):
     for each in surface.GetInputs():
         texture = UsdShade.Shader(each.GetConnectedSources()[0][0].source)
         shown[each.GetBaseName()] = texture.GetInput("file").Get().resolvedPath
-    assert {str(tmp_path / file) for file in files[:-1]} == set(shown.values())
+    places = {"usda": "{}", "usdz": "2 walls.usdz[{}]"}
+    assert {str(tmp_path / places[suffix].format(one)) for one in files[:-2]} == {*shown.values()}
     assert ("opacity" in shown) == (maps == "all") and "normal" in shown
     mesh = stage.GetPrimAtPath("/Root/Plane")
     assert UsdShade.MaterialBindingAPI(mesh).ComputeBoundMaterial()[0].GetPath() == (

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import io
 import json
 import struct
+import zipfile
 from collections.abc import Callable, Collection, Mapping
 from pathlib import Path
 from string import Template
@@ -12,7 +14,7 @@ from typing import Any, NamedTuple
 from weftex.errors import missing_packages
 from weftex.roles import ROLES
 
-__all__ = ["Place", "glb", "materialx_document", "usda"]
+__all__ = ["Place", "glb", "materialx_document", "usda", "usdz"]
 
 
 class Place(NamedTuple):
@@ -163,6 +165,18 @@ def usda(
         material=material, points=", ".join(points), low=points[0], high=points[2],
         textures=textures, inputs="".join(lines),
     )  # fmt: skip
+
+
+def usdz(files: Mapping[str, bytes]) -> bytes:
+    """Return a USDZ package of files, the stage first: a plain archive, aligned to 64 bytes."""
+    body = io.BytesIO()
+    with zipfile.ZipFile(body, "w") as archive:
+        for name, data in files.items():
+            info = zipfile.ZipInfo(name)  # of 1980, so that bytes do not depend on the time
+            padding = -(body.tell() + 34 + len(name.encode())) % 64  # after header and name
+            info.extra = struct.pack("<HH", 0x1986, padding) + bytes(padding)
+            archive.writestr(info, data)
+    return body.getvalue()
 
 
 def _identifier(name: str) -> str:

@@ -128,16 +128,16 @@ class PackedSet:
         ]
         return [*lines, *self.notes]
 
-    def document(
+    def documents(
         self, read: Callable[[str], bytes], pixels: tuple[int, int] = (1, 1)
-    ) -> tuple[str, bytes] | None:
-        """Return name and content of the material's file.
+    ) -> dict[str, bytes]:
+        """Return the content of the material's files by their names.
 
         `read` gives the bytes of a picture, and `pixels` is the height and width of the first.
         """
         if not self.material:
-            return None
-        from weftex.io.materials import Place, glb, materialx_document, usda
+            return {}
+        from weftex.io.materials import Place, glb, materialx_document, usda, usdz
 
         where, alphas = {}, {one.name for one in self.files if one.alpha}
         for one in self.files:
@@ -150,12 +150,14 @@ class PackedSet:
         density = self.files[0].density or height  # without one the plane is one meter high
         size = width / density, height / density
         if self.material == "gltf":
-            return f"{self.name}.glb", glb(self.name, where, alphas, size, read)
+            return {f"{self.name}.glb": glb(self.name, where, alphas, size, read)}
         if self.material == "usd":
-            return f"{self.name}.usda", usda(self.name, where, alphas, size).encode()
+            stage = {f"{self.name}.usda": usda(self.name, where, alphas, size).encode()}
+            images = {one.name: read(one.name) for one in self.files}
+            return stage | {f"{self.name}.usdz": usdz(stage | images)}
         hextiled = self.material == "materialx-hextiled"
         text = materialx_document(self.name, where, hextiled=hextiled)
-        return f"{self.name}.mtlx", text.encode()
+        return {f"{self.name}.mtlx": text.encode()}
 
 
 def fitted_file(name: str, key: str, like: Picture, role: str) -> tuple[PackedFile, list[str]]:
@@ -196,9 +198,8 @@ def check_set(planned: PackedSet, folder: str, pixels_of: PixelsOf) -> None:
         by_name[one.name] = one
         like = one.pixels(lambda key: pixels_of(key)[:1, :1])
         check_output(os.path.join(folder, one.name), like, alpha=one.alpha)
-    document = planned.document(lambda name: b"")
-    if document is not None:
-        check_output(os.path.join(folder, document[0]), suffixes=(suffix_of(document[0]),))
+    for name in planned.documents(lambda name: b""):
+        check_output(os.path.join(folder, name), suffixes=(suffix_of(name),))
 
 
 def write_set(
@@ -223,8 +224,7 @@ def write_set(
 
     for _ in in_turn(write_one, range(len(files)), min(at_once, len(files))):
         pass  # the first that fails ends it
-    document = planned.document(lambda name: Path(temporary[name]).read_bytes(), shapes[0])
-    if document is None:
-        return list(temporary)
-    write_bytes(add(os.path.join(folder, document[0])), document[1])
-    return [*temporary, document[0]]
+    documents = planned.documents(lambda name: Path(temporary[name]).read_bytes(), shapes[0])
+    for name, data in documents.items():
+        write_bytes(add(os.path.join(folder, name)), data)
+    return [*temporary, *documents]
