@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import zipfile
 from pathlib import Path
 from typing import Any
@@ -126,6 +127,20 @@ def test_the_language_is_the_browsers(
     assert page.inner_text("[data-screen=make]") == make
 
 
+def dragged(page: Any, what: str) -> list[str]:
+    """The kind, name and address of the file that a drag out of the page carries."""
+    page.evaluate("""() => document.addEventListener("dragstart", (event) => {
+        document.body.dataset.carried = event.dataTransfer.getData("DownloadURL");
+    }, {once: true})""")
+    page.locator(what).scroll_into_view_if_needed()
+    box = page.locator(what).bounding_box()
+    page.mouse.move(box["x"] + 20, box["y"] + box["height"] / 2)
+    page.mouse.down()
+    page.mouse.move(300, 300, steps=6)
+    page.mouse.up()
+    return str(page.get_attribute("body", "data-carried")).split(":", 2)
+
+
 def test_a_material_on_solids_and_out_of_the_page(tab: Any, address: str) -> None:
     """Every slider of the 3D view changes what is drawn; maps go to presets and the clipboard."""
     one = tab(permissions=["clipboard-read", "clipboard-write"])
@@ -163,4 +178,10 @@ def test_a_material_on_solids_and_out_of_the_page(tab: Any, address: str) -> Non
     page.click("text=Copy the picture")
     page.wait_for_selector("text=The picture is in the clipboard")
     page.wait_for_function("() => document.querySelector('img.drag').naturalWidth === 128")
+    kind, name, url = dragged(page, "img.drag")
+    assert (kind, name) == ("image/png", "stone_wall_128x128.png") and url.startswith("blob:http")
+    _, name, url = dragged(page, "[data-ticket]")
+    assert name == "stone_wall_128x128.zip"
+    with zipfile.ZipFile(io.BytesIO(page.request.get(url).body())) as file:
+        assert file.namelist() == names  # what a folder gets
     assert one.faults == []

@@ -69,11 +69,12 @@ export class TakeScreen {
 
   /** The picture for other programs: to the clipboard, or dragged there. */
   handOut(result) {
+    if (result.bitmap.width < result.width) return null; // the page has a smaller copy of it
     const image = h("img", { class: "drag", alt: t("take.drag"), title: t("take.drag"), draggable: "true" });
     pngOf(result).then((file) => {
       image.src = URL.createObjectURL(file);
       image.addEventListener("load", () => setTimeout(() => image.isConnected || URL.revokeObjectURL(image.src), 1000));
-      image.addEventListener("dragstart", (event) => event.dataTransfer.setData("DownloadURL", `image/png:${result.file}.png:${image.src}`));
+      image.addEventListener("dragstart", (event) => carry(event, "image/png", `${result.file}.png`, image.src));
     });
     const copyIt = h("button", { type: "button", onclick: () => this.attempt(async () => {
       await navigator.clipboard.write([new ClipboardItem({ "image/png": pngOf(result) })]);
@@ -133,8 +134,14 @@ async function pngOf(result) {
   return canvas.convertToBlob({ type: "image/png" });
 }
 
+/** Let a drag carry a file to folders and other programs; its name has no colon, by which the parts are told apart. */
+function carry(event, kind, name, url) {
+  event.dataTransfer.setData("DownloadURL", `${kind}:${name}:${url}`);
+}
+
 function ticket({ ticket: id, name, bytes }) {
-  return h("a", { class: "button", href: `/api/downloads/${id}`, download: name, "data-ticket": id }, icon("take"), t("take.ready", { name, size: bytes > 1e6 ? `${(bytes / 1e6).toFixed(1)} MB` : `${Math.ceil(bytes / 1e3)} kB` }));
+  const ondragstart = (event) => carry(event, "application/octet-stream", name, event.target.href);
+  return h("a", { class: "button", href: `/api/downloads/${id}`, download: name, "data-ticket": id, title: t("take.drag_file"), ondragstart }, icon("take"), t("take.ready", { name, size: bytes > 1e6 ? `${(bytes / 1e6).toFixed(1)} MB` : `${Math.ceil(bytes / 1e3)} kB` }));
 }
 
 function copyable(text, label) {
