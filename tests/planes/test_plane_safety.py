@@ -126,7 +126,7 @@ def test_a_worker_goes_on_when_its_plane_was_begun_again(tmp_path):
     ("mine", "why"),
     [
         ("p.tif", "exists already"),
-        ("p.tif/0", "is no file"),
+        ("p.tif/0", "is a folder"),
         ("p.tif.run/0", "contains other files"),
     ],
 )

@@ -13,7 +13,8 @@ from weftex.cli.parser import HUGE
 from weftex.cli.terminal import Bar, Outputs, finish, say
 from weftex.errors import InvalidInputError
 from weftex.io.formats import suffix_of
-from weftex.planes.files import SUFFIXES, check_target
+from weftex.io.pictures import check_output
+from weftex.planes.tiff import SUFFIXES
 
 if TYPE_CHECKING:
     import argparse
@@ -71,7 +72,7 @@ def check_options(args: argparse.Namespace) -> None:
         raise InvalidInputError("--threads has no effect: a worker makes one block at a time")
     if args.block is not None:
         check_block(args.block)
-    check_target(args.output)
+    check_output(args.output, suffixes=SUFFIXES)
 
 
 def parse_part(text: str) -> tuple[int, int]:

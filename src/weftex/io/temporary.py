@@ -17,6 +17,8 @@ try:
 except ImportError:  # Windows: nothing is locked there, and nothing is swept
     fcntl = None  # type: ignore[assignment]
 
+__all__ = ["is_temporary", "write_through"]
+
 #: Temporary files and folders that this process has now, and the descriptors that lock them.
 _mine: dict[str, int] = {}
 
@@ -63,9 +65,14 @@ def is_mine(path: str) -> bool:
     return path in _mine
 
 
-def write_through(path: str) -> None:
-    """Wait until a temporary file is on the disk."""
-    number = os.open(path, os.O_RDWR)
+def is_temporary(name: str, machine: str = "[0-9a-f]{8}") -> bool:
+    """Whether a file has the name of a temporary one, of any machine."""
+    return re.fullmatch(rf"\.weftex-\d+-{machine}-[0-9a-f]{{8}}(\.\w+)?", name) is not None
+
+
+def write_through(path: str, flags: int = os.O_RDWR) -> None:
+    """Wait until a file is on the disk; a folder is opened to read, by its flags."""
+    number = os.open(path, flags)
     try:
         os.fsync(number)
     finally:
@@ -92,9 +99,8 @@ def _sweep(folder: str) -> None:
     """Remove the temporary files of dead processes from a folder; once in each process."""
     if fcntl is None:
         return
-    ours = re.compile(rf"\.weftex-\d+-{_machine()}-[0-9a-f]{{8}}(\.\w+)?")
     with suppress(OSError), os.scandir(folder) as found:
-        for name in [one.name for one in found if ours.fullmatch(one.name)]:
+        for name in [one.name for one in found if is_temporary(one.name, _machine())]:
             with suppress(OSError):  # it is locked, gone, or a link
                 _remove_unlocked(os.path.join(folder, name))
 

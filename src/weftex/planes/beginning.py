@@ -5,12 +5,12 @@ from __future__ import annotations
 import os
 import secrets
 from contextlib import contextmanager, suppress
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from weftex.errors import FileError, InvalidInputError, shown
-from weftex.planes.files import remove, synced
 from weftex.planes.record import Record, Run
-from weftex.planes.tiff import REPAIR
+from weftex.planes.tiff import REPAIR, synced
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
@@ -120,7 +120,9 @@ def _taken(plane: PlaneFile, record: Record, owned: Iterable[str]) -> Iterator[s
     record.begin(run)
     with record.alone():
         for name in run.files:
-            remove(_path(plane, name))
+            path = Path(_path(plane, name))
+            if not path.is_symlink():
+                path.unlink(missing_ok=True)
         yield run.name
 
 

@@ -26,9 +26,10 @@ from weftex.errors import FileError
 from weftex.io.formats import suffix_of
 from weftex.io.npz import open_regular
 from weftex.io.pictures import write_text
-from weftex.planes.files import is_stale, synced
+from weftex.io.temporary import is_temporary
 from weftex.planes.layout import named
 from weftex.planes.locks import COUNT, locked, shared
+from weftex.planes.tiff import synced
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -107,7 +108,7 @@ class Record:
     def check_folder(self) -> None:
         """Raise `FileError` if the folder is not one of ours."""
         known = {*_LOCKS, _RUN}
-        foreign = [one for one in self._names() if one not in known and not is_stale(one)]
+        foreign = [one for one in self._names() if one not in known and not is_temporary(one)]
         if foreign and not os.path.exists(self._path(_RUN)):
             raise FileError(
                 f"{self.folder} contains other files, such as {foreign[0]}; move them, or name "
@@ -218,7 +219,7 @@ class Record:
     def sweep(self) -> None:
         """Remove temporary files that nobody writes any more."""
         with self._our_errors():
-            for name in filter(is_stale, self._names()):
+            for name in filter(is_temporary, self._names()):
                 with suppress(FileNotFoundError):
                     os.unlink(self._path(name))
 

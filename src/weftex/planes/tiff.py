@@ -11,6 +11,7 @@ from __future__ import annotations
 import os
 import struct
 import zlib
+from contextlib import suppress
 from fractions import Fraction
 from functools import cached_property
 from typing import IO, TYPE_CHECKING, Any, ClassVar
@@ -19,7 +20,7 @@ import numpy as np
 
 from weftex.errors import FileError, InvalidInputError
 from weftex.io.npz import open_regular
-from weftex.planes.files import synced
+from weftex.io.temporary import write_through
 from weftex.planes.layout import named
 
 if TYPE_CHECKING:
@@ -29,6 +30,8 @@ if TYPE_CHECKING:
 
     from weftex.planes.layout import Layout, Place, Window
 
+#: Suffixes of files that can be written block by block.
+SUFFIXES = (".tif", ".tiff")
 _MOST_SIDE = 2**20
 _MOST_TILES = 2**22  # tables of tiles, of 12 bytes each, are made in memory
 _PAGE = 2**16  # tiles begin at pages, which no two writers share
@@ -272,6 +275,15 @@ def _rational(value: float) -> list[int]:
     """Return a positive number as a RATIONAL, whose numerator comes first; nothing for 0."""
     found = Fraction(value).limit_denominator(int(2**31 / max(value, 1)))
     return [found.numerator + (found.denominator << 32)] if value else []
+
+
+def synced(path: str) -> None:
+    """Wait until a file or folder, and its name, are on the disk."""
+    if os.path.isfile(path):
+        write_through(path)
+    for folder in filter(os.path.isdir, (path, os.path.dirname(os.path.abspath(path)))):
+        with suppress(OSError):  # Windows opens no folders, and some file systems sync none
+            write_through(folder, os.O_RDONLY)
 
 
 def check_sum(pixels: NDArray[Any]) -> int:

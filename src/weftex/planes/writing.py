@@ -12,12 +12,13 @@ from math import prod
 from typing import TYPE_CHECKING, Any
 
 from weftex.errors import FileError
+from weftex.io.pictures import check_output
 from weftex.planes.beginning import at_work, done_before
 from weftex.planes.definition import BLOCK, Definition, define
-from weftex.planes.files import check_target
 from weftex.planes.plane_file import PlaneFile, open_plane
 from weftex.planes.record import Record
 from weftex.planes.runners import in_threads
+from weftex.planes.tiff import SUFFIXES
 from weftex.progress import Progress, ProgressCallback
 from weftex.tasks.method_names import AUTO
 
@@ -107,7 +108,7 @@ def stream(
     Written(blocks=4, made=4, pixels=150000)
     """
     target = os.fspath(path)
-    check_target(target)
+    check_output(target, suffixes=SUFFIXES)
     seed = seed_of_run(target) if seed is None else seed
     made = define(sample, size, method, parameters, seed=seed, tileable=tileable, block=block)
     plane = PlaneFile(made, target)
