@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import weftex
+from weftex.atlas import atlas
 from weftex.errors import InvalidInputError, did_you_mean, shown
 from weftex.io.formats import written_as
 from weftex.io.packing import write_preset
@@ -23,13 +24,16 @@ from weftex.studio.uploads import file_in, label_of
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
+    from numpy.typing import NDArray
+
+    from weftex.io.pictures import Picture
     from weftex.recipe.opening import PreparedMaterial
     from weftex.studio.downloads import Downloads
     from weftex.studio.sessions import Session
     from weftex.studio.synthesis import Result
 
 #: What may stand beside the pictures.
-BESIDE = ("source", "report", "recipe")
+BESIDE = ("source", "report", "recipe", "atlas")
 FIELDS = ("maps", "format", "preset", "name", *BESIDE)
 _NAME = 60  # characters
 #: Of all files in a zip, as they have none of their own.
@@ -101,13 +105,42 @@ def _write(made: Result, wanted: ExportOptions, folder: Path) -> tuple[list[Path
     if "recipe" in wanted.beside:
         files.append(folder / f"{wanted.name}.weftex.json")
         write_text(files[-1], json.dumps(made.recipe.as_json(), indent=1) + "\n")
+    if "atlas" in wanted.beside:
+        files += _write_atlas(made, f"{wanted.name}_tiles", folder)
     return files, notes
 
 
+def _write_atlas(made: Result, name: str, folder: Path) -> list[Path]:
+    """Write corner tiles of the sample, a grid for each map, with index and tilesets."""
+    tiles, main, maps = (
+        atlas(made.result.sample, seed=made.recipe.seed),
+        next(iter(made.pictures)),
+        {},
+    )
+    for one, like in made.pictures.items():
+        stem = name if len(made.pictures) == 1 else f"{name}_{one}"
+        maps[label_of(stem) + _lossless(like)] = [one]
+        pixels = tiles.image if one == main else tiles.maps[one]
+        _write_picture(like, pixels, folder / [*maps][-1])
+    texts = tiles.documents(name, next(iter(maps)), maps if len(maps) > 1 else None)
+    for suffix, text in texts.items():
+        write_text(folder / f"{name}{suffix}", text)
+    return [folder / file for file in (*maps, *(f"{name}{suffix}" for suffix in texts))]
+
+
 def _write_map(made: Result, name: str, file: Path) -> None:
-    like = made.pictures[name]
+    _write_picture(made.pictures[name], made.pixels(name), file)
+
+
+def _write_picture(like: Picture, pixels: NDArray[Any], file: Path) -> None:
     how = {one: getattr(like, one) for one in ("alpha", "icc", "half", "density")}
-    weftex.write_image(file, made.pixels(name), **how)
+    weftex.write_image(file, pixels, **how)
+
+
+def _lossless(like: Picture) -> str:
+    """The suffix of a format that holds such a picture without loss."""
+    able = formats_of(like)
+    return next(one for one in (".png", ".exr", ".tif") if one in able)
 
 
 def as_sample(made: Result, downloads: Downloads, session: Session) -> dict[str, Any]:
@@ -116,8 +149,7 @@ def as_sample(made: Result, downloads: Downloads, session: Session) -> dict[str,
     maps: dict[str, str] = {}
     with tempfile.TemporaryDirectory(dir=downloads.folder) as folder:
         for name, like in made.pictures.items():
-            able = formats_of(like)
-            suffix = next(one for one in (".png", ".exr", ".tif") if one in able)
+            suffix = _lossless(like)
             file = Path(folder) / f"{stem if len(made.pictures) == 1 else name}{suffix}"
             _write_map(made, name, file)
             maps[name] = file_in(file, session)["id"]

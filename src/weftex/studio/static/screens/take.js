@@ -6,7 +6,7 @@ export class TakeScreen {
   constructor(app, stage) {
     this.app = app;
     this.stage = stage;
-    this.wanted = { format: "", preset: "", name: "", source: false, report: false, recipe: false };
+    this.wanted = { format: "", preset: "", name: "", source: false, report: false, recipe: false, atlas: false };
     this.update = () => this.draw();
   }
 
@@ -51,7 +51,7 @@ export class TakeScreen {
       field(t("take.preset"), preset),
       wanted.preset ? null : field(t("take.format"), format),
       set ? this.mapBoxes(result) : null,
-      h("div", {}, box("source", t("take.source")), box("report", t("take.report")), box("recipe", t("take.recipe"))),
+      h("div", {}, box("source", t("take.source")), box("report", t("take.report")), box("recipe", t("take.recipe")), box("atlas", t("take.atlas"))),
       this.error,
       h("button", { type: "button", class: "main large", onclick: () => this.save() }, icon("take"), t("take.go")),
       this.saved,
