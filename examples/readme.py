@@ -7,7 +7,7 @@ import numpy as np
 
 import weftex
 
-ROWS = [["pebbles", "bricks"], ["leaves", "stone_wall/albedo"], ["weave", "tiles"]]
+ROWS = [["wood", "bricks"], ["leaves", "stone_wall/albedo"], ["weave", "tiles"]]
 
 
 def beside(name: str) -> np.ndarray:

@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import hashlib
 import json
-import math
 import os
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import weftex
-from weftex.analysis.overlay import Lattice, LatticeRating, Rated, draw
+from weftex.analysis.overlay import Lattice, LatticeRating, Rated, draw, is_tilted
 from weftex.errors import InvalidInputError
 from weftex.recipe import checked_material, pictures_of
 from weftex.recipe.opening import PreparedMaterial, prepare_material, read_described
@@ -210,15 +209,8 @@ def _mending(
             found.append({"what": "even_light", "why": line, "spec": {"even_light": _DEGREE}})
         if "--straighten" in line and "straighten" not in spec and lattice is not None:
             found.append({"what": "straighten", "why": line, "spec": {"straighten": ""}})
-    askew = lattice is not None and "straighten" not in spec and _askew(lattice)
-    if askew and not any(one["what"] == "straighten" for one in found):
+    tilted = lattice is not None and "straighten" not in spec and is_tilted(lattice)
+    if tilted and not any(one["what"] == "straighten" for one in found):
         line = "the lattice or the rows are tilted; straighten the photo"
         found.append({"what": "straighten", "why": line, "spec": {"straighten": ""}})
     return found
-
-
-def _askew(lattice: Lattice) -> bool:
-    """Whether rows, or a side of the tiles, are off the picture's axes by half a degree or more."""
-    turns = [abs(math.degrees(math.atan2(y, x))) % 90 for x, y in lattice.vectors]
-    off = min(min(turn, 90 - turn) for turn in turns)
-    return 0.5 <= off <= 15

@@ -2,11 +2,17 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 from weftex.cli.parser import Parser
 from weftex.cli.terminal import Bar, Outputs, finish
+from weftex.cli.terminal import run as run_work
 from weftex.errors import InvalidInputError
 from weftex.recipe import LANDMARKS, MATERIAL, PREPARATION
 from weftex.recipe.command_line import described_material, value_of
+
+if TYPE_CHECKING:
+    import argparse
 
 _ABOUT = """\
 Straighten a photo, remove uneven light, and remove landmarks (conspicuous features). The output is
@@ -15,6 +21,7 @@ a sample for any other command. 'weftex synth' has the same options.\
 
 _EXAMPLES = """\
 examples:
+  weftex prepare photo.jpg                            say what the photo needs
   weftex prepare photo.jpg -o brick.png --straighten --even-light
   weftex prepare photo.jpg -o brick.png --straighten 12,40,801,95,790,620,20,700   by four corners
   weftex prepare photo.jpg -o brick.png --straighten 99,3,49,36.7                  by a lattice
@@ -33,7 +40,10 @@ def run(argv: list[str]) -> None:
     """Run the command; `argv` is what follows its name."""
     parser = Parser("prepare", _ABOUT, _EXAMPLES)
     parser.add_argument("sample", metavar="PHOTO", help="image, folder of maps, or sample:NAME")
-    parser.share("--output", "--preset", "--quiet", "--allow-huge")
+    parser.add_argument(
+        "-o", "--output", metavar="OUT", help="file to write; a folder for a map set"
+    )
+    parser.share("--preset", "--quiet", "--allow-huge")
     names = ("maps", "repeats", *PREPARATION)
     parser.take(*(MATERIAL[name] for name in names))
     parser.take(_LANDMARKS)
@@ -41,15 +51,14 @@ def run(argv: list[str]) -> None:
     spec = described_material(args.sample, vars(args), names)
     remove = value_of(_LANDMARKS, vars(args)) == "remove"
     if not remove and not spec.keys() & PREPARATION:
-        from weftex.cli.files import load_sample
-        from weftex.tasks.auto import Auto, AutoModel
-
-        photo = load_sample(args.sample, args, "maps")
-        found = AutoModel(Auto(), photo).choose(photo.shape).warnings
-        raise InvalidInputError(
-            "nothing to do; give --straighten, --even-light, --landmarks, --sample-width or "
-            "--density. " + ("; ".join(found) or "The light is even, and nothing is slanted")
-        )
+        lines = _advice(args)
+        if args.output is not None:
+            options = "--straighten, --even-light, --landmarks, --sample-width or --density"
+            raise InvalidInputError(f"nothing to do; give {options}. {'; '.join(lines)}")
+        print("\n".join(lines))
+        return
+    if args.output is None:
+        raise InvalidInputError("-o OUT is missing; it names the file, or the folder, to write")
 
     def work(bar: Bar, outputs: Outputs) -> str:
         from weftex.cli.files import make_room, plan, read_input
@@ -69,3 +78,26 @@ def run(argv: list[str]) -> None:
         return f"{plans.told}prepared {width}x{height} {args.output} in {bar.took:.2f} s"
 
     finish(work, args.quiet)
+
+
+def _advice(args: argparse.Namespace) -> list[str]:
+    """Say what a photo needs, and the command that does it."""
+    from weftex.analysis.overlay import is_tilted
+    from weftex.cli.files import load_sample
+    from weftex.tasks.auto import Auto, AutoModel
+
+    def look(bar: Bar, outputs: Outputs) -> tuple[list[str], bool]:
+        photo = load_sample(args.sample, args, "maps")
+        model = AutoModel(Auto(), photo)
+        lattice = model.findings.lattice
+        found = list(model.choose(photo.shape).warnings)
+        return found, lattice is not None and is_tilted(lattice)
+
+    (found, tilted), _ = run_work(look, args.quiet)
+    if tilted:
+        found.append("the lattice or the rows are tilted; level them with --straighten")
+    even = any("--even-light" in line for line in found)
+    options = ["--straighten"] * tilted + ["--even-light"] * even
+    if options:
+        found.append(f"weftex prepare {args.sample} -o OUT {' '.join(options)}")
+    return found or ["The light is even, and nothing is slanted: this photo needs no preparation"]
