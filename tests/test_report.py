@@ -53,13 +53,6 @@ def test_the_page_is_whole_and_needs_nothing_else(files, tmp_path, capsys):
     assert "seam at the wrap" in words
 
 
-def test_without_a_source(files, tmp_path):
-    sample, made, _ = files
-    assert run(sample, made, "-o", tmp_path / "r.html") == 0
-    page = Page((tmp_path / "r.html").read_text("utf-8"))
-    assert len(page.pictures) == 3
-
-
 def test_without_a_page_each_measure_has_a_line(files, capsys):
     assert run(*files[:2]) == 0
     verdict, *lines = capsys.readouterr().out.splitlines()

@@ -55,6 +55,11 @@ WRONG = [
     ("synth bomb.png -o old.png", "--allow-huge takes it anyway"),
     ("synth nan.tif -o x.tif", "NaN or infinity"),
     ("synth void -o x", "has no pictures"),
+    ("synth uneven -o x", "\\(a, b\\)"),
+    ("fill uneven --mask other.png -o x", "\\(a, b\\)"),
+    ("analyze uneven", "\\(a, b\\)"),
+    ("compare uneven -o x.html", "\\(a, b\\)"),
+    ("report uneven other.png -o x.html", "\\(a, b\\)"),
     ("synth uneven -o x --maps color=a.png,height=b.png", "multiple or fraction"),
     (
         "S --method patch-sampling --guide photo.png",

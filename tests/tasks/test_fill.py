@@ -113,18 +113,6 @@ def test_from_a_sample_of_its_own():
     assert (result.render(sample[..., 0], background=around)[~hole] == 0).all()
 
 
-@pytest.mark.parametrize(
-    ("sample", "message"),
-    [
-        (noise((60, 60, 3), dtype=np.uint16), "uint16 with 3 channels.*uint8 with 3"),
-        (noise((60, 60)), "uint8 with 1 channels.*uint8 with 3"),
-    ],
-)
-def test_a_sample_of_another_kind_is_refused(sample, message):
-    with pytest.raises(weftex.InvalidInputError, match=message):
-        weftex.fill(noise((70, 90, 3)), HOLES["square"], sample=sample)
-
-
 def test_masks_from_files_and_pil_are_the_same(tmp_path):
     photo, hole = noise((70, 90, 3)), HOLES["several"]
     image = Image.fromarray(hole)
