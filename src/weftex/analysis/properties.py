@@ -22,9 +22,6 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-#: Up to this many times the steps inside, a border step is no seam.
-SEAMLESS = 1.5
-
 _STRIP = 256  # lines that are read at a time, for little memory
 #: Rows and columns between the two pixels; the other half of all directions has the other sign.
 _SHIFTS = [(0, 2), (1, 2), (2, 2), (2, 1), (2, 0), (2, -1), (2, -2), (1, -2)]

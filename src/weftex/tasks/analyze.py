@@ -14,7 +14,7 @@ from weftex.analysis import canvas_lattice
 from weftex.analysis.autocorrelations import autocorrelations
 from weftex.analysis.lattice import Lattice, Rated, lattice_in, rate_lattices
 from weftex.analysis.overlay import courses
-from weftex.analysis.properties import SEAMLESS, Evenness, border_steps, regularity
+from weftex.analysis.properties import Evenness, regularity
 from weftex.analysis.scale import DominantScale, dominant_scale
 from weftex.choice import Choice
 from weftex.errors import InvalidInputError
@@ -22,6 +22,7 @@ from weftex.exemplar import load_exemplar
 from weftex.methods import METHODS
 from weftex.parameters import numbers_of
 from weftex.progress import counted
+from weftex.quality import borders_of
 from weftex.tasks.auto import Auto
 
 if TYPE_CHECKING:
@@ -98,7 +99,7 @@ class Analysis:
     border_steps : (float, float)
         Step at the border over the steps inside, downwards and to the right; 1 is no seam.
     tiles : (bool, bool)
-        Whether the sample tiles without a seam, downwards and to the right.
+        Whether the sample tiles without a seam, downwards and to the right, as `tile --check` says.
     evenness : Evenness
         Faults of light, perspective and variety that `choice.warnings` puts into words.
     choice : Choice
@@ -237,7 +238,7 @@ def analyze(
         own = look.lattice if look.exact else lattice_in(seen)
         step(1)
         found = dominant_scale(exemplar, own)
-        down, right = border_steps(exemplar)
+        borders = borders_of(exemplar)
         alike = regularity(exemplar)
         step(1)
         ratings = _rate(exemplar, own, given, runners_up, seen)
@@ -261,8 +262,8 @@ def analyze(
         regularity=alike,
         lattice=own,
         ratings=ratings,
-        border_steps=(down, right),
-        tiles=(down <= SEAMLESS, right <= SEAMLESS),
+        border_steps=(borders[0].steps, borders[1].steps),
+        tiles=(borders[0].badness <= 1, borders[1].badness <= 1),
         evenness=look.evenness,
         choice=choice,
         windows=windows,
