@@ -125,7 +125,12 @@ def test_maps_that_do_not_fit_are_refused_before_anything_is_written(tmp_path):
     for changed, preset, says in (
         ({"ao": noise((3, 9))}, "godot", "m_orm packs maps of unequal size (ao 9x3, roughness 9x6"),
         ({"normal_gl": noise((6, 9, 3))}, "unreal", "normal_gl is not a normal map"),
-        ({"normal_gl": noise((6, 9))}, "unreal", "normal_gl has 1 channels"),
+        ({"normal_gl": noise((6, 9))}, "unreal", "normal_gl has 1 channel;"),
+        (
+            {"ao": None, "orm": noise((6, 9))},
+            "unreal",
+            "orm has 1 channel, and orm packs ao, rough",
+        ),
         ({"roughness": noise((6, 9, 3))}, "gltf", "its 3 channels differ; save it as gray"),
         ({"roughness": None}, "terrain3d", "roughness or gloss into m_nrm_rgh, and m has none"),
         ({"roughness": None}, "unity-urp", "gloss or roughness into m_MetallicOcclusion"),

@@ -121,6 +121,7 @@ class _Packer:
                             "the map normal_dx"
                         )
                     channel = None if one.name == other else one.channels.index(other)
+                    self._check_channels(key, one)
                     part = Part(role, key, channel, reverse)
                     self._check_map(part)
                     return part
@@ -137,6 +138,15 @@ class _Packer:
         self.notes.append(f"{role} is missing, so it is {value:g} everywhere in {stem}")
         return Part(role, value=value)
 
+    def _check_channels(self, key: str, role: Role) -> None:
+        """Refuse a packed map that lacks channels."""
+        found = sum(self.pictures[key].pixels.shape[2:]) or 1
+        if found < len(role.channels):
+            raise InvalidInputError(
+                f"{key} has {found} channel{'s'[: found > 1]}, and {role.name} packs "
+                f"{', '.join(role.channels)}; rename it, or save it with all of them"
+            )
+
     def _check_map(self, part: Part) -> None:
         """Refuse normals that are none, and data whose channels differ."""
         like, shows = self.pictures[part.source], ROLES[part.role]
@@ -145,7 +155,9 @@ class _Packer:
         colors = (1 if pixels.ndim == 2 else pixels.shape[2]) - like.alpha
         if shows.kind == "normal":
             if colors != 3:
-                raise InvalidInputError(f"{path} has {colors} channels; a map of normals has three")
+                raise InvalidInputError(
+                    f"{path} has {colors} channel{'s'[: colors > 1]}; a map of normals has three"
+                )
             if mixing_of(pixels, "normal", like.alpha).kind != Kind.VECTORS:
                 raise InvalidInputError(
                     f"{path} is not a normal map: the length of its vectors is not 1"
