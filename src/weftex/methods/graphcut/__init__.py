@@ -91,7 +91,7 @@ class GraphCut(Method):
         "randomness of the choice among matches, in sample variances; 0 takes the best matches",
         low=0.0,
         high=1000.0,
-        default_text="0.003; 0 (best matches only) if placement is entire",
+        default_text="0.003; 0 if placement is entire",
         needs=("placement", ("subpatch", "entire")),
     )
     candidates: int | None = parameter(
