@@ -30,6 +30,7 @@ examples:
 """
 
 _LANDMARKS = LANDMARKS._replace(
+    default="keep",
     choices=("keep", "remove"),
     metavar="keep|remove",
     help="remove: replace conspicuous features by other parts of the photo; no effect on lattices",
