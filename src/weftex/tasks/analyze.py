@@ -26,7 +26,6 @@ from weftex.quality import borders_of
 from weftex.tasks.auto import Auto
 
 if TYPE_CHECKING:
-    from weftex.analysis.autocorrelations import Autocorrelations
     from weftex.exemplar import Exemplar, Sample
 
 _BANDS = 4  # of the spectrum to an octave
@@ -241,7 +240,10 @@ def analyze(
         borders = borders_of(exemplar)
         alike = regularity(exemplar)
         step(1)
-        ratings = _rate(exemplar, own, given, runners_up, seen)
+        rated, others = rate_lattices(exemplar, own, runners_up=runners_up, fields=seen)
+        asked = None
+        if given is not None:
+            asked, _ = rate_lattices(exemplar, given, runners_up=0, fields=seen)
         step(1)
         colors, windows = _count_colors(exemplar), _windows(exemplar)
         step(1)
@@ -261,7 +263,7 @@ def analyze(
         spectrum=_bands(found),
         regularity=alike,
         lattice=own,
-        ratings=ratings,
+        ratings=Ratings(rated, asked, others),
         border_steps=(borders[0].steps, borders[1].steps),
         tiles=(borders[0].badness <= 1, borders[1].badness <= 1),
         evenness=look.evenness,
@@ -275,21 +277,6 @@ def given_lattice(vectors: Sequence[float] | str, exemplar: Exemplar) -> Lattice
     plain = numbers_of("lattice", vectors, 4)
     canvas_lattice.check_lattice(plain, exemplar)
     return canvas_lattice.given_lattice(plain)
-
-
-def _rate(
-    exemplar: Exemplar,
-    own: Lattice | None,
-    given: Lattice | None,
-    runners_up: int,
-    seen: Autocorrelations,
-) -> Ratings:
-    """Return the ratings of the sample's own lattice and of the given one."""
-    found, others = rate_lattices(exemplar, own, runners_up=runners_up, fields=seen)
-    asked = None
-    if given is not None:
-        asked = rate_lattices(exemplar, given, runners_up=0, fields=seen)[0]
-    return Ratings(found, asked, others)
 
 
 def _numbers(lattice: Lattice) -> str:

@@ -24,7 +24,6 @@ from weftex.tasks.region import Region
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from weftex.choice import Choice
     from weftex.exemplar import Sample
     from weftex.io.pictures import Picture
     from weftex.method import Method
@@ -195,8 +194,7 @@ def fill(
         known_from=canvas.known_from,
     )
     how: dict[str, Any] = {"seed": seed, "threads": threads, "progress": progress}
-    choice = _choice(near, part) if by_sample and inside else None
-    made = None if choice is None else _made(choice, near, part, how)
+    made = _filled_by_auto(near, part, how) if by_sample and inside else None
     if made is None:
         made = chosen.for_hole(part.hole, usable, given).fit(near).sample(part, **how)
     if overlap:
@@ -216,16 +214,13 @@ def fill(
     return result
 
 
-def _choice(near: Exemplar, part: Canvas) -> Choice | None:
-    """Return the choice of "auto" for a hole, or None if it is the default."""
+def _filled_by_auto(near: Exemplar, part: Canvas, how: dict[str, Any]) -> Synthesis | None:
+    """Fill as "auto" chooses; None if that is the default, or too few pixels are left for it."""
     from weftex.tasks.auto import choose_for_hole
 
     choice = choose_for_hole(near, part)
-    return None if choice.method == DEFAULT else choice
-
-
-def _made(choice: Choice, near: Exemplar, part: Canvas, how: dict[str, Any]) -> Synthesis | None:
-    """Fill by a choice of "auto"; None if the hole leaves too few pixels to learn from."""
+    if choice.method == DEFAULT:
+        return None
     method = make_method(choice.method, choice.parameters)
     assert part.hole is not None and near.mask is not None
     try:
