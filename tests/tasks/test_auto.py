@@ -187,6 +187,16 @@ def test_where_refinement_breaks_lines_joints_alone_are_refined():
         assert choice.parameters == ({"joints": 24} if "only" in kept else {})
 
 
+def test_refinement_that_tears_a_strained_lattice_is_left_out():
+    """On a tileable canvas that checks do not fit, they keep straight sides."""
+    y, x = np.mgrid[:240, :240] // 30
+    noisy = 60 + 120 * ((y + x) % 2)[..., None] + noise((240, 240, 3)).astype(int) // 16
+    made = weftex.synthesize(noisy.astype(np.uint8), 512, tileable=True, seed=1)
+    assert made.provenance["joints"] == 24
+    assert "only its seams are refined" in made.provenance["reason"]
+    assert like_itself(noise((9, 9, 1)), (0, 12)) == 0  # a vector longer than the picture
+
+
 def test_likeness_is_the_correlation_of_what_overlaps():
     levels = noise((30, 40, 3)).astype(np.int64)
     levels[:, 7:] += levels[:, :-7]

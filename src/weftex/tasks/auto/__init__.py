@@ -140,10 +140,16 @@ class AutoModel(Model):
         if canvas.guide is None and canvas.known is None and self._effort != "quick":
             choices += others(choice, self.findings, canvas, self._effort)
         lattice = self.findings.lattice if len(choices) > 1 else None
+        seen: dict[str, Synthesis] = {}  # previews by their parameters
         if lattice is not None and choice.method == "near-regular":
+            # Where blocks wrap around, they are strained, and refinement may tear them there alone.
+            size = canvas if any(canvas.wrap) else PREVIEW
+            told = progress if any(canvas.wrap) else None
 
             def preview(one: Choice) -> Synthesis:
-                return self._fitted(one).sample(PREVIEW, seed=seed, threads=threads)
+                model = self._fitted(one)
+                made = model.sample(size, seed=seed, threads=threads, progress=told)
+                return seen.setdefault(repr(one.parameters), made)
 
             choices = [refined_if_whole(choices, lattice, self.exemplar, preview)]
         choice = choices[0]
@@ -152,8 +158,10 @@ class AutoModel(Model):
 
         def tried(one: Choice) -> Synthesis:
             within = progress if len(choices) == 1 else steps.within()
-            model = self._fitted(one)
-            result = model.sample(canvas, seed=seed, threads=threads, progress=within)
+            result = seen.get(repr(one.parameters)) if any(canvas.wrap) else None
+            if result is None:
+                model = self._fitted(one)
+                result = model.sample(canvas, seed=seed, threads=threads, progress=within)
             done.append(result)
             if len(choices) > 1:
                 steps.advance(1)

@@ -151,6 +151,8 @@ def like_itself(values: NDArray[np.integer], vector: tuple[float, float]) -> flo
     """
     x, y = (round(part) for part in vector)
     height, width = values.shape[:2]
+    if abs(y) >= height or abs(x) >= width:
+        return 0.0
     first = values[max(0, -y) : height - max(0, y), max(0, -x) : width - max(0, x)]
     second = values[max(0, y) : height - max(0, -y), max(0, x) : width - max(0, -x)]
     here, there = (part.reshape(-1, values.shape[2]).astype(np.int64) for part in (first, second))
