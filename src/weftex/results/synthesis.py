@@ -130,13 +130,7 @@ class Synthesis(Displayable, ABC):
         """Raise `npz.DamageError` unless kernels may trust these arrays, read from a file."""
 
     def moved(
-        self,
-        canvas: Canvas,
-        exemplar: Exemplar,
-        *,
-        to: Place,
-        source_to: Place,
-        provenance: dict[str, Any],
+        self, canvas: Canvas, exemplar: Exemplar, *, to: Place, source_to: Place
     ) -> Synthesis:
         """Return this result as a part, from `to` on, of a larger canvas and a larger sample."""
         arrays: dict[str, Any] = self._moved_arrays(canvas.shape, exemplar.shape, to, source_to)
@@ -146,7 +140,7 @@ class Synthesis(Displayable, ABC):
             sample_shape=exemplar.shape,
             exemplar=exemplar,
             known_from=canvas.known_from,
-            provenance=provenance,
+            provenance=self.provenance,
         )
 
     def arrays(self) -> dict[str, NDArray[Any]]:

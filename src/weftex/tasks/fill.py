@@ -171,28 +171,15 @@ def fill(
         alpha=whole.alpha,
     )
     # On bytes, which distances are taken on anyway, the maps have a say about known pixels too.
-    if inside:
-        features = place.matching()
-        near = Exemplar(
-            features,
-            mask=usable,
-            tileable=whole.tileable and region.whole,
-            alpha=False,
-            name=whole.name,
-        )
-    else:
-        features = source.matching_of(place)
-        near = Exemplar(
-            source.matching(), mask=usable, tileable=source.tileable, alpha=False, name=source.name
-        )
-    part = Canvas(
-        features.shape[0],
-        features.shape[1],
-        region.wrap,
-        known=features,
-        hole=region.crop(hole),
-        known_from=canvas.known_from,
+    features = place.matching() if inside else source.matching_of(place)
+    near = Exemplar(
+        features if inside else source.matching(),
+        mask=usable,
+        tileable=source.tileable and (region.whole or not inside),
+        alpha=False,
+        name=source.name,
     )
+    part = Canvas(*place.shape, region.wrap, features, region.crop(hole), canvas.known_from)
     how: dict[str, Any] = {"seed": seed, "threads": threads, "progress": progress}
     made = _filled_by_auto(near, part, how) if by_sample and inside else None
     if made is None:
@@ -203,13 +190,8 @@ def fill(
         )
         canvas = replace(canvas, hole=region.put(cut, hole.shape))
         made.provenance["overlap"] = int(overlap)
-    result = made.moved(
-        canvas,
-        source,
-        to=region.corner,
-        source_to=region.corner if inside else (0, 0),
-        provenance=made.provenance,
-    )
+    source_to = region.corner if inside else (0, 0)
+    result = made.moved(canvas, source, to=region.corner, source_to=source_to)
     result.match_tone = by_sample if match_tone is None else match_tone
     return result
 
