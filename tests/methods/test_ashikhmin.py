@@ -93,16 +93,6 @@ def test_a_guided_hole():
     assert ((image.mean(axis=2) > 120) == (guide[..., 0] > 100))[hole].mean() > 0.9
 
 
-def test_guide_weight_without_a_guide_is_refused():
-    exemplar, guide = two_halves()
-    model = weftex.Ashikhmin(guide_weight=1.0).fit(exemplar)
-    with pytest.raises(
-        weftex.InvalidInputError, match="guide_weight has no effect without a guide"
-    ):
-        model.sample(30, seed=1)
-    assert model.sample(Canvas(60, 64, guide=guide), seed=1).image.shape == (60, 64, 3)
-
-
 def test_guides_for_synthesize():
     """A path, an array or a picture; one place only."""
     from PIL import Image

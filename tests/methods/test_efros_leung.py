@@ -1,7 +1,6 @@
 """Non-parametric sampling: windows, thresholds and photos; see `brute_force` for each pixel."""
 
 import numpy as np
-import pytest
 
 import weftex
 from families import noise
@@ -40,8 +39,3 @@ def test_the_window_shrinks_to_what_is_there(rng):
         weftex.Exemplar(noise((30, 30, 1), values=9, rng=rng), mask=mask)
     )
     assert model.method.window_width == 5
-
-
-def test_a_window_wider_than_the_sample_is_refused(rng):
-    with pytest.raises(weftex.InvalidInputError, match="window_width is 21.* room for 19"):
-        weftex.EfrosLeung(window_width=21).fit(weftex.Exemplar(noise((20, 20, 1), rng=rng)))

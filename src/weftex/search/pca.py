@@ -58,25 +58,23 @@ def fit_pca(windows: NDArray[np.uint8], variance: float = _VARIANCE) -> ZonePCA:
 
     At most 48 components keep this share of the variance.
     """
-    with one_blas_thread():
-        return _fit(windows, variance)
-
-
-def _fit(windows: NDArray[np.uint8], variance: float) -> ZonePCA:
     size, count = windows.shape
-    learn = windows[:, np.linspace(0, count - 1, min(count, _MOST_LEARNED)).astype(np.int64)]
-    learn = learn.astype(np.float64)
-    # Integers in float64: the products and sums are exact, so every machine gets this matrix.
-    scatter = learn.shape[1] * (learn @ learn.T) - np.outer(learn.sum(axis=1), learn.sum(axis=1))
-    power, vectors = np.linalg.eigh(scatter)
-    vectors = main_components(power, vectors, variance)
-    unit = min(2000.0, 0.95 * 2**24 / (255 * size**0.5))
-    basis = np.ascontiguousarray(np.rint(vectors * unit), np.int16)
-    weights = basis.astype(np.float32)
-    raw = np.empty((len(basis), count), np.int32)
-    for start in range(0, count, 8192):
-        part = windows[:, start : start + 8192].astype(np.float32)
-        raw[:, start : start + 8192] = weights @ part
+    with one_blas_thread():
+        learn = windows[:, np.linspace(0, count - 1, min(count, _MOST_LEARNED)).astype(np.int64)]
+        learn = learn.astype(np.float64)
+        # Integers in float64: the products and sums are exact, so every machine gets this matrix.
+        scatter = learn.shape[1] * (learn @ learn.T) - np.outer(
+            learn.sum(axis=1), learn.sum(axis=1)
+        )
+        power, vectors = np.linalg.eigh(scatter)
+        vectors = main_components(power, vectors, variance)
+        unit = min(2000.0, 0.95 * 2**24 / (255 * size**0.5))
+        basis = np.ascontiguousarray(np.rint(vectors * unit), np.int16)
+        weights = basis.astype(np.float32)
+        raw = np.empty((len(basis), count), np.int32)
+        for start in range(0, count, 8192):
+            part = windows[:, start : start + 8192].astype(np.float32)
+            raw[:, start : start + 8192] = weights @ part
     return ZonePCA(basis, *coordinates_of(raw))
 
 

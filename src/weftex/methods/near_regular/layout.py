@@ -155,13 +155,6 @@ class Axis:
             first = np.maximum(first, self.margin - self.edges[:-1][self.visible])
         return lines, np.minimum(first, self.side - lines)
 
-    def lines(
-        self, block: int, count: int | None = None
-    ) -> tuple[NDArray[np.int64], NDArray[np.bool_]]:
-        """Canvas lines of the first `count` lines of a window, and which are on the canvas."""
-        at = self.edges[block] - self.margin + np.arange(self.side if count is None else count)
-        return at % self.length, ((at >= 0) & (at < self.length)) | bool(self.period)
-
 
 @dataclass(frozen=True, eq=False)
 class Layout:

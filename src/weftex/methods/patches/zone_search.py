@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 #: How candidates are found: compare all, or the paper's accelerations and what they combine to.
 SEARCHES = ("exhaustive", "quadtree", "pca", "kdtree", "kdtree-pca")
 _ALL, _BLOCKS, _COMPONENTS, _TREE = SOURCES
-_TREE_ERROR = 0.5  # of the approximate kd-tree search
+_TREE_ERROR = 0.5  # a neighbor that the kd-tree finds may be farther than the true one by this
 _MOST_POSITIONS = 16384  # windows that the default search compares; more are thinned out first
 _NO_PCA = ZonePCA(np.zeros((1, 1), np.int16), np.zeros(1, np.int32), 0, np.zeros((1, 1), np.int16))
 
@@ -89,20 +89,20 @@ class ZoneSearch:
         self.zone, self.usable, self.positions = zone, usable, positions
         self.stride, self.wanted = 1, candidates
         self.pca: ZonePCA | None = None  # by which candidates are found (section 3.3)
-        self.tree: KDTree | None = None  # which finds the candidates of section 3.1
+        self.tree: Any = None  # the kd-tree that finds the candidates of section 3.1
         if zone.area == 0:
             search = "exhaustive"
         if search == "pca" and not (self._thin_out() and often):
             search = "quadtree"
         self.source = _ALL if search == "exhaustive" else _BLOCKS
         if search not in ("exhaustive", "quadtree"):
-            places, windows = self._low_resolution(pyramid)
+            self.positions, windows = self._low_resolution(pyramid)
             points: NDArray[np.integer] = windows
             if "pca" in search:
-                self.pca, self.positions = fit_pca(windows), places
+                self.pca = fit_pca(windows)
                 self.source, points = _COMPONENTS, self.pca.features
             if "kdtree" in search:
-                self.source, self.tree = _TREE, KDTree(points.T, places, _TREE_ERROR)
+                self.source, self.tree = _TREE, kd_tree(points.T)
         self.nodes = pyramid.nodes(zone.side, self.stride)
 
     def _thin_out(self) -> bool:
@@ -138,38 +138,27 @@ class ZoneSearch:
 
     def nearest_in_tree(self, canvas: NDArray[np.uint8], y: int, x: int) -> NDArray[np.int32]:
         """Return the windows that the kd-tree finds for the zone at (y, x) of the canvas."""
-        assert self.tree is not None
         query = np.empty(len(self.zone.blocks) * canvas.shape[2], np.int32)
         zone_kernels.block_means(canvas, y, x, self.zone.blocks, self.zone.side, query)
         if self.pca is not None:
             pca, means, query = self.pca, query, np.empty(len(self.pca.basis), np.int16)
             zone_kernels.project(pca.basis, pca.offset, pca.shift, means, query)
-        return self.tree.nearest(query, self.wanted)
-
-
-class KDTree:
-    """The approximate kd-tree of section 3.1, over integer points (n, K), named by `places`.
-
-    A neighbor may be farther than the true one by the relative `error`.
-    """
-
-    def __init__(
-        self, points: NDArray[np.integer], places: NDArray[np.int32], error: float
-    ) -> None:
-        try:
-            from scipy.spatial import cKDTree
-        except ImportError:
-            raise missing_packages("kd-trees need SciPy", "kdtree") from None
-        # Without balancing, SciPy splits by the sliding midpoint rule, as the paper wants.
-        self.tree: Any = cKDTree(points, leafsize=8, balanced_tree=False, compact_nodes=False)
-        self.places, self.error = places, error
-
-    def nearest(self, query: NDArray[np.integer], wanted: int) -> NDArray[np.int32]:
-        """Return the places of about the `wanted` nearest points."""
-        wanted = min(wanted, len(self.places))
-        found = self.tree.query(query, k=wanted, eps=self.error, workers=1)[1]
-        nearest: NDArray[np.int32] = self.places[np.atleast_1d(found)]
+        wanted = min(self.wanted, len(self.positions))
+        found = self.tree.query(query, k=wanted, eps=_TREE_ERROR, workers=1)[1]
+        nearest: NDArray[np.int32] = self.positions[np.atleast_1d(found)]
         return nearest
+
+
+def kd_tree(points: NDArray[np.integer]) -> Any:
+    """Return the kd-tree of section 3.1 over points (n, K), as SciPy has it.
+
+    Without balancing, SciPy splits by the sliding midpoint rule, as the paper wants.
+    """
+    try:
+        from scipy.spatial import cKDTree
+    except ImportError:
+        raise missing_packages("kd-trees need SciPy", "kdtree") from None
+    return cKDTree(points, leafsize=8, balanced_tree=False, compact_nodes=False)
 
 
 def _block_means(level: NDArray[np.uint8], side: int) -> NDArray[Any]:
