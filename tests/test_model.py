@@ -23,7 +23,6 @@ def test_windows_with_a_way_of_their_own_are_parts_of_what_sample_makes(slug):
 #: Parameters that are None in a settled method, as they have no effect there: one of two that
 #: exclude each other, or one that hangs on the canvas.
 WITHOUT_EFFECT = {
-    "ashikhmin": {"jumps"},
     "exact-matching": {"tolerance", "nearest_colors"},
     "graphcut": {"halvings", "lattice"},  # each patch has its own; anywhere
     "refinement": {"joints", "seed_scale"},

@@ -3,7 +3,7 @@
 python examples/papers/refinement.py EXPERIMENT -o FOLDER [--small]
 
 Experiments that draw a picture: fig4 fig5 fig6 fig7 fig8 recipe fig9 fig10 fig11 fig12 fig13
-density evenness coherence init; that print a table and write it as Markdown: table1 (takes
+density evenness init; that print a table and write it as Markdown: table1 (takes
 minutes) and steps (takes a quarter of an hour); `all` runs every one. Figures are those of the
 paper on iterative texture refinement and texture fusion; density is of its section 6, recipe and
 steps replace its steps one at a time. Needs Pillow beside weftex: pip install '.[test]'.
@@ -261,19 +261,6 @@ def evenness(folder: Path, suffix: str) -> None:
     sheet(folder / f"evenness_refinement{suffix}", [row])
 
 
-def coherence(folder: Path, suffix: str) -> None:
-    """Results and sources for several values of `coherence`."""
-    rows = []
-    for name in some(("pebbles", "stone_wall")):
-        sample = load(name, 192)
-        row = [("sample", sample)]
-        for margin in (1.0, 2.0):
-            result = make(sample, 224, coherence=margin)
-            row += [(f"coherence {margin:g}", result.image), ("sources", result.draw("sources"))]
-        rows.append(row)
-    sheet(folder / f"coherence_refinement{suffix}", rows)
-
-
 def init(folder: Path, suffix: str) -> None:
     """What it starts from."""
     rows = []
@@ -344,7 +331,7 @@ def steps() -> Table:
 
 FIGURES = (
     fig4, fig5, fig6, fig7, fig8, recipe, fig9, fig10, fig11, fig12, fig13,
-    density, evenness, coherence, init,
+    density, evenness, init,
 )  # fmt: skip
 TABLES = (table1, steps)
 

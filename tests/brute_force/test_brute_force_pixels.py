@@ -37,10 +37,8 @@ def test_a_pixel_is_the_best_of_its_candidates(rng, monkeypatch):
     """On wrapped canvases, in holes, in later passes, of samples that tile or are masked."""
     exemplar = random_exemplar(rng, *rng.integers(14, 20, 2))
     canvas = random_canvas(rng, *rng.integers(2, 24, 2))
-    half, jumps = int(rng.integers(1, 4)), int(rng.choice([0, 0, 3]))
-    method = weftex.Ashikhmin(
-        window_width=2 * half + 1, passes=int(rng.integers(1, 4)), jumps=jumps
-    )
+    half = int(rng.integers(1, 4))
+    method = weftex.Ashikhmin(window_width=2 * half + 1, passes=int(rng.integers(1, 4)))
     holes = np.ones(canvas.shape, bool) if canvas.hole is None else canvas.hole
     pixel = tuple(rng.choice(np.argwhere(holes)).tolist())
     allowed, compared = {tuple(c) for c in centers_of(exemplar, half)}, []
@@ -75,7 +73,7 @@ def test_a_pixel_is_the_best_of_its_candidates(rng, monkeypatch):
                 found.add((int(v), int(u)) if (v, u) in allowed else None)
         places = [place_of(index) for index in self.candidates if index >= 0]
         assert found - {None} <= set(places) <= allowed
-        random = max(jumps, 8) if None in found or not found else jumps
+        random = 8 if None in found or not found else 0
         assert len(places) == len(found - {None}) + random
         apart = distances(exemplar, places, pixels, pixel, steps)
         chosen = places.index(place_of(growth.source[pixel]))
@@ -222,7 +220,7 @@ def test_wei_levoy_is_the_reference(rng):
     expected = reference.wei_levoy(exemplar.pixels, size, width, levels, 3, codewords, seed)
     several = {"start": "noise", "parent_width": 3} if levels > 1 else {}
     search = {"tree_size": codewords, "leaves": 1} if codewords else {"search": "full"}
-    method = weftex.WeiLevoy(window_width=width, levels=levels, most_windows=0, **several, **search)
+    method = weftex.WeiLevoy(window_width=width, levels=levels, **several, **search)
     assert np.array_equal(method.fit(exemplar).sample(size, seed=seed).source, expected.sources)
 
 
@@ -233,7 +231,7 @@ def test_a_pixel_has_the_nearest_neighborhood(rng, monkeypatch):
     canvas = random_canvas(rng, *rng.integers(8, 18, 2))
     half = int(rng.integers(1, 4))
     method = weftex.WeiLevoy(
-        window_width=2 * half + 1, levels=1, search="full", most_windows=0,
+        window_width=2 * half + 1, levels=1, search="full",
         passes=int(rng.integers(0, 2)),
     )  # fmt: skip
     holes = np.ones(canvas.shape, bool) if canvas.hole is None else canvas.hole

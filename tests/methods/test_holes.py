@@ -29,7 +29,6 @@ def test_structures_for_holes_are_not_kept(rng, search):
     ("method", "parameters"),
     [
         ("exact-matching", {}),
-        ("exact-matching", {"passes": 0}),
         ("exact-matching", {"window_width": 5}),
         ("refinement", {"window_width": 13}),
         ("refinement", {"window_width": 13, "init": "seeds"}),

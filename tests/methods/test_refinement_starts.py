@@ -158,25 +158,6 @@ def test_a_start_that_does_not_fit_is_refused_before_work():
         weftex.Refinement(init="quilting patch_size=99").fit(exemplar)
 
 
-def test_a_margin_for_places_that_nothing_looks_for_is_refused():
-    """Without similar places only seed points, holes and guides have any that continue nothing."""
-    pixels = weftex.load_exemplar("sample:pebbles").pixels[:64, :64].copy()
-    hole = np.pad(np.ones((20, 20), bool), 22)
-    guide = np.pad(np.zeros((64, 32), bool), ((0, 0), (0, 32)), constant_values=True)
-
-    def made(coherence, task=weftex.synthesize, on=40, **more):
-        given = {"similar": 0, "coherence": coherence, "iterations": 2}
-        result = task(pixels, on, method="refinement", seed=1, **given, **more)
-        return result.source.tolist()
-
-    for more in ({}, {"joints": 8}, {"joints": 8, "task": weftex.fill, "on": hole}):
-        with pytest.raises(weftex.InvalidInputError, match="coherence has no effect where similar"):
-            made(9.0, **more)
-    guided = {"guide": guide, "sample_guide": pixels[..., 0] > 120, "on": (64, 64)}
-    for more in ({"init": "seeds"}, {"task": weftex.fill, "on": hole}, guided):
-        assert made(9.0, **more) != made(1.0, **more)
-
-
 def test_more_matches_than_there_are_tiles_are_all():
     exemplar = weftex.Exemplar(noise((40, 40)))
     sources = [

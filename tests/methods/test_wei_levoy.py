@@ -35,18 +35,13 @@ def test_large_samples_are_thinned_out():
     vectors, places = pyramid_windows.window_vectors(exemplar, None, 3, 0, causal=False, most=200)
     assert vectors.shape == (200, 8) and len(set(places.tolist())) == 200
     assert set(places.tolist()) < set(every.tolist()) and (np.diff(places) > 0).all()
-    method = weftex.WeiLevoy(levels=1, window_width=3, most_windows=200)
-    assert set(method.fit(exemplar).sample(30, seed=1).index.ravel().tolist()) <= set(
-        pyramid_windows.window_vectors(exemplar, None, 3, 0, causal=True, most=200)[1].tolist()
-    )
 
 
 def test_the_full_search_looks_at_all_windows_of_large_samples():
-    """A tree is built over a part of them, unless another number is given."""
+    """A tree is built over a part of them."""
     large = weftex.Exemplar(noise((370, 370)))
     tree = weftex.WeiLevoy(levels=1, window_width=3)
     full = weftex.WeiLevoy(levels=1, window_width=3, search="full")
-    assert (tree.resolved(large).most_windows, full.resolved(large).most_windows) == (131072, 0)
     assert len(full.fit(large).prepared.trees.of(0, causal=True).rows) == 369 * 368
     assert len(tree.fit(large).prepared.trees.of(0, causal=True).rows) == 131072
 

@@ -61,7 +61,7 @@ def test_a_parameter_has_an_effect_or_is_refused(slug, given, boundary):
     assert not idle(slug, given, changes)
 
 
-@pytest.mark.parametrize("name", sorted(Refinement.belt_parameters - {"coherence"}))
+@pytest.mark.parametrize("name", sorted(Refinement.belt_parameters))
 def test_what_only_belts_take(name):
     """Belts of merged samples start from seeds, also where regions start from quilting."""
     given = {"window_width": 15, "iterations": 2}
@@ -79,14 +79,3 @@ def test_what_only_belts_take(name):
             method = Refinement(init="graphcut", **given)
             weftex.fuse(SAMPLES, MAPS[0].astype(int), method=method, boundary=boundary,
                         **{name: value})  # fmt: skip
-
-
-def test_a_margin_that_only_belts_have_a_use_for():
-    """Without similar places only what starts from seed points asks for it, and belts do."""
-    given = {"window_width": 15, "iterations": 2, "similar": 0}
-    one, other = (
-        made(0, "refinement", "merged", given | {"coherence": value}) for value in (1.0, 50.0)
-    )
-    assert not np.array_equal(one, other)
-    with pytest.raises(weftex.InvalidInputError, match="coherence has no effect where similar"):
-        made(0, "refinement", "cut", given | {"coherence": 50.0})

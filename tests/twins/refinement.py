@@ -307,7 +307,7 @@ def _sweep(
         costs = _known_distances(level, steps_away(picture, y, x, known), known, places)
         factors = {cell: factor(cell) for cell in {level.cell(place) for place in places}}
         for k, place in enumerate(places):
-            more = round(256 * method.coherence) if k >= near else 256
+            more = 512 if k >= near else 256
             costs[k] *= factors[level.cell(place)] * more // 256
         if level.guide:
             shown, theirs, heavy = level.guide

@@ -1,8 +1,8 @@
 """Synthesis by tree-structured vector quantization (Wei and Levoy, 2000).
 
 The random draws are those of `weftex.random.draw`, so the picture is that of the method
-`wei-levoy` byte by byte, with `most_windows=0`, `search="full"` (or `tree_size` and
-`leaves=1`) and, for several levels, `start="noise"`.
+`wei-levoy` byte by byte, with `search="full"` (or `tree_size` and `leaves=1`) and, for several
+levels, `start="noise"`.
 """
 
 from __future__ import annotations

@@ -61,13 +61,6 @@ class Ashikhmin(WindowedMethod):
         low=1,
         high=100,
     )
-    jumps: int | None = parameter(
-        None,
-        "number of random candidates for every pixel; more follow a guide better but break shapes",
-        low=0,
-        high=1000,
-        default_text="0; 1 with a guide",
-    )
     guide_weight: float = parameter(
         0.3,
         "weight of the guide against the pixels made so far; higher follows the guide more closely",
@@ -87,7 +80,7 @@ class Ashikhmin(WindowedMethod):
         return PixelModel(method, exemplar, Prepared(method, windows, guide), grow)
 
     def resolved(self, exemplar: Exemplar) -> Self:
-        """See `Method.resolved`; `jumps` depends on the canvas."""
+        """See `Method.resolved`."""
         return replace(
             self, window_width=square_width(self.window_width, exemplar, _PROPOSED_WIDTH)
         )
@@ -111,9 +104,8 @@ def grow(prepared: Prepared, growth: Growth) -> None:
     """Choose all pixels several times (section 3); those of a hole in layers from its border."""
     method, half = prepared.method, prepared.half
     guided = growth.canvas.guide is not None
-    jumps = int(guided) if method.jumps is None else method.jumps
     weight = method.guide_weight if guided else 0.0
-    choice = Choice(prepared.windows, half, prepared.guide, weight, jumps, growth)
+    choice = Choice(prepared.windows, half, prepared.guide, weight, growth)
     choice.progress = growth.progress(choice.count(method.passes), "pixels")
     if growth.hole is not None:
         layers = peeled(growth.hole, growth.canvas.wrap)

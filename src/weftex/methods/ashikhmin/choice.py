@@ -42,7 +42,6 @@ class Choice:
         half: int,
         guide: NDArray[np.uint8],
         guide_weight: float,
-        jumps: int,
         growth: Growth,
     ) -> None:
         self._windows, self._half, self.growth = windows, half, growth
@@ -50,10 +49,10 @@ class Choice:
         followed = np.zeros((1, 1, 1), np.uint8)
         if canvas.guide is not None:
             followed = growth.exemplar.as_guide(canvas.guide)
-        growth.about["jumps"] = jumps
-        self._tries = max(jumps, _REPLACEMENTS)
+        # One for each pixel that follows a guide, or only pieces that happen to be near could.
+        jumps = int(canvas.guide is not None)
         #: Flat indices of the last pixel's candidates, and what was there before.
-        self.candidates = np.empty((2 * half + 1) ** 2 + self._tries + 1, np.int32)
+        self.candidates = np.empty((2 * half + 1) ** 2 + _REPLACEMENTS + 1, np.int32)
         self._choice = kernels.PixelChoice(
             half, jumps, new_query(half, growth.pixels.shape[2]), self.candidates,
             followed, guide, round(_ONE * guide_weight),
@@ -73,7 +72,7 @@ class Choice:
         From pass `number` 1 on, a pixel's own source is a candidate too. `around` wraps windows
         along y even if the canvas does not wrap.
         """
-        growth, tries = self.growth, np.arange(self._tries)
+        growth, tries = self.growth, np.arange(_REPLACEMENTS)
         at_random = random_places(
             self._windows, growth.seed, "ashikhmin", number, line[:, None], tries
         )

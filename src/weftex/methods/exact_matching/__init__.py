@@ -53,7 +53,6 @@ class ExactMatching(WindowedMethod):
         "Computer Graphics Forum 26(2), 2007"
     )
     supports: ClassVar[frozenset[str]] = frozenset({"wrap", "known", "many"})
-    belt_parameters: ClassVar[frozenset[str]] = frozenset({"passes"})
 
     window_width: int | None = parameter(
         None,
@@ -111,9 +110,6 @@ class ExactMatching(WindowedMethod):
         high=12,
         default_text="1 for a given window width, holes or a small sample, else 3",
     )
-    passes: int = parameter(
-        2, "number of further passes over pixels that lie between known ones", low=0, high=100
-    )
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -126,9 +122,7 @@ class ExactMatching(WindowedMethod):
         return PixelModel(method, exemplar, prepare(method, exemplar), grow)
 
     def takes(self, name: str, canvas: Canvas | None = None) -> bool:
-        """See `Method.takes`: only what lies between known pixels is passed over again."""
-        if name == "passes" and canvas is not None:
-            return canvas.wrap[0] or canvas.hole is not None
+        """See `Method.takes`."""
         if name == "init" and canvas is not None and "known" in canvas.kinds:
             return self.repeat_distance is None  # which is all that it decides in a hole
         return super().takes(name, canvas)
@@ -142,10 +136,6 @@ class ExactMatching(WindowedMethod):
     def require(self, canvas: Canvas) -> None:
         """See `Method.require`."""
         super().require(canvas)
-        if self.passes != type(self).passes and not self.takes("passes", canvas):
-            raise InvalidInputError(
-                "passes has no effect without a hole or output that tiles from top to bottom"
-            )
         if self.init != type(self).init and not self.takes("init", canvas):
             raise InvalidInputError(
                 "init has no effect with known pixels beside repeat_distance; leave one out"

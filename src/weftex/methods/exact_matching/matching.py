@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from weftex.methods.pixels import Growth
 
 _MOST_NEIGHBORS = 8
+_PASSES = 2  # over pixels between known ones, after the first
 
 
 class Parents(NamedTuple):
@@ -173,8 +174,7 @@ class Matching:
         Beyond the paper: windows reach to all sides, and all eight neighbors are direct ones.
         """
         unknown = self.sheet.done == 0
-        passes = self._method.passes
-        progress = self._growth.progress(int(unknown.sum()) * (1 + passes), "pixels")
+        progress = self._growth.progress(int(unknown.sum()) * (1 + _PASSES), "pixels")
         for layer in peeled(unknown, self.sheet.wrap):
             # Nothing else is left to chance here, unless colors are few.
             bits = draw(self._growth.seed, "exact layer", layer)
@@ -182,7 +182,7 @@ class Matching:
             progress.advance(len(layer))
         order = np.flatnonzero(unknown).astype(np.int32)
         lines = np.split(order, np.flatnonzero(np.diff(order // unknown.shape[1])) + 1)
-        for number in range(passes):
+        for number in range(_PASSES):
             self._begin_pass()
             for line in lines:
                 self.make(line, f"exact pass {number}")

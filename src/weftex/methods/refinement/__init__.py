@@ -59,9 +59,7 @@ class Refinement(WindowedMethod):
         "planting, iterative refinement"
     )
     supports: ClassVar[frozenset[str]] = frozenset({"wrap", "known", "guide", "many"})
-    belt_parameters: ClassVar[frozenset[str]] = frozenset(
-        {"seed_scale", "seed_density", "matches", "coherence"}
-    )
+    belt_parameters: ClassVar[frozenset[str]] = frozenset({"seed_scale", "seed_density", "matches"})
 
     window_width: int | None = parameter(
         None,
@@ -131,14 +129,6 @@ class Refinement(WindowedMethod):
         high=32,
         needs=("search", ("coherent",)),
     )
-    coherence: float = parameter(
-        2.0,
-        "how many times better a similar pixel must match than a coherent one; higher "
-        "keeps larger pieces",
-        low=1.0,
-        high=100.0,
-        needs=("search", ("coherent",)),
-    )
     evenness: float = parameter(
         1.0,
         "penalty for overused parts of the sample; higher uses the sample more evenly",
@@ -184,20 +174,9 @@ class Refinement(WindowedMethod):
         prepared = prepare(method, exemplar, starts, by_canvas=self.init == "auto")
         return RefinementModel(method, exemplar, prepared, texture_synthesis)
 
-    def takes(self, name: str, canvas: Canvas | None = None) -> bool:
-        """See `Method.takes`: the margin is for places like coherent ones, and for seeds' first."""
-        if name == "coherence" and canvas is not None and not self.similar:
-            free = self.joints is None and {"known", "guide"} & {*canvas.kinds}
-            return self.init == "seeds" or bool(free)
-        return super().takes(name, canvas)
-
     def require(self, canvas: Canvas) -> None:
         """See `Method.require`."""
         super().require(canvas)
-        if self.coherence != type(self).coherence and not self.takes("coherence", canvas):
-            raise InvalidInputError(
-                "coherence has no effect where similar is 0, unless init is 'seeds'"
-            )
         if canvas.guide is not None and self.search == "nearest":
             raise InvalidInputError("search is 'nearest', which follows no guide; use 'coherent'")
         if canvas.guide is not None and self.joints is not None:

@@ -186,12 +186,6 @@ class Prepared:
         width: int | None = self.method.joints
         return width or 0
 
-    @property
-    def margin(self) -> int:
-        """In 1/256, factor on the distance to a candidate that is similar to a coherent one."""
-        margin: int = round(ONE * self.method.coherence)
-        return margin
-
 
 def prepare(
     method: Any, exemplar: Exemplar, starts: dict[str, Model], *, by_canvas: bool

@@ -26,6 +26,9 @@ _TRIED_IN_ALL = 2**23  # comparisons of the first sweep with places of the whole
 _TRIED_AT_LEAST = 64  # of these, at each pixel
 _EVENNESS = 4 * ONE  # weight on the coarsest level
 _ROOM = 2  # a part of the sample may be used so many times as often as all others
+#: How many times better a similar place must match than a coherent one: 1 breaks grain into tiny
+#: pieces, 4 changes the start little.
+_MARGIN = 2 * ONE
 _BESIDE = 10  # a pixel's own place, where its eight neighbors' go on, and one for none
 
 
@@ -91,7 +94,7 @@ class CoherentSweep:
         self._bundles = (
             _picture(output, output.wrap),
             _sample(level),
-            kernels.Sources(level, prepared.margin, usage),
+            kernels.Sources(level, _MARGIN, usage),
             kernels.GuidePair(guide, everywhere, new_query(level.reach, guide.output.shape[2])),
             new_query(level.reach, output.pixels.shape[2]),
             np.zeros(_BESIDE * (1 + level.similar.shape[1]), np.int32),

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from weftex.methods.pixels import Growth
     from weftex.search.windows import Windows
 
-_TREES_WINDOWS = 2**17  # a tree over more takes long and hundreds of megabytes
+_TREES_WINDOWS = 2**17  # at most, of each level
 
 
 @dataclass(frozen=True)
@@ -97,12 +97,6 @@ class WeiLevoy(WindowedMethod):
         low=1,
         needs=("search", ("tsvq",)),
     )
-    most_windows: int | None = parameter(
-        None,
-        "maximum number of windows searched on each level, drawn at random; 0 is all",
-        low=0,
-        default_text=f"{_TREES_WINDOWS} with a tree, all with the full search",
-    )
     passes: int = parameter(
         0,
         "number of further passes over all pixels, which compare windows on all sides",
@@ -135,12 +129,14 @@ class WeiLevoy(WindowedMethod):
         """Build the pyramid and, for each level, the tree."""
         method = self.resolved(exemplar)
         assert method.levels and method.window_width
-        assert method.parent_width is not None and method.most_windows is not None
+        assert method.parent_width is not None
         samples = sample_pyramid(exemplar, method.levels)
-        # A tree of one leaf is an exhaustive search.
-        tree_size = 1 if method.search == "full" else method.tree_size
+        # A tree of one leaf is an exhaustive search, of all windows; another tree takes long, and
+        # hundreds of megabytes, over many, so it has a part of them drawn at random.
+        full = method.search == "full"
+        tree_size, most = (1, 0) if full else (method.tree_size, _TREES_WINDOWS)
         widths = method.window_width, method.parent_width
-        trees = Trees(samples, *widths, tree_size, method.most_windows)
+        trees = Trees(samples, *widths, tree_size, most)
         windows = windows_of(exemplar, (0, 0, 0, 0))
         return PixelModel(method, exemplar, Prepared(method, windows, samples, trees), synthesize)
 
@@ -153,12 +149,7 @@ class WeiLevoy(WindowedMethod):
         levels, width, parent_width = levels_and_widths(
             exemplar, self.levels, self.window_width, self.parent_width
         )
-        most = self.most_windows
-        if most is None:
-            most = 0 if self.search == "full" else _TREES_WINDOWS
-        return replace(
-            self, levels=levels, window_width=width, parent_width=parent_width, most_windows=most
-        )
+        return replace(self, levels=levels, window_width=width, parent_width=parent_width)
 
 
 @dataclass(frozen=True, eq=False)
