@@ -103,8 +103,7 @@ class GraphCut(Method):
     )
     seam_cost: str = parameter(
         "gradient",
-        "cost of a seam: the color difference, or the difference divided by gradients, so "
-        "that edges hide seams",
+        "cost of a seam: the color difference, or that divided by gradients, so edges hide seams",
         choices=("gradient", "difference"),
     )
     refinements: float | None = parameter(
