@@ -18,7 +18,7 @@ import numpy as np
 
 from weftex.method import Method, Model
 from weftex.parameters import parameter
-from weftex.results.pixels import PixelSynthesis
+from weftex.results.synthesis import Synthesis
 
 
 @dataclass(frozen=True)
@@ -44,14 +44,9 @@ class ShiftedModel(Model):
         height, width = self.exemplar.shape
         y, x = np.indices(canvas.shape)
         x = x + y // height * self.method.shift + seed
-        index = (y % height * width + x % width).astype(np.int32)
-        return PixelSynthesis(
-            canvas,
-            index,
-            sample_shape=self.exemplar.shape,
-            exemplar=self.exemplar,
-            provenance=self.method.describe() | {"seed": seed},
-        )
+        source = np.stack([y % height, x % width], axis=2)
+        about = self.method.describe() | {"seed": seed}
+        return Synthesis.from_source(canvas, source, self.exemplar, about)
 '''
 
 

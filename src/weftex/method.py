@@ -96,7 +96,7 @@ class Model(ABC):
     def make(
         self, canvas: Canvas, seed: int, threads: int, progress: ProgressCallback | None
     ) -> Synthesis:
-        """What a model defines: `sample`, once its arguments are checked."""
+        """Make one output: `sample` checks the arguments and calls this. A model defines it."""
 
     def require(self, canvas: Canvas) -> None:
         """Refuse a canvas that the method does not do, or on which a chosen parameter is idle."""
@@ -126,7 +126,7 @@ class Model(ABC):
             Yield (C, H, W), as PyTorch takes images, instead of (H, W, C); gray images are
             (1, H, W) then.
         threads : int, optional
-            Number of images that are made at a time, in one thread each.
+            Maximum number of images made at the same time, each in one thread.
 
         Yields
         ------
@@ -224,7 +224,11 @@ class Model(ABC):
 
 @dataclasses.dataclass(frozen=True)
 class Method(ABC):
-    """Base of all methods; its fields are declared with `parameter`.
+    """Base of all methods: a frozen dataclass whose fields are parameters.
+
+    A method of your own sets `slug`, its name; `title`; `paper`, its reference; and `supports`, a
+    frozenset of "wrap" (tileable output), "known" (holes), "guide", "many" (several samples) and
+    "random_access" (windows). Other canvases are refused.
 
     Raises
     ------
@@ -311,7 +315,7 @@ class Method(ABC):
 
     @abstractmethod
     def fit_exemplar(self, exemplar: Exemplar) -> Model:
-        """What a method defines: `fit`, once the sample is an `Exemplar`."""
+        """Return the model of a sample: `fit` loads it and calls this. A method defines it."""
 
     def resolved(self, exemplar: Exemplar) -> Self:
         """Return this method with every parameter that was left open (None) chosen for a sample.

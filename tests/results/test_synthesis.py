@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 import weftex
-from families import BLENDS
+from families import BLENDS, noise
 from laid import SAMPLE, filled, make
+from weftex.canvas import Canvas
 from weftex.errors import InvalidInputError
 
 
@@ -145,3 +146,22 @@ def test_maps_come_along():
 def test_results_can_be_pickled():
     result = make("cut")
     assert np.array_equal(pickle.loads(pickle.dumps(result)).image, result.image)
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        (lambda source: source[:5], r"source is int64 \(5, 8, 2\); it must be integer \(6, 8, 2\)"),
+        (lambda source: source / 2, "source is float64"),
+        (lambda source: source - 1, "lies outside the sample, which is 10x9"),
+        (lambda source: source + 3, "lies outside the sample, which is 10x9"),
+    ],
+)
+def test_sources_of_ones_own_are_checked(change, message):
+    sample = weftex.Exemplar(noise((9, 10, 3)))
+    source = np.stack(np.indices((6, 8)), axis=2) + [1, 0]
+    made = weftex.Synthesis.from_source(Canvas(6, 8), source, sample, {"seed": 4})
+    assert np.array_equal(made.image, sample.pixels[1:7, :8])
+    assert np.array_equal(made.source, source) and made.provenance == {"seed": 4}
+    with pytest.raises(InvalidInputError, match=message):
+        weftex.Synthesis.from_source(Canvas(6, 8), change(source), sample)

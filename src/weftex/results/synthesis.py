@@ -37,7 +37,7 @@ _BAND = 256  # rows whose layers are in memory at once
 class Synthesis(Displayable, ABC):
     """A result: its image, its maps, and the sample pixels that they come from.
 
-    Functions and models return it; programs only create one with `load`.
+    Functions and models return it. `load` reads one from a file; `from_source` makes one.
 
     Parameters
     ----------
@@ -177,7 +177,18 @@ class Synthesis(Displayable, ABC):
         """Where each pixel comes from: (H, W, 2), row and column in the sample.
 
         Where patches are blended, the source with the largest share. Both numbers are -1 for a
-        known pixel that is not in the sample. Turned copies count as the sample itself.
+        known pixel that is not in the sample: leave these out before you index with them. Pixels of
+        a rotated or mirrored copy have their place in the sample itself. With a `tone_reach`,
+        `image` differs slightly from the sample at these places.
+
+        Examples
+        --------
+        >>> import numpy as np, weftex
+        >>> labels = np.arange(192 * 192).reshape(192, 192) // 5000
+        >>> result = weftex.synthesize("sample:pebbles", 64, method="quilting", seed=7)
+        >>> row, column = np.moveaxis(result.source, 2, 0)
+        >>> labels[row, column].shape
+        (64, 64)
         """
         return in_first_copy(self.pictured_source(), self.turn, self.copy_shape)
 
@@ -235,16 +246,18 @@ class Synthesis(Displayable, ABC):
         Parameters
         ----------
         other : Exemplar or array, optional
-            The map, of the sample's size or an integer multiple or fraction of it, with any dtype
-            and number of channels; by default the sample itself.
+            The map, of the sample's size or an integer multiple or fraction of it, of uint8,
+            uint16, float32 or float64 with any number of channels; by default the sample itself.
+            For labels of other dtypes, index them with `source`.
         background : array, optional
             For a filled hole whose surroundings are not part of the sample: these surroundings, in
             `other`'s dtype and channels.
         window : (top, left, height, width), optional
             Render only this part, in output pixels.
         role : str, optional
-            What an array shows, such as "normal"; else it is blended as plain numbers. Give none
-            with an `Exemplar`, which has its own role.
+            What an array shows: "color", "normal", "height", "roughness" or another name that the
+            page of file formats lists. Without a role it is blended as plain numbers. An `Exemplar`
+            has its own role: give none with it.
 
         Returns
         -------
@@ -389,6 +402,58 @@ class Synthesis(Displayable, ABC):
             raise InvalidInputError(
                 f"Pillow has no {dtype} images of shape {shape}; save('out.tif') keeps them"
             ) from None
+
+    @classmethod
+    def from_source(
+        cls,
+        canvas: Canvas,
+        source: NDArray[Any],
+        exemplar: Exemplar,
+        provenance: dict[str, Any] | None = None,
+    ) -> Synthesis:
+        """Make a result from the source of each pixel, as a method of your own does.
+
+        Parameters
+        ----------
+        canvas : Canvas
+            Size and wrapping of the output; it has no hole.
+        source : int array (H, W, 2)
+            Row and column in the sample.
+        exemplar : Exemplar
+            The sample.
+        provenance : dict, optional
+            Method, parameters and seed, for people and files.
+
+        Raises
+        ------
+        InvalidInputError
+            If the array has another shape or dtype, a source lies outside the sample, or the canvas
+            has a hole.
+
+        Examples
+        --------
+        >>> import numpy as np, weftex
+        >>> sample = weftex.load_exemplar("sample:pebbles")
+        >>> upside_down = np.moveaxis(np.indices((64, 64))[:, ::-1], 0, 2)
+        >>> result = weftex.Synthesis.from_source(weftex.Canvas(64, 64), upside_down, sample)
+        >>> bool((result.image == sample.pixels[:64, :64][::-1]).all())
+        True
+        """
+        from weftex.results.pixels import PixelSynthesis
+
+        if canvas.hole is not None:
+            raise InvalidInputError("the canvas has a hole; it must have none")
+        found, (height, width) = np.asarray(source), exemplar.shape
+        if found.shape != (*canvas.shape, 2) or found.dtype.kind not in "iu":
+            raise InvalidInputError(
+                f"source is {found.dtype} {found.shape}; it must be integer {(*canvas.shape, 2)}"
+            )
+        if ((found < 0) | (found >= (height, width))).any():
+            raise InvalidInputError(f"source lies outside the sample, which is {width}x{height}")
+        index = (found[..., 0] * width + found[..., 1]).astype(np.int32)
+        return PixelSynthesis(
+            canvas, index, sample_shape=exemplar.shape, exemplar=exemplar, provenance=provenance
+        )
 
     @classmethod
     def load(
