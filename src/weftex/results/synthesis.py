@@ -439,8 +439,6 @@ class Synthesis(Displayable, ABC):
         >>> bool((result.image == sample.pixels[:64, :64][::-1]).all())
         True
         """
-        from weftex.results.pixels import PixelSynthesis
-
         if canvas.hole is not None:
             raise InvalidInputError("the canvas has a hole; it must have none")
         found, (height, width) = np.asarray(source), exemplar.shape
@@ -450,9 +448,14 @@ class Synthesis(Displayable, ABC):
             )
         if ((found < 0) | (found >= (height, width))).any():
             raise InvalidInputError(f"source lies outside the sample, which is {width}x{height}")
-        index = (found[..., 0] * width + found[..., 1]).astype(np.int32)
-        return PixelSynthesis(
-            canvas, index, sample_shape=exemplar.shape, exemplar=exemplar, provenance=provenance
+        index: Any = (found[..., 0] * width + found[..., 1]).astype(np.int32)
+        kind = next(kind for kind in cls._KINDS if kind.ARRAYS.keys() == {"index"})
+        return kind(
+            canvas,
+            index=index,
+            sample_shape=exemplar.shape,
+            exemplar=exemplar,
+            provenance=provenance,
         )
 
     @classmethod
