@@ -448,15 +448,10 @@ class Synthesis(Displayable, ABC):
             )
         if ((found < 0) | (found >= (height, width))).any():
             raise InvalidInputError(f"source lies outside the sample, which is {width}x{height}")
-        index: Any = (found[..., 0] * width + found[..., 1]).astype(np.int32)
+        index = (found[..., 0] * width + found[..., 1]).astype(np.int32)
+        own: dict[str, Any] = {"index": index, "provenance": provenance}
         kind = next(kind for kind in cls._KINDS if kind.ARRAYS.keys() == {"index"})
-        return kind(
-            canvas,
-            index=index,
-            sample_shape=exemplar.shape,
-            exemplar=exemplar,
-            provenance=provenance,
-        )
+        return kind(canvas, sample_shape=exemplar.shape, exemplar=exemplar, **own)
 
     @classmethod
     def load(
