@@ -83,7 +83,7 @@ class Definition:
     """All that the pixels of a plane depend on, and the blocks that its files are made of.
 
     `stems` are the names of files of maps, see `stores`. `reason` says why "auto" chose the
-    method.
+    method, with its notes, a line each.
     """
 
     exemplar: Exemplar
@@ -265,7 +265,8 @@ def define(
     given = made.model.window(0, 0, 1, 1, seed=number, period=period).provenance
     if chosen.slug != AUTO:
         return made
-    return replace(made, method=_method(given["method"], given), reason=given["reason"])
+    reason = "\nnote: ".join([given["reason"], *given.get("warnings", ())])
+    return replace(made, method=_method(given["method"], given), reason=reason)
 
 
 def period_of(shape: tuple[int, int], wrap: tuple[bool, bool]) -> tuple[int, int] | None:
