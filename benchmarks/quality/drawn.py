@@ -10,9 +10,20 @@ from collections.abc import Callable
 
 import numpy as np
 from numpy.typing import NDArray
-from shapes import MANY, Floats, Vectors, Whole, between, cells, grain, nearest, smooth, tones
-
-Drawn = tuple[Floats, Vectors]  # levels of a spread of about 1, and the truth
+from paving import PAVING
+from shapes import (
+    MANY,
+    Drawn,
+    Floats,
+    Vectors,
+    between,
+    cells,
+    fibers,
+    grain,
+    nearest,
+    smooth,
+    tones,
+)
 
 # What repeats along two directions.
 
@@ -172,7 +183,7 @@ def boards(x: Floats, y: Floats, rng: np.random.Generator) -> Drawn:
     start = rng.uniform(0, 1, MANY)[row % MANY]
     length = rng.uniform(180, 500)
     k, aside = between(x + 9 * length * start, length, row, 0.15 * length, rng)
-    levels = tones(rng, k, row, spread=rng.uniform(0.2, 0.7)) + 0.5 * _fibers(x, y, rng, row)
+    levels = tones(rng, k, row, spread=rng.uniform(0.2, 0.7)) + 0.5 * fibers(x, y, rng, row)
     levels[np.minimum(above, aside) < rng.uniform(0.7, 2)] -= rng.uniform(1, 3)
     return levels, ((0, high),)
 
@@ -258,7 +269,7 @@ def wood(x: Floats, y: Floats, rng: np.random.Generator) -> Drawn:
     bent = smooth(rng.standard_normal(x.shape), (30, 120))
     phase = y / rng.uniform(6, 30) + rng.uniform(0.3, 3) * bent
     rings = np.interp(phase, np.arange(-50, 250), rng.standard_normal(300))
-    return rings[..., None] + 0.6 * _fibers(x, y, rng), ()
+    return rings[..., None] + 0.6 * fibers(x, y, rng), ()
 
 
 def any_courses(x: Floats, y: Floats, rng: np.random.Generator) -> Drawn:
@@ -279,20 +290,12 @@ def cracks(x: Floats, y: Floats, rng: np.random.Generator) -> Drawn:
     return np.minimum(abs(made), 0.8)[..., None] * 3 * np.ones(3), ()
 
 
-def _fibers(x: Floats, y: Floats, rng: np.random.Generator, row: Whole | int = 0) -> Floats:
-    """Fine lines along x, each board with its own."""
-    made = smooth(rng.standard_normal((1024, 1024)), (1, rng.uniform(20, 80)))
-    i, j = (np.rint(2 * c).astype(np.int64) for c in (y, x))
-    found: Floats = made[(i + 97 * row) % 1024, (j + 389 * row) % 1024][..., None] * np.ones(3)
-    return found
-
-
 KINDS: dict[str, Callable[[Floats, Floats, np.random.Generator], Drawn]] = {
     one.__name__.replace("_", " "): one
     for one in (
         bricks, uneven_bricks, tiles, panels, hexagons, dots, scales, weave, checks, pattern,
         in_turn, basket, mesh, boards, courses, ribs, shingles,
-        stones, clouds, leaves, wood, any_courses, cracks,
+        stones, clouds, leaves, wood, any_courses, cracks, *PAVING,
     )
 }  # fmt: skip
 

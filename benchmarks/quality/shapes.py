@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 Floats = NDArray[np.float64]
 Whole = NDArray[np.int64]
 Vectors = tuple[tuple[float, float], ...]
+Drawn = tuple[Floats, Vectors]  # levels of a spread of about 1, and the truth
 
 MANY = 512  # cells a side whose jitters and tones are drawn; more wrap around
 
@@ -91,3 +92,11 @@ def nearest(
             first = np.where(closer, far, first)
             i, j = np.where(closer, p, i), np.where(closer, q, j)
     return i, j, first, second
+
+
+def fibers(x: Floats, y: Floats, rng: np.random.Generator, row: Whole | int = 0) -> Floats:
+    """Fine lines along x, each board with its own."""
+    made = smooth(rng.standard_normal((1024, 1024)), (1, rng.uniform(20, 80)))
+    i, j = (np.rint(2 * c).astype(np.int64) for c in (y, x))
+    found: Floats = made[(i + 97 * row) % 1024, (j + 389 * row) % 1024][..., None] * np.ones(3)
+    return found

@@ -33,6 +33,7 @@ from weftex.analysis.pairs import (
     reach_of,
     reduced,
 )
+from weftex.analysis.prediction import predicting
 from weftex.analysis.rows import find_rows, ridges
 from weftex.analysis.tiles import alternating, made_of, settled, stand_out
 
@@ -126,14 +127,12 @@ def pair_candidates(fields: Autocorrelations) -> list[Evidence]:
     """
     found: list[Evidence] = []
     for field in (fields.field, fields.white):
-        tried = rated_pairs(field, "contrast")
-        best = highest(tried)
+        best = highest(rated_pairs(field, "contrast"))
         if best is None:
             continue
         whitened = field is fields.white
         # In the whitened sample threads are clear, and checks are made of them.
-        larger = [] if whitened else [vectors for vectors, _ in tried]
-        one = evidence_of(fields, settled(field, best, larger))
+        one = evidence_of(fields, settled(field, best))
         found.append(one if whitened else _of_checks(fields, best, one))
     return found
 
@@ -178,6 +177,12 @@ def better_pair(fields: Autocorrelations, pairs: Sequence[Evidence]) -> Evidence
         errors = stand_out(fields.white, second.vectors, times, reach)[1]
         return first if errors > _ERRORS else second
     return second if second.clear > first.clear else first
+
+
+def predicted(fields: Autocorrelations, one: Evidence) -> Evidence | None:
+    """Return the pair, or one of a larger tile, that maps joints onto joints; None without."""
+    vectors = predicting(fields, one.vectors)
+    return None if vectors is None else replace(one, vectors=vectors)
 
 
 def with_alternation(fields: Autocorrelations, one: Evidence) -> Evidence:

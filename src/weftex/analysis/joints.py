@@ -85,7 +85,7 @@ class Joints:
         self._coarser: dict[int, Joints] = {}
         self.y, self.x = (np.arange(side) - (side - 1) / 2 for side in inner.shape)
 
-    def coarser(self, side: int) -> Joints:
+    def coarser(self, side: float) -> Joints:
         """Return the edges averaged over squares, about `side` of them a side."""
         step = max(1, round(max(self.inner.shape) / side))
         if step == 1 or min(self.inner.shape) < step:
@@ -129,7 +129,8 @@ class Joints:
         return found
 
 
-def _joints_of(flat: Relief) -> Joints:
+def joints_of(flat: Relief) -> Joints:
+    """Return the edges of a relief, computed once."""
     if flat not in _TAKEN:
         _TAKEN[flat] = Joints(flat)
     return _TAKEN[flat]
@@ -147,7 +148,7 @@ def find_courses(flat: Relief, across: Floats | None = None) -> Courses | None:
     """Return the rows with the best evidence of joints, right or not."""
     if min(flat.usable.shape) < _CLOSEST * (_FEWEST + 1):
         return None
-    joints = _joints_of(flat)
+    joints = joints_of(flat)
     coarse, fine = (joints.coarser(side) for side in _SIDES)
     best, angle, distance = 0.0, 0.0, 0.0
     turns = _COARSE
@@ -177,7 +178,7 @@ def find_courses(flat: Relief, across: Floats | None = None) -> Courses | None:
 
 def rated(flat: Relief, vector: Floats) -> Courses:
     """Return the evidence of joints for rows with a given vector."""
-    return _rated(_joints_of(flat).coarser(_SIDES[1]), vector)
+    return _rated(joints_of(flat).coarser(_SIDES[1]), vector)
 
 
 def checked(flat: Relief, vectors: Floats) -> Courses | None:

@@ -23,6 +23,7 @@ from weftex.analysis.candidates import (
     evidence_of,
     lattice_of_rows,
     pair_candidates,
+    predicted,
     row_candidate,
     with_alternation,
 )
@@ -214,9 +215,16 @@ def _by_contrast(fields: Autocorrelations) -> Evidence | None:
         if best is not None and LEAST <= best.confidence < CLEAR and best.kind != "stripes":
             best = checked_by_rows(fields, best)
         if best is not None and best.confidence >= LEAST:
-            return with_alternation(fields, best) if len(best.vectors) == 2 else best
+            if len(best.vectors) == 1:
+                return best
+            best = predicted(fields, best)
+            if best is not None:
+                return with_alternation(fields, best)
         rows = _rows(fields)
-        return None if rows is None else lattice_of_rows(fields, rows)
+        if rows is None:
+            return None
+        best = lattice_of_rows(fields, rows)
+        return best if best is rows else predicted(fields, best) or rows
 
 
 def _rows(fields: Autocorrelations) -> Evidence | None:

@@ -28,8 +28,6 @@ from weftex.analysis.pairs import (
 )
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
     from numpy.typing import NDArray
 
     from weftex.analysis.autocorrelations import Field
@@ -43,8 +41,6 @@ _LOWER = 0.1  # a gap below which the smaller tile is as good
 _REFIT = 2.0  # times that, below which the smaller tile is fitted and tested again
 _UNSURE = (0.35, 4.0)  # a gap below which it is too, if it is of fewer standard errors
 _HIGHER = ((0.2, 5.0), (0.15, 20.0))  # gaps, and standard errors, above which the larger is better
-_TURNED = (0.2, 10.0)  # the same, of tiles of more than three, of which there are many more
-_MOST_TURNED = 18  # smaller tiles in one whose parts turn
 _OFF = 0.15  # of a vector, that multiples of smaller tiles may be off a larger one
 _OWN = 6  # multiples that the larger tile must have for that
 _NEAR = 0.3  # pixels from a whole shift within which the smaller tile's multiples are compared
@@ -57,12 +53,9 @@ _SLOPES = 100  # tiles whose mean says how it changes when moved
 _ALIKE = 0.85  # correlation of the difference between halves, from which it is one
 
 
-def settled(field: Field, vectors: Floats, tried: Sequence[Floats]) -> Floats:
-    """Return the tile of the sample by two vectors, after division and multiples.
-
-    `tried` are pairs of which a larger tile may be one; none where parts do not turn.
-    """
-    return _turned(field, _multiply(field, _divide(field, vectors)), tried)
+def settled(field: Field, vectors: Floats) -> Floats:
+    """Return the tile of the sample by two vectors, after division and multiples."""
+    return _multiply(field, _divide(field, vectors))
 
 
 def _divide(field: Field, vectors: Floats) -> Floats:
@@ -107,23 +100,6 @@ def _multiply(field: Field, vectors: Floats) -> Floats:
                     larger = reduced(whole @ vectors)
                     return fitted(field, larger)
     return vectors
-
-
-def _turned(field: Field, vectors: Floats, tried: Sequence[Floats]) -> Floats:
-    """The larger tile whose own multiples have the highest peaks, if there is one.
-
-    Blocks of bricks that turn, as in a basket weave, match their neighbors in part; so the bricks
-    are found, and two blocks are four to eighteen of them.
-    """
-    reach, best, surest = reach_of(field, vectors, MOST_MULTIPLES), vectors, _TURNED[1]
-    for larger in tried:
-        whole = made_of(larger, vectors)
-        if whole is None or not 3.5 < abs(np.linalg.det(whole)) < _MOST_TURNED + 0.5:
-            continue
-        gap, errors, count = stand_out(field, vectors, whole, reach)
-        if gap > _TURNED[0] and errors > surest and count >= _OWN:
-            best, surest = reduced(larger), errors
-    return best
 
 
 def made_of(larger: Floats, smaller: Floats) -> Floats | None:
