@@ -75,7 +75,7 @@ def fit_pca(windows: NDArray[np.uint8], variance: float = _VARIANCE) -> ZonePCA:
         for start in range(0, count, 8192):
             part = windows[:, start : start + 8192].astype(np.float32)
             raw[:, start : start + 8192] = weights @ part
-    return ZonePCA(basis, *coordinates_of(raw))
+        return ZonePCA(basis, *coordinates_of(raw))
 
 
 def main_components(
