@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import numbers
 from dataclasses import dataclass
 from fractions import Fraction
@@ -41,7 +42,7 @@ if TYPE_CHECKING:
 
 __all__ = ["Atlas", "atlas", "corner_colors"]
 
-_USUAL, _LEAST = 256, 32  # pixels a side of a tile
+_USUAL, _LEAST, _FINEST = 256, 32, 24  # pixels a side of a tile; of a belt at the coarsest level
 #: Colors by which editors show corner colors.
 _SHOWN = ((0xD0, 0x43, 0x3B), (0x3B, 0x7D, 0xD0), (0x4C, 0xA8, 0x4C))
 _TIMES = np.array([0x8DA6B343, 0xD8163841, 0xCB1AB31F], np.uint32)
@@ -246,7 +247,9 @@ def atlas(
     if not vectors and not has_joint_network(exemplar):
         exemplar, found = _without_landmarks(exemplar, belt_of(size))
     if is_auto(chosen):
-        chosen = make_method("graphcut", WHOLE | ({"lattice": vectors} if vectors else {}))
+        halvings = int(math.log2(max(1, belt_of(size) / _FINEST)))
+        fine = {"halvings": halvings, "refinements": 1.0}
+        chosen = make_method("graphcut", WHOLE | ({"lattice": vectors} if vectors else fine))
     else:
         hole = np.pad(np.ones([side - belt_of(size) for side in size], bool), belt_of(size))
         usable = np.ones(exemplar.shape, bool) if exemplar.mask is None else exemplar.mask
@@ -383,16 +386,13 @@ def _godot_tileset(index: dict[str, Any], image: str) -> str:
         row, column = divmod(tile["id"], index["columns"])
         at = f"{column}:{row}/0"
         lines += [f"{at} = 0", f"{at}/terrain_set = 0", f"{at}/terrain = {tile['corners'][0]}"]
-        lines += [
-            f"{at}/terrains_peering_bit/{side}_corner = {color}"
-            for side, color in zip(sides, tile["corners"], strict=True)
-        ]
+        bits = zip(sides, tile["corners"], strict=True)
+        lines += [f"{at}/terrains_peering_bit/{side}_corner = {color}" for side, color in bits]
     lines += ["", "[resource]", f"tile_size = Vector2i({across}, {down})", "terrain_set_0/mode = 1"]
     for number in range(index["colors"]):
-        red, green, blue = (round(part / 255, 3) for part in _SHOWN[number])
-        terrain = f"terrain_set_0/terrain_{number}"
-        lines += [f'{terrain}/name = "Corner {number}"']
-        lines += [f"{terrain}/color = Color({red}, {green}, {blue}, 1)"]
+        color = ", ".join(str(round(part / 255, 3)) for part in _SHOWN[number])
+        lines += [f'terrain_set_0/terrain_{number}/name = "Corner {number}"']
+        lines += [f"terrain_set_0/terrain_{number}/color = Color({color}, 1)"]
     return "\n".join([*lines, 'sources/0 = SubResource("atlas")', ""])
 
 
