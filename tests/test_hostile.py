@@ -138,10 +138,7 @@ CALLS = {
     "Canvas guide": (lambda v: weftex.Canvas(12, 13, guide=v), ("None",)),
     "Canvas origin": (lambda v: weftex.Canvas(12, 13, origin=v), ()),
     "Canvas known_from": (
-        lambda v: (
-            weftex.fill
-            and synth(size=weftex.Canvas(12, 13, known=PICTURE, hole=HOLE, known_from=v))
-        ),
+        lambda v: synth(size=weftex.Canvas(12, 13, known=PICTURE, hole=HOLE, known_from=v)),
         ("None",),
     ),
     "fit": (lambda v: weftex.Quilting().fit(v), ()),
