@@ -76,7 +76,7 @@ def test_the_rule(findings, canvas, method, reason):
     [
         (TILES, 160, "quilting", "do not fit a tileable 160x160"),
         (ROWS, 160, "graphcut", "do not fit a tileable 160x160"),
-        (ROWS, 482, "near-regular", "has rows 46 px apart"),
+        (ROWS, 482, "graphcut", "do not fit a tileable 482x482"),
         (TILES, 512, "near-regular", "confidence 0.87"),
     ],
 )

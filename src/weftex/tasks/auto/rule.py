@@ -81,7 +81,9 @@ def _regular(findings: Findings, canvas: Canvas) -> Choice | None:
     if strain > _STIFF and len(full) > 1:
         vectors = four_numbers(full[1])
         strain, given = CanvasLattice(vectors, canvas).strain, {"lattice": vectors}
-    refused = strain > (_STIFF if len(full) > 1 else VISIBLE_STRAIN)
+    # Rows that are stretched break; entire samples keep them, but take longer.
+    stiff = len(full) > 1 or (len(lattice.vectors) == 1 and _quickly_cut(canvas))
+    refused = strain > (_STIFF if stiff else VISIBLE_STRAIN)
     notes = strain_notes(vectors, canvas)
     if refused:
         because = f"{because}, and its repeats do not fit a tileable {_size(canvas.shape)}"
