@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float64]
 
 _COARSE = 20.0  # pixels of the shorter vector, from which 2x2 pixels are averaged against grain
-_CLOSE = 9.0  # pixels of the shorter vector, below which multiples between pixels look unequal
+_CLOSE = 9.0  # pixels of the shorter vector, below which nothing is tested
 _REACH = 0.7  # of a side: the farthest shift
 _FAR = 24  # multiples of a vector that are compared
 _SIDE = 12  # rows to each side whose multiples are averaged
@@ -44,9 +44,15 @@ _ROUNDS = 3  # larger tiles of larger tiles, at most
 
 
 def predicting(fields: Autocorrelations, vectors: Floats) -> Floats | None:
-    """Return the vectors, or those of a larger tile, if they map edges onto edges, else None."""
-    edges = Edges(fields.flat, float(np.hypot(*vectors.T).min()))
-    for _ in range(_ROUNDS if np.hypot(*vectors.T).min() >= _CLOSE else 0):
+    """Return the vectors, or those of a larger tile, if they map edges onto edges, else None.
+
+    Places between multiples of very short vectors are too close to tell.
+    """
+    shortest = float(np.hypot(*vectors.T).min())
+    if shortest < _CLOSE:
+        return vectors
+    edges = Edges(fields.flat, shortest)
+    for _ in range(_ROUNDS):
         whole = edges.larger_tile(vectors / edges.step)
         if whole is None:
             break
