@@ -12,7 +12,7 @@ import re
 from pathlib import Path
 from typing import Any
 
-from griffe import Class, Docstring, Extension, Object
+from griffe import Class, Docstring, Extension, Function, Object
 
 #: A line of a section that names several parameters, and what is said about them.
 SHARED = re.compile(r"^(\w+(?:, (?:\*\*)?\w+)+)( :.*)?\n((?: +\S.*(?:\n|$)|\n(?= ))+)", re.M)
@@ -59,6 +59,13 @@ class Readable(Extension):
         """Split shared lines and keep powers."""
         if obj.docstring:
             obj.docstring.value = PROSE.sub(readable, SHARED.sub(split, obj.docstring.value))
+
+    def on_function(self, *, func: Function, **_: Any) -> None:
+        """Show the values of defaults that are constants."""
+        for parameter in func.parameters:
+            if re.fullmatch(r"_?[A-Z][A-Z_]+", str(parameter.default)):
+                module = importlib.import_module(func.module.path)
+                parameter.default = repr(getattr(module, str(parameter.default)))
 
     def on_class(self, *, cls: Class, **_: Any) -> None:
         """List the parameters of a method, with plain defaults in its signature."""

@@ -87,6 +87,13 @@ class Model(ABC):
             Maximum number of threads; one for each processor by default.
         progress : callable, optional
             See `weftex.progress.ProgressCallback`.
+
+        Raises
+        ------
+        UnsupportedError, InvalidInputError
+            If the method cannot make such an output, or a parameter has no effect on it.
+        CancelledError
+            If `progress` returned False.
         """
         canvas = as_canvas(size, tileable)
         self.require(canvas)

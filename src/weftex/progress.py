@@ -17,7 +17,8 @@ ProgressCallback = Callable[[int, int, str, Callable[[], Any]], object] | Litera
 """A function ``progress(done, total, stage, render)``, or True for a progress bar.
 
 `done` of `total` steps of a `stage` are finished, and ``render()`` returns the image so far. If the
-function returns False, the work stops with `weftex.CancelledError`; any other value continues.
+function returns False, the work stops with `weftex.CancelledError`; any other value continues. An
+analysis and a fit come first, and call `weftex.progress.listening` instead.
 """
 
 PAUSE = 0.2  # seconds from one drawing to the next
@@ -151,16 +152,20 @@ _listener: ContextVar[ProgressCallback | None] = ContextVar("listener", default=
 
 @contextmanager
 def listening(callback: ProgressCallback | None) -> Iterator[None]:
-    """Report analyses and fits within the block to a callback, in percent of each.
+    """Call a function with the percentage of each analysis and fit that runs within the block.
+
+    The `progress` of a task counts only the synthesis that follows them. Some fits are so fast that
+    they report nothing, and a percentage may end below 100.
 
     Parameters
     ----------
     callback : callable, optional
-        See `ProgressCallback`; its `render` returns None here.
+        See `ProgressCallback`; its `render` returns None here, and False stops the work too.
 
     Examples
     --------
     >>> import weftex
+    >>> from weftex.progress import listening
     >>> with listening(lambda done, total, stage, render: None):
     ...     found = weftex.analyze("sample:weave")
     """

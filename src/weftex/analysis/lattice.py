@@ -57,7 +57,10 @@ _LEAST_ROWS = 0.6  # confidence of rows that are reported: drawn rubble had up t
 
 @dataclass(frozen=True)
 class Lattice:
-    """Translations under which a material looks the same; iterating it gives x1, y1, x2, y2.
+    """Translations under which a material looks the same.
+
+    Methods take it as `lattice`, like the tuple (x1, y1, x2, y2), which iterating it gives: of one
+    vector, the second is one pixel along the rows.
 
     Attributes
     ----------
@@ -243,16 +246,24 @@ def _plain(vectors: NDArray[np.float64]) -> tuple[Vector, ...]:
 
 @dataclass(frozen=True)
 class Rated:
-    """A lattice or rows, and how good it is by section 3.3 of the thesis.
+    """A lattice or rows, and its rating by section 3.3 of the thesis.
 
-    Of rows the mean is how far the ridges of the correlation are above what is between them,
-    without the highest, and n is the number of ridges.
+    Attributes
+    ----------
+    vectors : tuple of (float, float)
+        The shortest vectors (x, y) in pixels; one of rows.
+    goodness : float
+        Goodness, eq. 3.22; 0 if a vector has no significant multiple.
+    mean : float
+        Mean correlation at the multiples, eq. 3.24; of rows the mean height of the ridges.
+    multiples : int
+        Number of multiples with a significant overlap, n of eq. 3.22; of rows that of the ridges.
     """
 
-    vectors: tuple[tuple[float, float], ...]  # the shortest (x, y) in pixels; one of rows
-    goodness: float  # of eq. 3.22; 0 if a vector has no significant multiple
-    mean: float  # of eq. 3.24: the correlation for "height", what stands for it otherwise
-    multiples: int  # n of eq. 3.22: those whose overlap is significant
+    vectors: tuple[tuple[float, float], ...]
+    goodness: float
+    mean: float
+    multiples: int
 
 
 def rate_lattices(

@@ -41,9 +41,9 @@ class Exemplar(Displayable):
         uint8, uint16, float32 or float64; any number of channels. Copied, never rescaled. The
         mask of a NumPy masked array is the opposite: True where not usable.
     maps : mapping of str to array or Exemplar, optional
-        Aligned maps (normal, roughness, height …), of any dtype and channel count; of the same
-        height and width, or an integer multiple or fraction of both. They take part in matching,
-        so that no map shows seams. An array's role follows from its name.
+        Aligned maps (normal, roughness, height …), of any of these dtypes, any number of channels,
+        and the same height and width, or an integer multiple or fraction of both. They take part in
+        matching, so that no map shows seams. An array's role follows from its name.
     mask : bool array (H, W), optional
         True where a pixel may be used; everywhere by default.
     guide : array (H, W) or (H, W, C), optional
@@ -66,6 +66,8 @@ class Exemplar(Displayable):
 
     Attributes
     ----------
+    pixels : array (H, W) or (H, W, C)
+        The pixels.
     shape : tuple of int
         Height and width in pixels.
     maps : dict of str to array

@@ -32,7 +32,8 @@ class PlaneFile:
     path : str
         The file.
     part : (int, int), optional
-        Number and count, if a process makes only a part of the full-resolution blocks.
+        Number, from 1, and count, if a process makes only a part of the full-resolution blocks, as
+        with `--part` of the command line; `stream` always makes all.
     """
 
     definition: Definition

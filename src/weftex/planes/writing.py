@@ -66,7 +66,7 @@ def stream(
     """Write an image of any size to a file, block by block.
 
     To resume an interrupted run, call it again with the same arguments. The bytes are those of an
-    uninterrupted run. `threads` and `progress` may differ.
+    uninterrupted run. Only `threads` and `progress` may differ.
 
     Parameters
     ----------
@@ -82,7 +82,8 @@ def stream(
     seed : int, numpy Generator or None
         The same seed gives the same bytes. None takes the seed of an interrupted run, or draws one.
     block : int
-        Side of the blocks in pixels, a power of two from 64 to 4096; it changes no pixel.
+        Side of the blocks in pixels, a power of two from 64 to 4096; it changes no pixel. To resume
+        a run, give the same.
     restart : bool
         Delete what an earlier run wrote, and start again.
     threads : int, optional

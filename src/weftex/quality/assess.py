@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from weftex.errors import InvalidInputError, shown
-from weftex.exemplar import Exemplar
+from weftex.exemplar import Exemplar, load_exemplar
 from weftex.exemplar.turns import as_it_was
 from weftex.quality.appearance import color_distance, patch_distance, sharpness
 from weftex.quality.figures import FIGURES
@@ -21,6 +21,8 @@ from weftex.results.synthesis import Synthesis
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
+
+    from weftex.exemplar import Sample
 
 
 LARGEST_MEASURED = 2048
@@ -44,19 +46,35 @@ class Assessment:
 
     Attributes
     ----------
-    uneven, patches, broken, color, autocorrelation, lattice, seams, sharpness : float or None
-        The measures of these names.
+    uneven : float or None
+        How unevenly the parts of the sample are used: 0 is evenly, above 1 a few parts only. It
+        matches windows with the sample, so it needs no source map.
+    patches : float or None
+        Whether small patches look as in the sample; 1 is as similar as two halves of the sample.
+    broken : float or None
+        Whether features are whole, in the same unit.
+    color : float or None
+        Whether colors occur as often as in the sample, in the same unit.
+    autocorrelation : float or None
+        Whether it resembles itself at short shifts as the sample does, in the same unit.
+    lattice : float or None
+        Share of the sample's repetition that is left, 0 to 1.
+    seams : float or None
+        Strength of unexplained steps; 1 is as in the sample.
+    sharpness : float or None
+        Strength of the finest detail, relative to the sample's.
     patch_scales : tuple of float
         `patches` at each of its scales, finest first.
     color_difference : float or None
         The distance between both color distributions, before it is divided for `color`.
     wrap : float or None
-        The measure of this name; it needs a tileable result.
+        Share of the border that shows a seam; only of a tileable result.
     flags : tuple of str
         Names of the measures beyond their limits, worst first.
     score : float or None
         Predicted preference of a viewer: 0 is the sample itself, lower is better. If two scores
-        differ by d, a share of 1 / (1 + exp(-d)) of viewers prefers the lower one.
+        differ by d, a share of 1 / (1 + exp(-d)) of viewers prefers the lower one. 4 to 5 is
+        typical of good results.
     """
 
     uneven: float | None = None
@@ -99,7 +117,7 @@ class Assessment:
 
 
 def assess(
-    sample: Exemplar | NDArray[Any],
+    sample: Sample,
     result: Synthesis | NDArray[Any],
     *,
     tileable: bool | tuple[bool, bool] | None = None,
@@ -111,7 +129,7 @@ def assess(
 
     Parameters
     ----------
-    sample : Exemplar or array
+    sample : path, array, PIL image or Exemplar
         The sample that the result was made from. Pixels outside its mask do not count.
     result : Synthesis or array (H, W) or (H, W, C)
         The result, of the sample's dtype and channels.
@@ -138,7 +156,7 @@ def assess(
     >>> good.score < bad.score, bad.patches > 5 * good.patches
     (True, True)
     """
-    exemplar = sample if isinstance(sample, Exemplar) else Exemplar(sample)
+    exemplar = load_exemplar(sample)
     pixels, wrap = _checked(exemplar, result, tileable)
     scorer = Scorer(as_it_was(exemplar))
     own, whole = scorer.own, scorer.view(pixels)

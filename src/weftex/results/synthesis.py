@@ -38,6 +38,7 @@ class Synthesis(Displayable, ABC):
     """A result: its image, its maps, and the sample pixels that they come from.
 
     Functions and models return it. `load` reads one from a file; `from_source` makes one.
+    ``np.asarray(result)`` is its image.
 
     Parameters
     ----------

@@ -84,7 +84,7 @@ class Analysis:
     scale : float
         Size of the features, such as pebbles or bricks, in pixels.
     confidence : float
-        Confidence of the scale, 0 to 1.
+        Confidence of the scale, 0 to 1. The lattice has its own, `lattice.confidence`.
     scale_source : {"lattice", "period", "things", "none"}
         What the scale was measured by: lattice, strongest period, or size of single features.
     spectrum : tuple of Band
@@ -92,7 +92,8 @@ class Analysis:
     regularity : float
         Correlation of the sample with itself after its best shift; 1 is an exact tiling.
     lattice : Lattice or None
-        Vectors after which the sample repeats, and their confidence. Methods take it as `lattice=`.
+        Vectors after which the sample repeats, and their confidence. `GraphCut`, `NearRegular` and
+        `BestTile` take it as `lattice=`; `Auto` finds it itself.
     ratings : Ratings
         Ratings of the lattice and of others.
     border_steps : (float, float)
@@ -201,9 +202,10 @@ def analyze(
     sample : path, array, PIL image or Exemplar
         The material; see `weftex.load_exemplar`.
     lattice : Lattice, (x1, y1, x2, y2) or str, optional
-        Also rate this lattice. A vector of one pixel is the direction of rows.
+        Also rate this lattice. For rows, one vector is the step from row to row, and the other, of
+        one pixel, the direction of the rows.
     runners_up : int
-        Number of other lattices to list, 0 to 24.
+        Number of other lattices to list, 0 to 24; 3 by default.
 
     Returns
     -------

@@ -107,6 +107,8 @@ def fill(
         If the method does not fill holes.
     FileError
         If a file cannot be read.
+    CancelledError
+        If `progress` returned False.
 
     Examples
     --------

@@ -108,6 +108,8 @@ def fuse(
         another size, or a value is out of range.
     UnsupportedError
         If the method cannot fuse.
+    CancelledError
+        If `progress` returned False.
 
     Examples
     --------

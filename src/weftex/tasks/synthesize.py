@@ -94,6 +94,8 @@ def synthesize(
         If the method cannot do this task, such as following a guide.
     FileError
         If the sample cannot be read.
+    CancelledError
+        If `progress` returned False.
 
     Examples
     --------

@@ -68,6 +68,8 @@ def tile(
         If the border leaves less than it changes, or no axis is named.
     FileError
         If the photo cannot be read.
+    CancelledError
+        If `progress` returned False.
 
     Examples
     --------

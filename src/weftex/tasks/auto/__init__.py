@@ -44,7 +44,10 @@ _ENDLESS = 2**15, 2**15
 
 @dataclass(frozen=True)
 class Auto(Method):
-    """The method that suits the sample and the canvas best.
+    """Chooses the method that suits the sample and the canvas.
+
+    `fit` analyzes the sample once. Each `sample` chooses a method for its canvas, and fits it if no
+    earlier one did.
 
     Examples
     --------
