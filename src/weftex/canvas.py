@@ -50,8 +50,8 @@ class Canvas:
         Image that the output follows. It is compared with the sample's guide if there is one (see
         `Exemplar`), else with the sample's pixels, and has their dtype and channels.
     shown : int32 array (H, W), optional
-        For a block of a plane: flat index into the sample of each pixel that exists already, else
-        -1. Methods may start from it inside the hole.
+        For a block of an endless plane: the source of each pixel that another block made, as
+        row * width + column in the sample; -1 for others. Methods may start from it in the hole.
 
     Raises
     ------
@@ -133,7 +133,7 @@ class Canvas:
 
     @property
     def kinds(self) -> tuple[str, ...]:
-        """What it asks of a method: "wrap", "known" (pixels), "guide", "random_access" (a window).
+        """The kinds of output that it needs, as in `Method.supports`: "wrap", "known" and others.
 
         Examples
         --------

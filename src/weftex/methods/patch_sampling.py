@@ -28,7 +28,7 @@ class PatchSampling(PatchMethod):
 
     Patches of the sample are pasted in scan order. Each is drawn at random from those whose
     boundary zone matches the overlap with the patches before within a tolerance, and blended into
-    it. `sample_by_patches` has the steps.
+    it.
 
     Examples
     --------

@@ -22,7 +22,7 @@ class Quilting(PatchMethod):
 
     Blocks of the sample are pasted in scan order. Each is picked from those whose overlap with the
     blocks before is within a tolerance of the best one's, and cut along the path through the
-    overlap where they differ least. `quilt` has the steps.
+    overlap where they differ least.
 
     Examples
     --------

@@ -42,10 +42,11 @@ def ashikhmin(
 
     Notes
     -----
-    The paper leaves open what the first rows are compared with: here with random pixels above them,
-    which are those of the last rows before these are made; nothing if the output is no higher
-    than the window. A place of the sample is valid if the whole square around it lies in it. Of
-    equal distances the candidate of the latest neighbor wins, and a random one last.
+    Rows wrap around: the last rows start as random pixels, with which the first rows are compared.
+    If the output is no higher than the window, they are compared with nothing. The paper wraps
+    columns too, and this function does not. The whole square around a candidate lies in the
+    sample. Candidates are tried from the last neighbor in scan order to the first, then random
+    ones; of equal distances the first wins.
 
     Examples
     --------
