@@ -121,7 +121,6 @@ class _Packer:
                             "the map normal_dx"
                         )
                     channel = None if one.name == other else one.channels.index(other)
-                    self._check_channels(key, one)
                     part = Part(role, key, channel, reverse)
                     self._check_map(part)
                     return part
@@ -138,21 +137,18 @@ class _Packer:
         self.notes.append(f"{role} is missing, so it is {value:g} everywhere in {stem}")
         return Part(role, value=value)
 
-    def _check_channels(self, key: str, role: Role) -> None:
-        """Refuse a packed map that lacks channels."""
-        found = sum(self.pictures[key].pixels.shape[2:]) or 1
-        if found < len(role.channels):
-            raise InvalidInputError(
-                f"{key} has {found} channel{'s'[: found > 1]}, and {role.name} packs "
-                f"{', '.join(role.channels)}; rename it, or save it with all of them"
-            )
-
     def _check_map(self, part: Part) -> None:
         """Refuse normals that are none, and data whose channels differ."""
         like, shows = self.pictures[part.source], ROLES[part.role]
         pixels = like.pixels
         path = show(os.path.basename(like.path) or part.source)
         colors = (1 if pixels.ndim == 2 else pixels.shape[2]) - like.alpha
+        packs = self.roles[part.source]
+        if colors < len(packs.channels):
+            raise InvalidInputError(
+                f"{path} has {colors} channel{'s'[: colors > 1]}, and {packs.name} packs "
+                f"{', '.join(packs.channels)}; rename it, or save it with all of them"
+            )
         if shows.kind == "normal":
             if colors != 3:
                 raise InvalidInputError(

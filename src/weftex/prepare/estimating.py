@@ -193,8 +193,8 @@ def _height(exemplar: Exemplar, invert: bool) -> Floats:
 def _roughness(exemplar: Exemplar) -> Floats:
     """Return a guess: more where detail of two pixels is strong."""
     bright = _brightness(exemplar)
-    detail = abs(bright - _blurred(bright, _FINE, exemplar.tileable))
-    strong = _blurred(detail, _AROUND, exemplar.tileable)
+    detail = abs(bright - blurred(bright, _FINE, exemplar.tileable))
+    strong = blurred(detail, _AROUND, exemplar.tileable)
     low, high = np.quantile(strong, _ENDS)
     share = np.clip((strong - low) / (high - low), 0, 1) if high > low else 0 * strong
     found: Floats = _ROUGH + _ROUGHER * share
@@ -218,10 +218,10 @@ def _surface(exemplar: Exemplar) -> Floats:
     """Return brightness without noise and slow light."""
     bright = _brightness(exemplar)
     wide = min(exemplar.shape) / _LIGHT
-    return _blurred(bright, _GRAIN, exemplar.tileable) - _blurred(bright, wide, exemplar.tileable)
+    return blurred(bright, _GRAIN, exemplar.tileable) - blurred(bright, wide, exemplar.tileable)
 
 
-def _blurred(values: Floats, deviation: float, wraps: bool) -> Floats:
+def blurred(values: Floats, deviation: float, wraps: bool = False) -> Floats:
     """Return values blurred by a Gaussian, wrapped or mirrored at the borders."""
     margins = [0 if wraps else min(int(3 * deviation) + 1, side) for side in values.shape]
     padded = np.pad(values, [(margin, margin) for margin in margins], "symmetric")

@@ -9,6 +9,7 @@ from numpy.polynomial.legendre import leggrid2d, legvander2d
 
 from weftex.errors import InvalidInputError, shown
 from weftex.exemplar import Exemplar, load_exemplar
+from weftex.prepare.estimating import blurred
 from weftex.raster.boxes import cell_sums
 from weftex.raster.levels import to_light, to_stored
 
@@ -111,7 +112,7 @@ def _step(logs: Floats, sigma: float) -> tuple[Floats, Floats, float] | None:
     border is blurred as it fits best. None unless they differ as shadows do.
     """
     mean = logs.mean(axis=0)
-    smooth = np.round(_blurred(mean, sigma), 9)
+    smooth = np.round(blurred(mean, sigma), 9)
     cut = np.sort(smooth, axis=None)  # at Otsu's threshold
     below, number = np.cumsum(cut)[:-1], np.arange(1, cut.size)
     apart = below / number - (cut.sum() - below) / (cut.size - number)
@@ -120,7 +121,7 @@ def _step(logs: Floats, sigma: float) -> tuple[Floats, Floats, float] | None:
         if not _LEAST < dark.mean() < 1 - _LEAST:
             return None
         off = (mean - mean[dark].mean()) ** 2 - (mean - mean[~dark].mean()) ** 2
-        before, dark = dark, np.round(_blurred(off, sigma), 9) < 0
+        before, dark = dark, np.round(blurred(off, sigma), 9) < 0
         if (before == dark).all():
             break
     border = sum(int((np.diff(dark, axis=axis)).sum()) for axis in (0, 1))
@@ -137,35 +138,23 @@ def _step(logs: Floats, sigma: float) -> tuple[Floats, Floats, float] | None:
 
     found = []
     for width in _PENUMBRAS:
-        share = _blurred(dark.astype(np.float64), width)
+        share = blurred(dark.astype(np.float64), width)
         factors, off = fitted(np.concatenate([share.reshape(-1, 1), slow], axis=1))
         found.append((share, np.round(-factors[0], 6), off))
     share, depths, off = min(found, key=lambda one: round(float((one[2] ** 2).sum()), 6))
-    left = [_blurred(one, _COARSE * 2 / 3).var() for one in (off, fitted(slow)[1])]
+    left = [blurred(one, _COARSE * 2 / 3).var() for one in (off, fitted(slow)[1])]
     sky = _BLUER < depths[0] - depths[-1] < depths.mean()  # whose light is what shadows get
     if depths.min() < _DEPTH or left[0] > left[1] / 2 or not sky:
         return None
     return np.round(share, 6), depths, float(depths.mean() / max(off.std(), 1e-9))
 
 
-def _blurred(values: Floats, sigma: float) -> Floats:
-    """Return values (H, W) blurred by a Gaussian that ends at the borders."""
-    away = (np.subtract.outer(np.arange(n), np.arange(n)) / sigma for n in values.shape)
-    down, across = (np.exp(-0.5 * one**2) for one in away)
-    down, across = (one / one.sum(axis=1, keepdims=True) for one in (down, across))
-    found: Floats = down @ values @ across.T
-    return found
-
-
 def _enlarged(cells: Floats, side: int, shape: tuple[int, ...]) -> Floats:
     """Return values of cells, of `side` pixels, between their centers for each pixel."""
     for axis, length in enumerate(shape):
-        place = (np.arange(length) + 0.5) / side - 0.5
-        place = place.clip(0, cells.shape[axis] - 1)
-        low = place.astype(int)
-        high = np.minimum(low + 1, cells.shape[axis] - 1)
-        part = (place - low)[:, None] if axis == 0 else place - low
-        cells = cells.take(low, axis) * (1 - part) + cells.take(high, axis) * part
+        centers = side * (np.arange(cells.shape[axis]) + 0.5)
+        at = np.arange(length) + 0.5
+        cells = np.apply_along_axis(lambda line: np.interp(at, centers, line), axis, cells)  # noqa: B023
     return cells
 
 
