@@ -58,7 +58,7 @@ class SleepyModel(Model):
     def __init__(self, method, exemplar):
         self.method, self.exemplar = method, exemplar
 
-    def sample(self, size, *, progress=None, **how):
+    def make(self, canvas, seed, threads, progress):
         steps = Progress(progress, 1000, "steps", lambda: self.exemplar.pixels)
         for _ in range(1000):
             time.sleep(0.02)
