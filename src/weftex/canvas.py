@@ -6,16 +6,14 @@ import numbers
 import operator
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from weftex.errors import InvalidInputError, shown
 from weftex.exemplar import Exemplar
 from weftex.raster.arrays import as_mask, check_guide, check_pixels
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
 
 __all__ = ["Canvas", "as_canvas"]
 

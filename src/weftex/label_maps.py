@@ -9,17 +9,15 @@ import math
 import numbers
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from weftex.errors import InvalidInputError
 from weftex.exemplar import load_exemplar
 from weftex.random import draw
 from weftex.raster.arrays import check_pixels
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
 
 __all__ = ["Gradient"]
 

@@ -10,16 +10,13 @@ from __future__ import annotations
 import numbers
 import os
 from functools import lru_cache
-from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from weftex.errors import InvalidInputError, shown
 
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    Seed = int | np.random.Generator | None
+Seed = int | np.random.Generator | None
 
 __all__ = ["draw", "seed_number"]
 

@@ -9,12 +9,10 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from functools import cached_property
 from importlib import import_module
-from typing import TYPE_CHECKING, Any
+from importlib.metadata import EntryPoint
+from typing import Any
 
 from weftex.errors import InvalidInputError, did_you_mean, shown
-
-if TYPE_CHECKING:
-    from importlib.metadata import EntryPoint
 
 _GROUP = "weftex.methods"
 

@@ -7,16 +7,12 @@ the same everywhere along a row is taken off, and what is left comes back piece 
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
+from numpy.typing import NDArray
 
 from weftex.analysis.pairs import PHASES
 
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    Floats = NDArray[np.float64]
+Floats = NDArray[np.float64]
 
 _ROWS = 3  # rows away that are compared
 _ACROSS = 0.08  # of the distance of rows, that courses may be off

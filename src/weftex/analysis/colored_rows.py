@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from weftex.analysis.canvas_lattice import CanvasLattice
 from weftex.raster.boxes import sums_along
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
 
 _SLANT = 0.1  # of rows that are still taken for level, or upright
 _SHARE = (2, 5)  # of the variance of colors, from which rows keep their color; boards 0.5 to 0.8

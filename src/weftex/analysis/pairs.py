@@ -11,20 +11,16 @@ half and a third of the way between them.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from weftex.analysis.autocorrelations import Field, Peaks, fit_vectors
 
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from numpy.typing import NDArray
-
-    Floats = NDArray[np.float64]
+Floats = NDArray[np.float64]
 
 SHORTEST = 3.0  # pixels; a shorter vector is grain
 MOST_MULTIPLES = 24  # multiples of each vector that are rated

@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 from weakref import WeakKeyDictionary
 
 import numpy as np
+from numpy.typing import NDArray
 
 from weftex.exemplar import Exemplar
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
 
 _LARGEST_SIDE = 1024  # pixels a side; more are averaged together first
 #: Cached, as scale, lattice, regularity and evenness of one sample use the same.

@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 from abc import abstractmethod
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from weftex.raster.levels import scale_to_bytes, to_bytes
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
 
 LARGEST = 1024  # pixels a side; of a larger picture every second, third, ... pixel is shown
 

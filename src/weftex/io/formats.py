@@ -6,17 +6,15 @@ import os
 import re
 import zlib
 from dataclasses import dataclass
-from typing import IO, TYPE_CHECKING, Any
+from typing import IO, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from weftex.errors import FileError, InvalidInputError, printable, shown
 from weftex.io.png import SIGNATURE
 
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    StrPath = str | os.PathLike[str]
+StrPath = str | os.PathLike[str]
 
 __all__ = ["FORMATS", "kind_of", "suffix_of", "written_as"]
 

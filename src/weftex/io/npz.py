@@ -7,18 +7,15 @@ import json
 import math
 import os
 import stat
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
-from typing import IO, TYPE_CHECKING, Any
+from typing import IO, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from weftex.errors import FileError
 from weftex.io.formats import path_text, show
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping
-
-    from numpy.typing import NDArray
 
 __all__ = ["DamageError", "one_line_errors", "open_npz", "open_regular", "write_npz"]
 

@@ -6,9 +6,10 @@ import os
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from weftex.errors import InvalidInputError
 from weftex.io.formats import FORMATS, suffix_of, written_as
@@ -19,12 +20,9 @@ from weftex.raster.mixing import middle_of, opposite, vectors_of
 from weftex.roles import ROLES
 from weftex.threads import in_turn, thread_count
 
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    Pixels = NDArray[Any]
-    #: Pixels by the names of maps.
-    PixelsOf = Callable[[str], Pixels]
+Pixels = NDArray[Any]
+#: Pixels by the names of maps.
+PixelsOf = Callable[[str], Pixels]
 
 
 class Part(NamedTuple):

@@ -25,9 +25,10 @@ import os
 from collections.abc import Collection, Iterator
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from weftex.errors import FileError, InvalidInputError, WeftexError, did_you_mean, shown
 from weftex.io import temporary as temporaries
@@ -56,10 +57,7 @@ from weftex.io.png import read_density, write_png
 from weftex.raster.arrays import as_array
 from weftex.threads import thread_count
 
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    StrPath = str | os.PathLike[str]
+StrPath = str | os.PathLike[str]
 
 __all__ = [
     "MAX_PIXELS",

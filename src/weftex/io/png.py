@@ -10,14 +10,12 @@ import base64
 import io
 import struct
 import zlib
-from typing import IO, TYPE_CHECKING, Any
+from typing import IO, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from weftex.threads import in_turn
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
 
 __all__ = ["data_url", "png_bytes"]
 

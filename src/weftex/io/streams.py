@@ -10,16 +10,13 @@ import re
 import shutil
 import sys
 import tempfile
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager, redirect_stdout
-from typing import TYPE_CHECKING
 
 from weftex.errors import FileError, InvalidInputError
 from weftex.io import temporary
 from weftex.io.formats import SIGNATURES, file_error
 from weftex.io.pictures import MAX_PIXELS
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
 
 #: Options whose value is written, and what `-` stands for there; `-.exr` names another format.
 _WRITTEN = dict.fromkeys(("-o", "--output", "--overlay"), ".png")

@@ -3,23 +3,20 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from html import escape
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from weftex import Assessment, Exemplar, Synthesis, assess, load_exemplar
 from weftex.errors import InvalidInputError, shown
 from weftex.pages.html import Page, document, number, parameters, pictures, small, table
 from weftex.quality import FIGURES, LARGEST_MEASURED, SCORE, as_shown, fault_maps, real_crops
 
-if TYPE_CHECKING:
-    from collections.abc import Collection, Mapping
-
-    from numpy.typing import NDArray
-
-    Bytes = NDArray[np.uint8]
+Bytes = NDArray[np.uint8]
 
 _CAPTIONS = {
     "broken": (

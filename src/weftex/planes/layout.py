@@ -7,20 +7,18 @@ reads at once. All maps of a set have the same blocks, of more or fewer pixels.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from weftex.errors import InvalidInputError, shown
 
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-
-    #: (level, row, column) of a block.
-    Place = tuple[int, int, int]
-    #: (top, left, height, width) in pixels of a level.
-    Window = tuple[int, int, int, int]
+#: (level, row, column) of a block.
+Place = tuple[int, int, int]
+#: (top, left, height, width) in pixels of a level.
+Window = tuple[int, int, int, int]
 
 TILE = 512
 SMALLEST_BLOCK, LARGEST_BLOCK = 64, 4096

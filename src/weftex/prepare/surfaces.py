@@ -3,18 +3,16 @@
 from __future__ import annotations
 
 import numbers
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+from numpy.typing import DTypeLike, NDArray
 
 from weftex.errors import InvalidInputError, shown
 from weftex.raster.arrays import check_pixels
 from weftex.raster.mixing import middle_of, stored, vectors_of
 
-if TYPE_CHECKING:
-    from numpy.typing import DTypeLike, NDArray
-
-    Floats = NDArray[np.float64]
+Floats = NDArray[np.float64]
 
 _STEEPEST = 0.05  # the least z of a normal; below it, slopes are 20
 _MOST = 1000  # pixels of relief

@@ -2,18 +2,14 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
+from numpy.typing import NDArray
 
 from weftex.quality.view import View, some
 from weftex.raster.boxes import centered_sums
 
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    Floats = NDArray[np.float32]
-    Model = tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]
+Floats = NDArray[np.float32]
+Model = tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]
 
 _REACH = 3  # steps before and after that predict one
 _ROWS = 2  # lines above and below

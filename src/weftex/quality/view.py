@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import Any, TypeVar
 
 import numpy as np
+from numpy.typing import NDArray
 
 from weftex.analysis.correlation import correlate
 from weftex.errors import InvalidInputError
@@ -16,12 +18,7 @@ from weftex.raster.arrays import check_pixels
 from weftex.raster.boxes import centered_sums, whole_windows
 from weftex.raster.pyramids import gaussian_pyramid, mask_pyramid
 
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from numpy.typing import NDArray
-
-    Floats = NDArray[np.float64]
+Floats = NDArray[np.float64]
 
 Kind = TypeVar("Kind", bound=np.generic)
 

@@ -6,14 +6,12 @@ Normal maps store vectors, whose parts from -1 to 1 are numbers around a middle.
 from __future__ import annotations
 
 from enum import IntEnum
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    Floats = NDArray[np.float64]
+Floats = NDArray[np.float64]
 
 _STRIP = 256  # rows that are halved at once
 _SEEN = 4096  # pixels that say whether a picture stores vectors

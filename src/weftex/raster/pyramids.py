@@ -12,12 +12,8 @@ two or more apart on the finest; those that belong together are a phase, a pictu
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
+from numpy.typing import NDArray
 
 _STARTS = ((0, 0), (0, 1), (1, 0), (1, 1))
 

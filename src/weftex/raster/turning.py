@@ -2,20 +2,18 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from weftex.raster.mixing import Kind, mixing_of, opposite
 from weftex.roles import COLOR, Role
 
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    #: How often a copy is turned to the left by a quarter, after it was mirrored or not.
-    Copy = tuple[int, bool]
-    #: Top, left, height and width.
-    Box = tuple[int, int, int, int]
+#: How often a copy is turned to the left by a quarter, after it was mirrored or not.
+Copy = tuple[int, bool]
+#: Top, left, height and width.
+Box = tuple[int, int, int, int]
 
 __all__ = ["gap_of"]
 

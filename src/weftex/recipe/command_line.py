@@ -5,15 +5,14 @@ from __future__ import annotations
 import os
 import shlex
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from weftex.errors import InvalidInputError
 from weftex.recipe.declared import GRADIENT, MATERIAL, PREPARATION, SEED, TASKS
 from weftex.recipe.fields import Fields, checked_material
 from weftex.recipe.options import PICTURE, Option, plain
 
-if TYPE_CHECKING:
-    Words = Sequence[str]
+Words = Sequence[str]
 
 
 def json_of(

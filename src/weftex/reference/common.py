@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from weftex.errors import InvalidInputError, shown
 from weftex.random import draw
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
 
 
 class Made(NamedTuple):

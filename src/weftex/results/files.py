@@ -4,19 +4,16 @@ from __future__ import annotations
 
 import math
 import os
+from collections.abc import Mapping
 from dataclasses import asdict, dataclass, fields
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from weftex.canvas import MAX_PIXELS
 from weftex.io.npz import MOST_FACTS, DamageError, open_npz, write_npz
 from weftex.raster.turning import gap_of
-
-if TYPE_CHECKING:
-    from collections.abc import Mapping
-
-    from numpy.typing import NDArray
 
 _FORMAT = 1
 MOST_REACH = 256.0  #: pixels in which steps of tone may be spread

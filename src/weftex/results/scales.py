@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from typing import TYPE_CHECKING, Any
+from fractions import Fraction
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,10 +16,7 @@ from weftex.raster.arrays import check_pixels
 from weftex.raster.levels import resized, scale_between
 from weftex.roles import as_role
 
-if TYPE_CHECKING:
-    from fractions import Fraction
-
-    Window = tuple[int, int, int, int]
+Window = tuple[int, int, int, int]
 
 
 class RenderedMaps(Mapping[str, NDArray[Any]]):

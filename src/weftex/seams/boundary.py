@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from weftex.seams.maxflow import LARGEST_CAPACITY, minimum_cut
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
 
 #: What a small step costs, which one in four is below; the unit of `leaning`.
 UNIT = 256

@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from weftex.errors import InvalidInputError
 from weftex.seams import maxflow_kernels as kernels
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
 
 #: So that no sum of four capacities overflows.
 LARGEST_CAPACITY = 2**28

@@ -2,15 +2,11 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
+from numpy.typing import NDArray
 
 from weftex.random import draw
 from weftex.seams.boundary import HELD, cheapest_boundary
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
 
 _TRIES = 64  # places of the other sample that are compared for an island
 _CUT = 4  # the best of them, of which the one with the least boundary is taken

@@ -5,12 +5,8 @@ Quilting's paths are cut by `weftex.methods.patches.patch_kernels.cut_bands`.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
+from numpy.typing import NDArray
 
 _FORBIDDEN = 2**62  # the cost of a forbidden place; any path costs less
 

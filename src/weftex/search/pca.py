@@ -11,12 +11,10 @@ import os
 from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass
 from functools import cache
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
+from numpy.typing import NDArray
 
 _VARIANCE = 0.97  # that components keep, as in the paper
 MOST_COMPONENTS = 48  # keeps a sum of squares in the kernel under 2**31

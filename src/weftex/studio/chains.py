@@ -9,18 +9,16 @@ from __future__ import annotations
 import json
 import re
 import threading
-from typing import TYPE_CHECKING, Any
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
 
 from weftex.errors import FileError, InvalidInputError, shown
 from weftex.io.pictures import write_text
 from weftex.recipe import Recipe, checked_material
 from weftex.studio.refusals import Refusal
 
-if TYPE_CHECKING:
-    from collections.abc import Mapping
-    from pathlib import Path
-
-    Chain = list[dict[str, Any]]
+Chain = list[dict[str, Any]]
 
 _FILE = "presets.json"
 _MOST, _MOST_STEPS, _LONGEST = 200, 32, 60

@@ -9,15 +9,13 @@ import shutil
 import tempfile
 import threading
 import time
+from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 from weftex.errors import FileError
 from weftex.studio.refusals import Refusal
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
 
 _TICKET = re.compile(r"[A-Za-z0-9_-]{32}")
 _SECONDS = 3600  # that a file waits for its owner

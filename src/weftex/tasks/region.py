@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from weftex.raster.boxes import cell_sums
 from weftex.raster.masks import grown
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
 
 #: Usable pixels around the holes that patches are taken from. More make it slower, and what is
 #: further away looks less like the place.

@@ -7,15 +7,10 @@ Colors of one node have consecutive numbers, so a whole node of near colors is o
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
+from numpy.typing import NDArray
 
 from weftex.methods.exact_matching import color_kernels as kernels
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
 
 _COLORS_OF_A_LEAF = 8  # about; they are compared one by one
 

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from copy import copy
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from weftex.errors import InvalidInputError
 from weftex.exemplar import Exemplar
@@ -13,9 +14,6 @@ from weftex.methods.patches.boundary_zone import boundary_zone
 from weftex.methods.patches.method import PatchMethod
 from weftex.methods.patches.zone_search import QuadtreePyramid, ZoneSearch
 from weftex.raster.boxes import box_sums
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
 
 _MOST_NUMBERS = 288  # of the low resolution that describe one zone
 

@@ -8,15 +8,12 @@ the zone is every known pixel within the boundary width of an unknown one.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from weftex.raster.boxes import box_sums
 from weftex.raster.masks import row_runs, steps_to
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
 
 
 @dataclass(frozen=True, eq=False)

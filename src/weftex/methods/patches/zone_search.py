@@ -3,18 +3,16 @@
 from __future__ import annotations
 
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from weftex.errors import missing_packages
 from weftex.methods.patches import zone_kernels
 from weftex.methods.patches.boundary_zone import BoundaryZone
 from weftex.methods.patches.zone_kernels import SOURCES, ZoneWindows
 from weftex.search.pca import ZonePCA, fit_pca
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
 
 #: How candidates are found: compare all, or the paper's accelerations and what they combine to.
 SEARCHES = ("exhaustive", "quadtree", "pca", "kdtree", "kdtree-pca")

@@ -3,15 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from weftex.random import draw
 from weftex.raster.masks import peeled
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
 
 _MASKED_FACTOR = 8  # times the leaves: a window known in part says less of where to look
 _CLOSING_PASSES = 2  # over the border of a wrapped picture; after one, at one level, much is left

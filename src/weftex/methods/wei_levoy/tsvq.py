@@ -12,15 +12,13 @@ from __future__ import annotations
 import heapq
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from weftex.methods.wei_levoy import tsvq_kernels as kernels
 from weftex.progress import counted
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
 
 #: Leaves of a tree without a given size hold at most so many vectors, unless these are all equal.
 LEAF_VECTORS = 32

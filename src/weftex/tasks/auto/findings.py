@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from weftex.analysis.lattice import Lattice, find_lattice
 from weftex.analysis.properties import Evenness, evenness, sidedness
@@ -13,9 +13,6 @@ from weftex.analysis.relief import maps_alone, smaller_copy
 from weftex.analysis.scale import dominant_scale
 from weftex.exemplar import Exemplar
 from weftex.progress import counted
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
 
 LOOK = 320  #: pixels a side; of larger samples a smaller copy and a part are analyzed
 SMALLEST_ANALYZED = 32  #: pixels a side; a smaller sample is not analyzed
