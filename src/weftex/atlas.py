@@ -5,13 +5,15 @@ from __future__ import annotations
 import json
 import math
 import numbers
+from collections.abc import Mapping
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import Any
 from xml.sax.saxutils import quoteattr
 
 import numpy as np
+from numpy.typing import NDArray
 
 from weftex.analysis.lattice import Lattice
 from weftex.canvas import Canvas
@@ -20,25 +22,17 @@ from weftex.endless.corners import sure_vectors
 from weftex.endless.plane import usable_corners
 from weftex.endless.tiles import TilePlane, belt_of, size_with_periods, torus
 from weftex.errors import InvalidInputError, shown
-from weftex.exemplar import load_exemplar
+from weftex.exemplar import Exemplar, Sample, load_exemplar
+from weftex.method import Method
 from weftex.prepare.landmarks import find_landmarks, has_joint_network
-from weftex.random import seed_number
+from weftex.progress import ProgressCallback
+from weftex.random import Seed, seed_number
 from weftex.results.pixels import PixelSynthesis
 from weftex.results.scales import RenderedMaps
+from weftex.results.synthesis import Synthesis
 from weftex.tasks.auto.rule import WHOLE
 from weftex.tasks.method_names import AUTO, is_auto, make_method
 from weftex.threads import thread_count
-
-if TYPE_CHECKING:
-    from collections.abc import Mapping
-
-    from numpy.typing import NDArray
-
-    from weftex.exemplar import Exemplar, Sample
-    from weftex.method import Method
-    from weftex.progress import ProgressCallback
-    from weftex.random import Seed
-    from weftex.results.synthesis import Synthesis
 
 __all__ = ["Atlas", "atlas", "corner_colors"]
 

@@ -6,29 +6,23 @@ import dataclasses
 import itertools
 import numbers
 from abc import ABC, abstractmethod
-from typing import TYPE_CHECKING, Any, ClassVar, Self
+from collections.abc import Iterator
+from typing import Any, ClassVar, Self
 
 import numpy as np
+from numpy.typing import NDArray
 
 from weftex.canvas import Canvas, as_canvas
-from weftex.endless.boxes import A_BLOCK, PlaneRequest, as_period, box_of
+from weftex.endless.boxes import A_BLOCK, Box, PlaneRequest, as_period, box_of
 from weftex.endless.grid import Sizes
 from weftex.errors import InvalidInputError, UnsupportedError, did_you_mean, shown
-from weftex.exemplar import load_exemplar
+from weftex.exemplar import Exemplar, Sample, load_exemplar
 from weftex.parameters import check_value, numbers_of
+from weftex.progress import ProgressCallback
 from weftex.random import seed_number
 from weftex.registry import supporting
+from weftex.results.synthesis import Synthesis
 from weftex.threads import in_turn, thread_count
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-
-    from numpy.typing import NDArray
-
-    from weftex.endless.boxes import Box
-    from weftex.exemplar import Exemplar, Sample
-    from weftex.progress import ProgressCallback
-    from weftex.results.synthesis import Synthesis
 
 __all__ = ["Method", "Model"]
 

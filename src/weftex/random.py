@@ -10,13 +10,14 @@ from __future__ import annotations
 import numbers
 import os
 from functools import lru_cache
+from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
 from weftex.errors import InvalidInputError, shown
 
-Seed = int | np.random.Generator | None
+Seed: TypeAlias = "int | np.random.Generator | None"  # a string: naming it imports numpy.random
 
 __all__ = ["draw", "seed_number"]
 

@@ -4,21 +4,17 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from weftex.analysis import kernels
 from weftex.analysis.correlation import correlate, correlation_and_power, whitened
 from weftex.analysis.relief import Relief, relief
+from weftex.exemplar import Exemplar
 from weftex.progress import counted
 
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from weftex.exemplar import Exemplar
-
-    Floats = NDArray[np.float64]
+Floats = NDArray[np.float64]
 
 _SIGMAS = 3.0  # standard errors of one multiple that count as chance
 _CLOSE = 10.0  # pixels; shorter vectors are rated by single pixels

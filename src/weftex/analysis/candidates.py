@@ -15,12 +15,14 @@ docs/background/lattice.md.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
+from weftex.analysis.autocorrelations import Autocorrelations
 from weftex.analysis.bonds import Bonds
 from weftex.analysis.joints import Courses, checked, find_courses, rated
 from weftex.analysis.pairs import (
@@ -37,14 +39,7 @@ from weftex.analysis.prediction import predicting
 from weftex.analysis.rows import find_rows, ridges
 from weftex.analysis.tiles import alternating, made_of, settled, stand_out
 
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from numpy.typing import NDArray
-
-    from weftex.analysis.autocorrelations import Autocorrelations
-
-    Floats = NDArray[np.float64]
+Floats = NDArray[np.float64]
 
 LEAST = 0.5  # confidence of a lattice that is reported
 CLEAR = 0.945  # confidence of a pair that needs no further check

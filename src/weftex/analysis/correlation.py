@@ -12,19 +12,14 @@ smoothed version: anything that does not repeat leaves noise of one strength, wh
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
+from numpy.typing import NDArray
 
 from weftex.analysis import kernels
+from weftex.analysis.relief import Relief
 from weftex.raster.arrays import fast_size, median
 
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from weftex.analysis.relief import Relief
-
-    Floats = NDArray[np.float64]
+Floats = NDArray[np.float64]
 
 #: An overlap that varies less than this beside the whole picture passes for constant: its own
 #: correlation is lost in the rounding of the transform.

@@ -8,22 +8,18 @@ are at the same places in every strip, and rows are at one distance; stones and 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 from weakref import WeakKeyDictionary
 
 import numpy as np
+from numpy.typing import NDArray
 
 from weftex.analysis import kernels
 from weftex.analysis.pairs import PHASES
-from weftex.analysis.relief import means, mixed
+from weftex.analysis.relief import Relief, means, mixed
 from weftex.raster.arrays import fast_size, median
 
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from weftex.analysis.relief import Relief
-
-    Floats = NDArray[np.float64]
+Floats = NDArray[np.float64]
 
 _STRIPS = 4
 _STRONGEST = 3.0  # times the median edge; more counts as that

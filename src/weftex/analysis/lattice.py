@@ -7,16 +7,18 @@ default, "contrast", adds evidence by `candidates`, from `tiles`, `joints`, `bon
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 from weakref import WeakKeyDictionary
 
 import numpy as np
+from numpy.typing import NDArray
 
 from weftex.analysis.autocorrelations import Autocorrelations, Field, autocorrelations
 from weftex.analysis.candidates import (
     CLEAR,
     LEAST,
+    Evidence,
     better_pair,
     checked_by_rows,
     course_candidate,
@@ -41,13 +43,6 @@ from weftex.analysis.rows import ridges
 from weftex.errors import InvalidInputError
 from weftex.exemplar import Exemplar
 from weftex.progress import counted
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-
-    from numpy.typing import NDArray
-
-    from weftex.analysis.candidates import Evidence
 
 Vector = tuple[float, float]
 

@@ -4,22 +4,18 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from weftex.analysis.autocorrelations import autocorrelations
 from weftex.analysis.canvas_lattice import check_lattice, four_numbers, given_lattice
 from weftex.analysis.lattice import Lattice, Rated, rate_lattices
 from weftex.analysis.relief import smaller_copy
+from weftex.exemplar import Exemplar
 from weftex.parameters import numbers_of
 
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from weftex.exemplar import Exemplar
-
-    Floats = NDArray[np.float64]
+Floats = NDArray[np.float64]
 
 __all__ = ["DrawnLattice", "Lattice", "LatticeRating", "Rated", "draw", "is_tilted"]
 

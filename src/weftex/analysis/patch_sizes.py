@@ -2,19 +2,14 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
+from numpy.typing import NDArray
 
 from weftex.analysis.relief import smaller_copy
 from weftex.analysis.scale import dominant_scale
+from weftex.canvas import Canvas
+from weftex.exemplar import Exemplar
 from weftex.raster.boxes import box_sums
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from weftex.canvas import Canvas
-    from weftex.exemplar import Exemplar
 
 #: A patch is a share of the sample's shorter side, but of no more than so many times the scale of
 #: its structure: patches of large samples would copy crowds.

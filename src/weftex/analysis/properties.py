@@ -8,19 +8,15 @@ perspective.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from weftex.analysis.relief import relief
+from weftex.exemplar import Exemplar
 from weftex.raster.arrays import median
 
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from weftex.exemplar import Exemplar
-
-    Floats = NDArray[np.float64]
+Floats = NDArray[np.float64]
 
 _STRIP = 256  # lines that are read at a time, for little memory
 #: Rows and columns between the two pixels; the other half of all directions has the other sign.

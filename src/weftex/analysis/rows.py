@@ -7,21 +7,15 @@ are highest above the places half and a third of the way between them.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
+from numpy.typing import NDArray
 
 from weftex.analysis import kernels
 from weftex.analysis.correlation import correlate
 from weftex.analysis.pairs import PHASES
-from weftex.analysis.relief import mixed
+from weftex.analysis.relief import Relief, mixed
 
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from weftex.analysis.relief import Relief
-
-    Floats = NDArray[np.float64]
+Floats = NDArray[np.float64]
 
 _CLOSEST = 5.0  # pixels from row to row, at least
 _STEP = 0.25  # pixels between distances that are tried

@@ -12,10 +12,10 @@ over all ways to halve them (analysis of variance).
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
+from numpy.typing import NDArray
 
+from weftex.analysis.autocorrelations import Field
 from weftex.analysis.pairs import (
     MOST_MULTIPLES,
     SHORTEST,
@@ -26,14 +26,9 @@ from weftex.analysis.pairs import (
     reach_of,
     reduced,
 )
+from weftex.analysis.relief import Relief
 
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from weftex.analysis.autocorrelations import Field
-    from weftex.analysis.relief import Relief
-
-    Floats = NDArray[np.float64]
+Floats = NDArray[np.float64]
 
 _INDEX = 7  # smaller tiles that a tile is divided into, at most
 # A gap is the share by which a larger tile's multiples are above the smaller tile's others.

@@ -4,17 +4,13 @@ from __future__ import annotations
 
 import math
 from functools import cached_property
-from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from weftex.analysis.scale import dominant_scale
+from weftex.exemplar import Exemplar
 from weftex.random import draw
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from weftex.exemplar import Exemplar
 
 _TRIES = 16  # places that are drawn until one lies right
 _ROWS = 0.6  # confidence from which rows are kept

@@ -12,29 +12,23 @@ from collections import OrderedDict
 from collections.abc import Callable, Hashable
 from concurrent.futures import Future
 from threading import Lock
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import Any, Protocol
 from weakref import WeakKeyDictionary
 
 import numpy as np
+from numpy.typing import NDArray
 
 from weftex.canvas import Canvas
-from weftex.endless.boxes import Box, around, canvas_of, check_period
+from weftex.endless.boxes import Box, PlaneRequest, around, canvas_of, check_period
 from weftex.endless.corners import SamplePieces
 from weftex.endless.grid import ACROSS, CORNER, DOWN, Axis, Block, Grid, Sizes
-from weftex.progress import Progress
+from weftex.exemplar import Exemplar
+from weftex.progress import Progress, ProgressCallback
 from weftex.random import draw
 from weftex.raster.boxes import whole_windows
 from weftex.results.pixels import PixelSynthesis
+from weftex.results.synthesis import Synthesis
 from weftex.threads import thread_map
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from weftex.endless.boxes import PlaneRequest
-    from weftex.exemplar import Exemplar
-    from weftex.progress import ProgressCallback
-    from weftex.results.synthesis import Synthesis
-
 
 #: Bytes of blocks that are kept for each model.
 MOST_BYTES = 2**27

@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from fractions import Fraction
 from functools import cached_property
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from weftex.errors import InvalidInputError, shown
 from weftex.io.display import Displayable, size_text
@@ -23,6 +21,11 @@ from weftex.raster.arrays import (
 from weftex.raster.levels import edges_of, resized, scale_between, scale_to_bytes, to_bytes
 from weftex.raster.mixing import Mixing, mixing_of
 from weftex.roles import COLOR, Role, as_role, checked_weights, role_of
+
+if TYPE_CHECKING:
+    from fractions import Fraction
+
+    from numpy.typing import NDArray
 
 _PARTS = ("pixels", "mask", "guide", "tileable", "alpha", "icc", "name", "role")
 _MADE_OF = ("pieces", "turn", "copy_shape")

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from weftex.errors import FileError, InvalidInputError, shown
 from weftex.exemplar.exemplar import Exemplar
@@ -15,12 +16,10 @@ from weftex.raster.arrays import as_array, is_masked
 from weftex.roles import COLOR, Role, is_name_of, is_preview, role_of
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
     from weftex.io.pictures import Picture, StrPath
 
-    #: A path, "sample:NAME", an array, a PIL image or an Exemplar.
-    Sample = str | os.PathLike[str] | NDArray[Any] | Exemplar | Any
+#: A path, "sample:NAME", an array, a PIL image or an Exemplar.
+Sample = str | os.PathLike[str] | NDArray[Any] | Exemplar | Any
 
 __all__ = ["Material", "load_exemplar", "read_material"]
 

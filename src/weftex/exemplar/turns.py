@@ -2,18 +2,12 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
 from weftex.errors import InvalidInputError, shown
 from weftex.exemplar.exemplar import Exemplar
-from weftex.exemplar.material import load_exemplar
-from weftex.raster.turning import TURNS, boxes_of, turned_pixels
-
-if TYPE_CHECKING:
-    from weftex.exemplar.material import Sample
-    from weftex.raster.turning import Box
+from weftex.exemplar.material import Sample, load_exemplar
+from weftex.raster.turning import TURNS, Box, boxes_of, turned_pixels
 
 
 def turned(sample: Sample, turn: str) -> Exemplar:

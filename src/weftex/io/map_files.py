@@ -3,13 +3,9 @@
 from __future__ import annotations
 
 import os
-from typing import TYPE_CHECKING
 
-from weftex.io.formats import READABLE, bits_of, file_error, show, suffix_of
+from weftex.io.formats import READABLE, StrPath, bits_of, file_error, show, suffix_of
 from weftex.io.pictures import locate
-
-if TYPE_CHECKING:
-    from weftex.io.formats import StrPath
 
 #: Where libraries keep the maps beside a scene file.
 _INNER = "textures"

@@ -7,12 +7,13 @@ import re
 from collections.abc import Mapping
 from contextlib import ExitStack
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from weftex.errors import InvalidInputError
-from weftex.io.formats import FORMATS, show, written_as
+from weftex.io.formats import FORMATS, StrPath, show, written_as
 from weftex.io.packed import (
     PackedFile,
     PackedSet,
@@ -28,12 +29,7 @@ from weftex.raster.arrays import check_pixels
 from weftex.raster.mixing import Kind, mixing_of
 from weftex.roles import ROLES, Role, as_role
 
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from weftex.io.formats import StrPath
-
-    Pixels = NDArray[Any]
+Pixels = NDArray[Any]
 
 __all__ = ["write_preset"]
 

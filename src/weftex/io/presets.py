@@ -11,14 +11,11 @@ import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from weftex.errors import FileError, InvalidInputError, did_you_mean, shown
-from weftex.io.formats import FORMATS, file_error, path_text
+from weftex.io.formats import FORMATS, StrPath, file_error, path_text
 from weftex.roles import ROLES, Role
-
-if TYPE_CHECKING:
-    from weftex.io.formats import StrPath
 
 __all__ = ["Preset", "PresetFile", "presets", "read_preset"]
 

@@ -3,19 +3,15 @@
 from __future__ import annotations
 
 from abc import abstractmethod
-from typing import TYPE_CHECKING
 
 from weftex.analysis.canvas_lattice import VISIBLE_STRAIN, Around, CanvasLattice
-from weftex.endless.boxes import canvas_of
+from weftex.canvas import Canvas
+from weftex.endless.boxes import Box, PlaneRequest, canvas_of
 from weftex.errors import UnsupportedError
+from weftex.exemplar import Exemplar
 from weftex.method import Method, Model
-
-if TYPE_CHECKING:
-    from weftex.canvas import Canvas
-    from weftex.endless.boxes import Box, PlaneRequest
-    from weftex.exemplar import Exemplar
-    from weftex.progress import ProgressCallback
-    from weftex.results.synthesis import Synthesis
+from weftex.progress import ProgressCallback
+from weftex.results.synthesis import Synthesis
 
 
 class LatticeModel(Model):

@@ -6,20 +6,16 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
+from numpy.typing import NDArray
 
+from weftex.canvas import Canvas
 from weftex.errors import InvalidInputError
+from weftex.exemplar import Exemplar
 from weftex.method import Method, Model
 from weftex.progress import Progress, ProgressCallback
 from weftex.results.pixels import PixelSynthesis
 from weftex.search.picture_kernels import Picture
-from weftex.search.windows import square_windows
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from weftex.canvas import Canvas
-    from weftex.exemplar import Exemplar
-    from weftex.search.windows import Windows
+from weftex.search.windows import Windows, square_windows
 
 
 class Growth:

@@ -5,19 +5,15 @@ from __future__ import annotations
 import math
 import os
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any, Literal
+from typing import Any, Literal
 
 import numpy as np
+from numpy.typing import NDArray
 
 from weftex.errors import InvalidInputError, did_you_mean, shown
-from weftex.exemplar import Exemplar, load_exemplar
+from weftex.exemplar import Exemplar, Sample, load_exemplar
 from weftex.raster.levels import scale_between
 from weftex.raster.mixing import middle_of, opposite
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from weftex.exemplar import Sample
 
 #: The value of a normal map that is missing.
 FLAT = "flat"

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from weftex.analysis.lattice import find_lattice
 from weftex.errors import InvalidInputError, did_you_mean, shown
-from weftex.exemplar import Exemplar, load_exemplar
+from weftex.exemplar import Exemplar, Sample, load_exemplar
 from weftex.prepare.surfaces import (
     check_relief,
     height_from_normals,
@@ -18,14 +20,7 @@ from weftex.prepare.surfaces import (
 )
 from weftex.raster.levels import tamed
 
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from numpy.typing import NDArray
-
-    from weftex.exemplar import Sample
-
-    Floats = NDArray[np.float64]
+Floats = NDArray[np.float64]
 
 #: The maps that can be estimated.
 MAPS = ("height", "normal_gl", "normal_dx", "ao", "roughness")

@@ -3,20 +3,16 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from weftex.analysis.relief import smaller_copy
+from weftex.exemplar import Exemplar
 from weftex.raster.boxes import extended_sums
 from weftex.raster.masks import grown
 
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from weftex.exemplar import Exemplar
-
-    Mask = NDArray[np.bool_]
+Mask = NDArray[np.bool_]
 
 _LOOK = 320  # pixels a side; larger samples are averaged down
 _SMALLEST = 64  # pixels a side; smaller samples have no landmarks

@@ -2,23 +2,19 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.polynomial.legendre import leggrid2d, legvander2d
+from numpy.typing import NDArray
 
 from weftex.errors import InvalidInputError, shown
-from weftex.exemplar import Exemplar, load_exemplar
+from weftex.exemplar import Exemplar, Sample, load_exemplar
 from weftex.prepare.estimating import blurred
 from weftex.raster.boxes import cell_sums
 from weftex.raster.levels import to_light, to_stored
 
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from weftex.exemplar import Sample
-
-    Floats = NDArray[np.float64]
+Floats = NDArray[np.float64]
 
 _CELLS = 32  # along the longer side, whose means the light is fitted to
 _HIGHEST = 8  # degree of the light

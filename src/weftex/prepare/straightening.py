@@ -5,25 +5,21 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from itertools import product
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from weftex.analysis.canvas_lattice import given_lattice
 from weftex.analysis.lattice import Lattice, find_lattice
 from weftex.errors import InvalidInputError
-from weftex.exemplar import Exemplar, load_exemplar
+from weftex.exemplar import Exemplar, Sample, load_exemplar
 from weftex.io.formats import image_library
 from weftex.parameters import numbers_of
 from weftex.raster.levels import tamed
 from weftex.raster.mixing import Kind, stored, vectors_of
 
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from weftex.exemplar import Sample
-
-    Floats = NDArray[np.float64]
+Floats = NDArray[np.float64]
 
 _UPRIGHT = math.radians(20)  # rotation beyond which another orientation is preferred
 _SQUARE = math.sin(math.radians(10))  # tolerance of the right angle of a piece

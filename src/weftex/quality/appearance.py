@@ -3,20 +3,16 @@
 from __future__ import annotations
 
 from functools import lru_cache
-from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
+from weftex.analysis.lattice import Lattice
 from weftex.quality import kernels
 from weftex.quality.view import View, over_halves, some, window_corners
 from weftex.random import draw
 
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from weftex.analysis.lattice import Lattice
-
-    Floats = NDArray[np.float64]
+Floats = NDArray[np.float64]
 
 _WIDTH = 7  # pixels of a patch
 _SCALES = 4

@@ -5,12 +5,13 @@ from __future__ import annotations
 import dataclasses
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from weftex.errors import InvalidInputError, shown
-from weftex.exemplar import Exemplar, load_exemplar
+from weftex.exemplar import Exemplar, Sample, load_exemplar
 from weftex.exemplar.turns import as_it_was
 from weftex.quality.appearance import color_distance, patch_distance, sharpness
 from weftex.quality.figures import FIGURES
@@ -18,12 +19,6 @@ from weftex.quality.score import Scorer, weigh
 from weftex.quality.seams import wrap_seam
 from weftex.raster.arrays import check_pixels
 from weftex.results.synthesis import Synthesis
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from weftex.exemplar import Sample
-
 
 LARGEST_MEASURED = 2048
 """Pixels a side: of a larger result the middle is measured, except for the wrap."""

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from weftex.analysis.properties import border_steps
 from weftex.errors import InvalidInputError
+from weftex.exemplar import Exemplar
 from weftex.exemplar.turns import as_it_was, as_made_from
 from weftex.quality.assess import LARGEST_MEASURED
 from weftex.quality.figures import FIGURES
@@ -16,14 +18,9 @@ from weftex.quality.score import Scorer
 from weftex.quality.seams import StepModel
 from weftex.quality.view import middle, view_of
 from weftex.results.drawing import draw_sources
+from weftex.results.synthesis import Synthesis
 
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from weftex.exemplar import Exemplar
-    from weftex.results.synthesis import Synthesis
-
-    Bytes = NDArray[np.uint8]
+Bytes = NDArray[np.uint8]
 
 _BROKEN = 0.6  # of the distance between the sample's halves, from which windows are marked
 _STEPS = 2.0  # more than this many usual steps are a seam, even if no place stands out

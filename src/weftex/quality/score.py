@@ -3,30 +3,25 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
-from weftex.analysis.lattice import find_lattice
+from weftex.analysis.lattice import Lattice, find_lattice
 from weftex.exemplar import Exemplar
 from weftex.quality import kernels
 from weftex.quality.appearance import autocorrelation_distance, lattice_kept
 from weftex.quality.seams import StepModel, seams
 from weftex.quality.view import View, middle, view_beside, view_of, window_corners
 from weftex.raster.levels import resized
+from weftex.results.synthesis import Synthesis
 
-if TYPE_CHECKING:
-    from collections.abc import Mapping
-
-    from numpy.typing import NDArray
-
-    from weftex.analysis.lattice import Lattice
-    from weftex.results.synthesis import Synthesis
-
-    Floats = NDArray[np.float32]
-    Places = NDArray[np.int32]
+Floats = NDArray[np.float32]
+Places = NDArray[np.int32]
 
 WEIGHTS = {
     "worst": 3.25,

@@ -11,18 +11,15 @@ blocks of near-regular synthesis are compared with those around by their offsets
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, NamedTuple, Protocol
+from typing import NamedTuple, Protocol
 
 import numpy as np
+from numpy.typing import NDArray
 
+from weftex.canvas import Canvas
+from weftex.exemplar import Exemplar
 from weftex.raster.boxes import box_sums
 from weftex.repeats import repeat_kernels as kernels
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from weftex.canvas import Canvas
-    from weftex.exemplar import Exemplar
 
 _LEAST_STEP = 4  # at least every fourth pixel is looked at
 _ENOUGH = 2**14  # pixels of the canvas tell how evenly the sample is used

@@ -2,20 +2,14 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
+from numpy.typing import NDArray
 
-from weftex.raster.turning import TURNS, turned_pixels
+from weftex.exemplar import Exemplar
+from weftex.raster.turning import TURNS, Box, turned_pixels
+from weftex.repeats import Offsets, Output, Repetition
 from weftex.repeats import repeat_kernels as kernels
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from weftex.exemplar import Exemplar
-    from weftex.raster.turning import Box
-    from weftex.repeats import Offsets, Output, Repetition
-    from weftex.search.windows import Windows
+from weftex.search.windows import Windows
 
 #: What repeats count for: strength apart, see `Repetition`.
 _CELLS = 16  # of the sample's shorter side, or up to twice as many, are looked at

@@ -7,20 +7,17 @@ pixels: the step across the outline of a hole is that of the sample, and its res
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
+from weftex.canvas import Canvas
+from weftex.exemplar import Exemplar
 from weftex.results import height_kernels as kernels
 from weftex.results.joining import ends_of, finer, has_squares
 
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from weftex.canvas import Canvas
-    from weftex.exemplar import Exemplar
-
-    Floats = NDArray[np.float64]
+Floats = NDArray[np.float64]
 
 #: Pixels within which the tones of a filling are joined to those around it.
 TONE_REACH = 24.0

@@ -9,25 +9,21 @@ analysis of the 2D screened Poisson equation (2008), doi:10.1007/978-3-540-88688
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from itertools import product
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
+from weftex.exemplar import Exemplar
 from weftex.raster.mixing import Kind
 from weftex.results import height_kernels as kernels
 from weftex.threads import thread_map
 
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from numpy.typing import NDArray
-
-    from weftex.exemplar import Exemplar
-
-    Floats = NDArray[np.float64]
-    #: (top, left, height, width) in output pixels.
-    Window = tuple[int, int, int, int]
+Floats = NDArray[np.float64]
+#: (top, left, height, width) in output pixels.
+Window = tuple[int, int, int, int]
 
 _FEW = 32  # different colors: a drawing or a map of labels, which has no tones between
 _HEIGHTS = 24.0  # sample pixels in which what raises an edge of a height map falls to a third

@@ -2,20 +2,16 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from weftex.canvas import Canvas
 from weftex.io.npz import DamageError
+from weftex.raster.mixing import Mixing
 from weftex.results import paste_kernels
-from weftex.results.synthesis import Synthesis
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from weftex.raster.mixing import Mixing
-    from weftex.results.synthesis import Place, Window
+from weftex.results.synthesis import Place, Synthesis, Window
 
 
 class PixelSynthesis(Synthesis):

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from fractions import Fraction
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,7 +15,10 @@ from weftex.raster.arrays import check_pixels
 from weftex.raster.levels import resized, scale_between
 from weftex.roles import as_role
 
-Window = tuple[int, int, int, int]
+if TYPE_CHECKING:
+    from fractions import Fraction
+
+    Window = tuple[int, int, int, int]
 
 
 class RenderedMaps(Mapping[str, NDArray[Any]]):

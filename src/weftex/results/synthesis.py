@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import os
 from abc import ABC, abstractmethod
-from typing import TYPE_CHECKING, Any, ClassVar
+from collections.abc import Mapping
+from typing import Any, ClassVar
 
 import numpy as np
+from numpy.typing import NDArray
 
 from weftex.canvas import Canvas
 from weftex.errors import InvalidInputError, UnsupportedError, shown
@@ -14,22 +16,16 @@ from weftex.exemplar import Exemplar
 from weftex.exemplar.turns import as_copies, as_made_from
 from weftex.io.display import Displayable
 from weftex.io.npz import one_line_errors
+from weftex.raster.mixing import Mixing
 from weftex.raster.turning import in_first_copy
 from weftex.results import drawing, scales
 from weftex.results.cloning import TONE_REACH, join_filling
 from weftex.results.files import ABOUT, Facts, arrays_of, read_result, write_result
 from weftex.results.joining import PastedPieces, join_steps, reach_of
 
-if TYPE_CHECKING:
-    from collections.abc import Mapping
-
-    from numpy.typing import NDArray
-
-    from weftex.raster.mixing import Mixing
-
-    #: (top, left, height, width) in output pixels.
-    Window = tuple[int, int, int, int]
-    Place = tuple[int, int]
+#: (top, left, height, width) in output pixels.
+Window = tuple[int, int, int, int]
+Place = tuple[int, int]
 
 _BAND = 256  # rows whose layers are in memory at once
 

@@ -7,20 +7,14 @@ part, and one table of offsets serves the sample and the canvas.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
+from numpy.typing import NDArray
 
 from weftex.errors import InvalidInputError
 from weftex.exemplar import Exemplar
 from weftex.random import draw
 from weftex.raster.pyramids import gaussian_pyramid, mask_pyramid
-from weftex.search.windows import windows_of
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from weftex.search.windows import Windows
+from weftex.search.windows import Windows, windows_of
 
 _CHUNK = 4096  # windows that are copied at a time
 

@@ -4,21 +4,17 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from weftex.errors import InvalidInputError
+from weftex.exemplar import Exemplar
 from weftex.raster.boxes import whole_windows
 from weftex.search.picture_kernels import Query, Sample
 
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from weftex.exemplar import Exemplar
-
-    #: How far a window reaches up, down, left and right of its center, in pixels.
-    Reach = tuple[int, int, int, int]
+#: How far a window reaches up, down, left and right of its center, in pixels.
+Reach = tuple[int, int, int, int]
 
 
 @dataclass(frozen=True, eq=False)

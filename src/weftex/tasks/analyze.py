@@ -6,7 +6,7 @@ import dataclasses
 import textwrap
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -18,15 +18,12 @@ from weftex.analysis.properties import Evenness, regularity
 from weftex.analysis.scale import DominantScale, dominant_scale
 from weftex.choice import Choice
 from weftex.errors import InvalidInputError
-from weftex.exemplar import load_exemplar
+from weftex.exemplar import Exemplar, Sample, load_exemplar
 from weftex.methods import METHODS
 from weftex.parameters import numbers_of
 from weftex.progress import counted
 from weftex.quality import borders_of
 from weftex.tasks.auto import Auto
-
-if TYPE_CHECKING:
-    from weftex.exemplar import Exemplar, Sample
 
 _BANDS = 4  # of the spectrum to an octave
 _BAR = 40  # characters

@@ -2,20 +2,14 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
+from weftex.canvas import Canvas
 from weftex.errors import InvalidInputError, shown
-from weftex.progress import Progress
+from weftex.exemplar import Exemplar
+from weftex.method import Method
+from weftex.progress import Progress, ProgressCallback
 from weftex.quality.score import MapsScorer
-from weftex.random import seed_number
-
-if TYPE_CHECKING:
-    from weftex.canvas import Canvas
-    from weftex.exemplar import Exemplar
-    from weftex.method import Method
-    from weftex.progress import ProgressCallback
-    from weftex.random import Seed
-    from weftex.results.synthesis import Synthesis
+from weftex.random import Seed, seed_number
+from weftex.results.synthesis import Synthesis
 
 _MOST_TRIES = 1000
 

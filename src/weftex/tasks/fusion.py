@@ -3,28 +3,24 @@
 from __future__ import annotations
 
 import itertools
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from weftex.canvas import Canvas
 from weftex.exemplar import Exemplar
+from weftex.method import Method
 from weftex.random import draw
 from weftex.raster.masks import grown, squared_distance_to
 from weftex.results.pixels import PixelSynthesis
 from weftex.seams.boundary import HELD, UNIT, cheapest_boundary
 from weftex.seams.merge import islands
 
-if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
-
-    from numpy.typing import NDArray
-
-    from weftex.method import Method
-
-    #: A sample, or two that are mixed, by their numbers.
-    Material = tuple[int, ...]
+#: A sample, or two that are mixed, by their numbers.
+Material = tuple[int, ...]
 
 #: Half the width of a belt, in windows of the coarser of its materials.
 BELT = 0.75

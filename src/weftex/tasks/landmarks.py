@@ -3,38 +3,33 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from weftex.analysis.relief import smaller_copy
 from weftex.canvas import Canvas
 from weftex.errors import InvalidInputError, shown
+from weftex.exemplar import Exemplar
 from weftex.exemplar.turns import as_made_from
+from weftex.method import Model
 from weftex.prepare.landmarks import find_landmarks, has_joint_network
 from weftex.random import draw
 from weftex.raster.masks import grown
 from weftex.raster.turning import boxes_of, turned_pixels
 from weftex.results.pixels import PixelSynthesis
+from weftex.results.synthesis import Synthesis
 from weftex.seams.boundary import cut_around
 from weftex.search.translation import Spectra, correlations, window_mismatch
-from weftex.tasks.auto import AutoModel, look
+from weftex.tasks.auto import AutoModel, Findings, look
 from weftex.tasks.auto.rule import is_sure
 
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-
-    from numpy.typing import NDArray
-
-    from weftex.exemplar import Exemplar
-    from weftex.method import Model
-    from weftex.results.synthesis import Synthesis
-    from weftex.tasks.auto import Findings
-
-    Mask = NDArray[np.bool_]
-    Indices = NDArray[np.int32]  # of pixels: row * width + column
+Mask = NDArray[np.bool_]
+Indices = NDArray[np.int32]  # of pixels: row * width + column
 
 #: What `synthesize` may do with landmarks.
 LANDMARKS = ("auto", "keep", "thin", "remove")

@@ -5,15 +5,13 @@ from __future__ import annotations
 import dataclasses
 import math
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from weftex import methods
+from weftex.canvas import Canvas
 from weftex.errors import InvalidInputError
+from weftex.exemplar import Exemplar
 from weftex.method import Method
-
-if TYPE_CHECKING:
-    from weftex.canvas import Canvas
-    from weftex.exemplar import Exemplar
 
 __all__ = ["AUTO", "make_method"]
 

@@ -3,25 +3,19 @@
 from __future__ import annotations
 
 import dataclasses
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
-from weftex.canvas import as_canvas
+from weftex.canvas import Canvas, as_canvas
 from weftex.errors import InvalidInputError
-from weftex.exemplar import load_exemplar
+from weftex.exemplar import Exemplar, Sample, load_exemplar
 from weftex.method import Method
-from weftex.random import seed_number
+from weftex.progress import ProgressCallback
+from weftex.random import Seed, seed_number
+from weftex.results.synthesis import Synthesis
 from weftex.tasks.method_names import AUTO, make_method, may_thin
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from weftex.canvas import Canvas
-    from weftex.exemplar import Exemplar, Sample
-    from weftex.progress import ProgressCallback
-    from weftex.random import Seed
-    from weftex.results.synthesis import Synthesis
 
 
 def synthesize(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import numbers
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -11,16 +11,13 @@ from weftex.analysis.canvas_lattice import CanvasLattice, four_numbers, is_sure
 from weftex.analysis.lattice import find_lattice
 from weftex.canvas import Canvas, as_canvas
 from weftex.errors import InvalidInputError, shown
-from weftex.exemplar import load_exemplar
+from weftex.exemplar import Exemplar, Sample, load_exemplar
+from weftex.method import Method
+from weftex.progress import ProgressCallback
+from weftex.random import Seed
+from weftex.results.synthesis import Synthesis
 from weftex.tasks.fill import fill
 from weftex.tasks.method_names import AUTO
-
-if TYPE_CHECKING:
-    from weftex.exemplar import Exemplar, Sample
-    from weftex.method import Method
-    from weftex.progress import ProgressCallback
-    from weftex.random import Seed
-    from weftex.results.synthesis import Synthesis
 
 _SHARE = 8  # the border that may change is 1 / 8 of the shorter side
 _LEAST = 3  # borders that must fit into a side, so that most of it is kept

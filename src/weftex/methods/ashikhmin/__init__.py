@@ -3,22 +3,17 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, ClassVar, Self
+from typing import ClassVar, Self
 
 import numpy as np
+from numpy.typing import NDArray
 
+from weftex.exemplar import Exemplar
 from weftex.methods.ashikhmin.choice import Choice, random_places
-from weftex.methods.pixels import PixelModel, WindowedMethod, square_width
+from weftex.methods.pixels import Growth, PixelModel, WindowedMethod, square_width
 from weftex.parameters import parameter
 from weftex.raster.masks import peeled
-from weftex.search.windows import square_windows
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from weftex.exemplar import Exemplar
-    from weftex.methods.pixels import Growth
-    from weftex.search.windows import Windows
+from weftex.search.windows import Windows, square_windows
 
 _PROPOSED_WIDTH = 5
 

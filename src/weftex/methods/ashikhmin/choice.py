@@ -2,21 +2,15 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
+from numpy.typing import NDArray
 
 from weftex.methods.ashikhmin import candidate_kernels as kernels
+from weftex.methods.pixels import Growth
+from weftex.progress import Progress
 from weftex.random import draw
 from weftex.seams.path import least_path
-from weftex.search.windows import new_query
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from weftex.methods.pixels import Growth
-    from weftex.progress import Progress
-    from weftex.search.windows import Windows
+from weftex.search.windows import Windows, new_query
 
 #: Random places that stand in for candidates outside the sample. The paper takes one; among eight
 #: one matches better, so the same pieces of the sample come back less often.

@@ -3,25 +3,21 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
+from numpy.typing import NDArray
 
 from weftex.analysis.canvas_lattice import Around, CanvasLattice, check_lattice, found_vectors
+from weftex.canvas import Canvas
 from weftex.errors import InvalidInputError
+from weftex.exemplar import Exemplar
 from weftex.method import Method
 from weftex.methods.best_tile.tiles import border_for, least_corner, tile_errors, tile_rows
 from weftex.methods.lattices import LatticeModel
 from weftex.parameters import parameter
-from weftex.progress import Progress
+from weftex.progress import Progress, ProgressCallback
 from weftex.results.pixels import PixelSynthesis
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from weftex.canvas import Canvas
-    from weftex.exemplar import Exemplar
-    from weftex.progress import ProgressCallback
 
 _LIMIT = 0.05  # strain of a lattice that wraps around a canvas
 _BAND = 16  # rows that are made at a time

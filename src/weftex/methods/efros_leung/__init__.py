@@ -6,10 +6,11 @@ Section III.A is that of the survey in docs/background/fidelity/non-parametric-s
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, ClassVar, Self
+from typing import ClassVar, Self
 
 import numpy as np
 
+from weftex.exemplar import Exemplar
 from weftex.methods.efros_leung.layers import (
     Waves,
     seed_piece,
@@ -17,14 +18,9 @@ from weftex.methods.efros_leung.layers import (
     unfilled_with_filled_neighbors,
 )
 from weftex.methods.efros_leung.weighted_search import ExhaustiveSearch, gaussian_weights
-from weftex.methods.pixels import PixelModel, WindowedMethod, square_width
+from weftex.methods.pixels import Growth, PixelModel, WindowedMethod, square_width
 from weftex.parameters import parameter
-from weftex.search.windows import square_windows
-
-if TYPE_CHECKING:
-    from weftex.exemplar import Exemplar
-    from weftex.methods.pixels import Growth
-    from weftex.search.windows import Windows
+from weftex.search.windows import Windows, square_windows
 
 _PROPOSED_WIDTH, _SEED_WIDTH = 15, 3  # pixels
 _SIGMAS = 6.4  # standard deviations of the Gaussian in a window's width

@@ -2,27 +2,22 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from weftex.methods.efros_leung import weighted_kernels as kernels
 from weftex.search.picture_kernels import Picture
-from weftex.search.windows import new_query
+from weftex.search.windows import Windows, new_query
 
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from numpy.typing import NDArray
-
-    from weftex.search.windows import Windows
-
-    #: For each pixel the window drawn, a flat index into the windows' pixels; its distance; and the
-    #: sum of the weights of the known pixels: int64 (n,).
-    Drawn = tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.int64]]
-    #: Draws windows for unknown pixels: flat indices into the canvas and random bits, int32 and
-    #: uint64 (n,). For one thread at a time.
-    Draw = Callable[[NDArray[np.int32], NDArray[np.uint64]], Drawn]
+#: For each pixel the window drawn, a flat index into the windows' pixels; its distance; and the
+#: sum of the weights of the known pixels: int64 (n,).
+Drawn = tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.int64]]
+#: Draws windows for unknown pixels: flat indices into the canvas and random bits, int32 and
+#: uint64 (n,). For one thread at a time.
+Draw = Callable[[NDArray[np.int32], NDArray[np.uint64]], Drawn]
 
 _LARGEST_WEIGHT = 127  # times a difference it fits 16 bits
 _VECTOR = 16  # bytes; rows of windows are whole vectors

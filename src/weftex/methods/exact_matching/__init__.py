@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any, ClassVar, Self
+from typing import Any, ClassVar, Self
 
 import numpy as np
 
+from weftex.canvas import Canvas
 from weftex.errors import InvalidInputError
+from weftex.exemplar import Exemplar
 from weftex.methods.exact_matching.defaults import resolved_values, window_width
 from weftex.methods.exact_matching.lists import Prepared, prepare
 from weftex.methods.exact_matching.matching import (
@@ -17,13 +19,8 @@ from weftex.methods.exact_matching.matching import (
     random_band,
     structured_band,
 )
-from weftex.methods.pixels import PixelModel, WindowedMethod
+from weftex.methods.pixels import Growth, PixelModel, WindowedMethod
 from weftex.parameters import parameter
-
-if TYPE_CHECKING:
-    from weftex.canvas import Canvas
-    from weftex.exemplar import Exemplar
-    from weftex.methods.pixels import Growth
 
 
 @dataclass(frozen=True)

@@ -2,20 +2,17 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from weftex.analysis.properties import regularity
 from weftex.analysis.scale import dominant_scale
+from weftex.exemplar import Exemplar
 from weftex.methods.exact_matching.color_index import ColorIndex
 from weftex.methods.pixels import narrowed, width_for
 from weftex.search.pyramid_windows import sample_pyramid
-from weftex.search.windows import windows_of
-
-if TYPE_CHECKING:
-    from weftex.exemplar import Exemplar
-    from weftex.search.windows import Reach
+from weftex.search.windows import Reach, windows_of
 
 _NEAR_REGULAR = 0.4  # regularity from which on a sample is near-regular
 _SMALLEST_PROPOSED = 31  # width of a window at a single resolution, unless there is no room

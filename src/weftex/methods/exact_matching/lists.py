@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from weftex.errors import InvalidInputError
 from weftex.exemplar import Exemplar
@@ -16,12 +17,7 @@ from weftex.methods.exact_matching.defaults import reach_of
 from weftex.progress import counted
 from weftex.search.picture_kernels import Query
 from weftex.search.pyramid_windows import sample_pyramid
-from weftex.search.windows import windows_of
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from weftex.search.windows import Windows
+from weftex.search.windows import Windows, windows_of
 
 #: The direct neighbors of figure 2, and the next pixel, which is there where a row wraps around.
 CAUSAL_NEIGHBORS = [(0, -1), (-1, -1), (-1, 0), (-1, 1), (0, 1)]

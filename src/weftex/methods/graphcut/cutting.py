@@ -7,19 +7,17 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
+from weftex.canvas import Canvas
 from weftex.methods.graphcut import cost_kernels, graph_kernels
+from weftex.methods.graphcut.placement import Patch
+from weftex.methods.graphcut.sample import Sample
+from weftex.methods.pixels import Growth
 from weftex.raster.boxes import box_sums
 from weftex.seams.maxflow import search_trees
-
-if TYPE_CHECKING:
-    from weftex.canvas import Canvas
-    from weftex.methods.graphcut.placement import Patch
-    from weftex.methods.graphcut.sample import Sample
-    from weftex.methods.pixels import Growth
 
 _AHEAD = 2**16  # pixels that are searched at a time for one that is missing
 _TOLERATED = 1.4  # times the least cost, of patches that another seed fills a hole by

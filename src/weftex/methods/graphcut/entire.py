@@ -2,34 +2,28 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from operator import call
-from typing import TYPE_CHECKING
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from weftex.analysis.canvas_lattice import VISIBLE_STRAIN, CanvasLattice, given_lattice
 from weftex.methods.graphcut.placement import Matches, Patch, size_on
 from weftex.methods.graphcut.sample import (
     Level,
+    Sample,
     box_of,
     coarsest,
     in_full_size,
     levels_of,
     on_levels,
 )
+from weftex.methods.pixels import Growth
 from weftex.raster.arrays import fast_size
-from weftex.repeats import Offsets
+from weftex.repeats import Offsets, Penalty
 from weftex.search.translation import Spectra, overlap_mismatch
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-    from typing import Any
-
-    from numpy.typing import NDArray
-
-    from weftex.methods.graphcut.sample import Sample
-    from weftex.methods.pixels import Growth
-    from weftex.repeats import Penalty
 
 _AROUND = 32  # pixels around a hole that are matched, or half as many as it is wide
 _DRIFT = 16  # in photos a tile lies up to 1/16 of its shorter side off the lattice

@@ -2,20 +2,15 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, NamedTuple, Protocol
+from collections.abc import Callable
+from typing import Any, NamedTuple, Protocol
 
 import numpy as np
+from numpy.typing import NDArray
 
+from weftex.canvas import Canvas
+from weftex.methods.graphcut.sample import Level
 from weftex.random import draw
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-    from typing import Any
-
-    from numpy.typing import NDArray
-
-    from weftex.canvas import Canvas
-    from weftex.methods.graphcut.sample import Level
 
 _LARGEST_EXPONENT = 64.0  # e**-64 is no chance at all
 _BEST_CHANCE = 2.0**32  # the chance of the best match, as a whole number

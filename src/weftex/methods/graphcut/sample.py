@@ -9,23 +9,20 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
 from itertools import chain
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from weftex.analysis.patch_sizes import patch_size_of
 from weftex.errors import InvalidInputError
+from weftex.exemplar import Exemplar
 from weftex.exemplar.turns import copies_in
 from weftex.methods.graphcut import match_kernels as kernels
 from weftex.raster.arrays import fast_size
+from weftex.raster.turning import Box
 from weftex.search.translation import Spectra
 from weftex.search.windows import Windows, windows_of
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from weftex.exemplar import Exemplar
-    from weftex.raster.turning import Box
 
 #: Side of a patch, of the sample's shorter side.
 PATCH_SHARE = 0.45

@@ -2,35 +2,29 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from operator import call
-from typing import TYPE_CHECKING, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from weftex.methods.graphcut.placement import Matches, Patch, size_on
 from weftex.methods.graphcut.sample import (
     Level,
+    Sample,
     box_of,
     coarsest,
     in_full_size,
     levels_of,
     on_levels,
 )
+from weftex.methods.pixels import Growth
 from weftex.random import draw
 from weftex.raster.boxes import box_sums
-from weftex.repeats import Offsets
+from weftex.repeats import Offsets, Penalty
 from weftex.search.translation import window_mismatch
 from weftex.search.windows import windows_of
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-    from typing import Any
-
-    from numpy.typing import NDArray
-
-    from weftex.methods.graphcut.sample import Sample
-    from weftex.methods.pixels import Growth
-    from weftex.repeats import Penalty
 
 _MOST_PIXELS = 2**20  # of a sample that is searched as a whole
 _PART = 2**19  # pixels of the part of a larger one that is searched

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import Any, ClassVar
 
+from weftex.canvas import Canvas
+from weftex.exemplar import Exemplar
 from weftex.method import Method
 from weftex.methods.lattices import LatticeModel
 from weftex.methods.near_regular.blocks import Plan, draw_constrained_blocks, fill_gaps
@@ -18,13 +20,9 @@ from weftex.methods.near_regular.sample import (
 )
 from weftex.methods.near_regular.seams import blend_linearly, cut_seams, paste_blocks
 from weftex.parameters import parameter
+from weftex.progress import ProgressCallback
+from weftex.results.patches import PatchSynthesis
 from weftex.threads import thread_map
-
-if TYPE_CHECKING:
-    from weftex.canvas import Canvas
-    from weftex.exemplar import Exemplar
-    from weftex.progress import ProgressCallback
-    from weftex.results.patches import PatchSynthesis
 
 
 @dataclass(frozen=True)

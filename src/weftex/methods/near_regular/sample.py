@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from weftex.analysis.canvas_lattice import (
     CanvasLattice,
@@ -18,16 +19,12 @@ from weftex.analysis.colored_rows import ColoredRows, find_colored_rows
 from weftex.analysis.lattice import Lattice
 from weftex.canvas import Canvas
 from weftex.errors import InvalidInputError
+from weftex.exemplar import Exemplar
 from weftex.random import draw
 from weftex.raster.masks import row_runs
 from weftex.search.windows import Windows, windows_of
 
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from weftex.exemplar import Exemplar
-
-    Vectors = tuple[float, ...]
+Vectors = tuple[float, ...]
 
 _PAPERS_BLOCK = 40 / 128  # over the sample's shorter side (section 5.1)
 _SMALLEST_BLOCK = 0.15  # chosen here, over the same

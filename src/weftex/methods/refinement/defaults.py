@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Iterator, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from weftex.analysis.scale import dominant_scale
 from weftex.errors import InvalidInputError
+from weftex.exemplar import Exemplar
 from weftex.method import Method
 from weftex.methods.pixels import narrowed, width_for
 from weftex.naming import method_of, text_of
@@ -17,9 +18,6 @@ from weftex.raster.boxes import whole_windows
 from weftex.raster.pyramids import mask_pyramid
 from weftex.registry import METHODS
 from weftex.search.windows import square_windows
-
-if TYPE_CHECKING:
-    from weftex.exemplar import Exemplar
 
 _NARROWEST_PYRAMID = 29  # pixels; with less than its four levels the picture falls apart
 _LARGEST_REACH = 3  # pixels from the middle of a window of the pyramid to its side

@@ -10,17 +10,14 @@ known in the first iteration. Where less is known, that is compared with all win
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from weftex.methods.refinement import nearest_kernels
 from weftex.search.pca import ZonePCA, coordinates_of, main_components, one_blas_thread
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from weftex.search.windows import Windows
+from weftex.search.windows import Windows
 
 _LEARNED_WINDOWS = 512  # windows that the components are learned from
 _COMPONENT_LENGTH = 2000

@@ -10,17 +10,13 @@ two megapixels, where this would take longest, they are those children.
 from __future__ import annotations
 
 from itertools import product
-from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from weftex.methods.refinement import similar_kernels as kernels
 from weftex.progress import counted
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from weftex.search.windows import Windows
+from weftex.search.windows import Windows
 
 _SAME_PLACE = 2  # pixels; places that are no farther apart count as one
 _AROUND = (-1, 0, 1)

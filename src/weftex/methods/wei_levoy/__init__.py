@@ -7,22 +7,18 @@ non-parametric-sampling-and-tsvq.md.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, ClassVar, Self
+from typing import ClassVar, Self
 
 from weftex.errors import InvalidInputError
-from weftex.methods.pixels import PixelModel, WindowedMethod
+from weftex.exemplar import Exemplar
+from weftex.methods.pixels import Growth, PixelModel, WindowedMethod
 from weftex.methods.wei_levoy.levels import noise, output_pyramid, parents_or_noise
 from weftex.methods.wei_levoy.passes import hole_passes, scan_passes
 from weftex.methods.wei_levoy.sizes import PROPOSED_WIDTH, levels_and_widths, window_width
 from weftex.methods.wei_levoy.trees import Trees, replace_by_nearest
 from weftex.parameters import parameter
 from weftex.search.pyramid_windows import sample_pyramid
-from weftex.search.windows import windows_of
-
-if TYPE_CHECKING:
-    from weftex.exemplar import Exemplar
-    from weftex.methods.pixels import Growth
-    from weftex.search.windows import Windows
+from weftex.search.windows import Windows, windows_of
 
 _TREES_WINDOWS = 2**17  # at most, of each level
 

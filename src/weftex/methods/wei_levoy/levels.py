@@ -3,17 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
+from weftex.exemplar import Exemplar
 from weftex.random import draw
 from weftex.raster.pyramids import children, gaussian_pyramid, mask_pyramid
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from weftex.exemplar import Exemplar
 
 
 @dataclass(frozen=True, eq=False)

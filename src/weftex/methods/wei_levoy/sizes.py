@@ -2,15 +2,11 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 from weftex.errors import InvalidInputError
+from weftex.exemplar import Exemplar
 from weftex.methods.pixels import square_width
 from weftex.search.pyramid_windows import interior_windows, sample_pyramid
 from weftex.search.windows import square_windows
-
-if TYPE_CHECKING:
-    from weftex.exemplar import Exemplar
 
 PROPOSED_WIDTH = 9
 _PROPOSED_LEVELS = 4

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, ClassVar
+from typing import ClassVar
 
 from weftex.analysis.canvas_lattice import (
     FITTING_STRAIN,
@@ -16,24 +16,21 @@ from weftex.analysis.canvas_lattice import (
     fitting_sizes,
     four_numbers,
 )
+from weftex.analysis.lattice import Lattice
 from weftex.canvas import Canvas, as_canvas
 from weftex.choice import Choice
+from weftex.endless.boxes import Box, PlaneRequest
 from weftex.errors import InvalidInputError
 from weftex.exemplar import Exemplar
 from weftex.method import Method, Model
 from weftex.methods import make_method
 from weftex.methods.lattices import LatticeModel, is_strained
 from weftex.parameters import parameter
-from weftex.progress import Progress, counted
+from weftex.progress import Progress, ProgressCallback, counted
+from weftex.results.synthesis import Synthesis
 from weftex.tasks.auto.findings import Findings, look, with_full
 from weftex.tasks.auto.rule import choose, choose_for_hole, is_sure, places_freely, strain_notes
 from weftex.tasks.auto.trial import MARGIN, PREVIEW, best_of_choices, others, refined_if_whole
-
-if TYPE_CHECKING:
-    from weftex.analysis.lattice import Lattice
-    from weftex.endless.boxes import Box, PlaneRequest
-    from weftex.progress import ProgressCallback
-    from weftex.results.synthesis import Synthesis
 
 #: Tried in turn where a method cannot be fitted, as to a sample that is mostly masked.
 _OTHERS = ("graphcut", "quilting", "patch-sampling", "ashikhmin")

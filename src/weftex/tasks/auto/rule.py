@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 from weftex.analysis.canvas_lattice import (
     VISIBLE_STRAIN,
+    Around,
     CanvasLattice,
     fitting_sizes,
     four_numbers,
@@ -17,13 +17,10 @@ from weftex.analysis.lattice import Lattice, find_lattice
 from weftex.analysis.overlay import courses
 from weftex.analysis.relief import smaller_copy
 from weftex.analysis.scale import dominant_scale
+from weftex.canvas import Canvas
 from weftex.choice import Choice
+from weftex.exemplar import Exemplar
 from weftex.tasks.auto.findings import LOOK, SMALLEST_ANALYZED, Findings
-
-if TYPE_CHECKING:
-    from weftex.analysis.canvas_lattice import Around
-    from weftex.canvas import Canvas
-    from weftex.exemplar import Exemplar
 
 _ROWS = 0.6  # confidence from which blocks are placed by rows
 _FINE = 1 / 12  # scale over the side: a patch, a quarter of the side, holds three features in a row

@@ -2,31 +2,25 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
+from weftex.analysis.lattice import Lattice
+from weftex.canvas import Canvas
 from weftex.choice import Choice
 from weftex.errors import InvalidInputError
+from weftex.exemplar import Exemplar
 from weftex.methods import make_method
 from weftex.naming import text_of
 from weftex.raster.boxes import box_sums
-from weftex.tasks.auto.findings import like_itself
+from weftex.results.synthesis import Synthesis
+from weftex.tasks.auto.findings import Findings, like_itself
 from weftex.tasks.auto.rule import WHOLE, is_sure, places_freely
 
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from numpy.typing import NDArray
-
-    from weftex.analysis.lattice import Lattice
-    from weftex.canvas import Canvas
-    from weftex.exemplar import Exemplar
-    from weftex.results.synthesis import Synthesis
-    from weftex.tasks.auto.findings import Findings
-
-    Values = NDArray[np.int64]
+Values = NDArray[np.int64]
 
 #: How much lower another score must be: judges agree in three of four cases then.
 MARGIN = 1.0
