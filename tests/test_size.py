@@ -15,20 +15,20 @@ TESTS = Path(__file__).parent
 READ = ("methods", "repeats", "search", "seams")
 #: Lower a ceiling when the code has become smaller; a feature that needs room removes something.
 CEILINGS = {
-    "lines of Python in src": 45_886,
-    "of these code": 32_031,
-    "modules": 284,
+    "lines of Python in src": 45_866,
+    "of these code": 32_025,
+    "modules": 278,
     "kernel classes": 24,
     "names that several kernel classes have": 0,
-    "lines of tests": 24_904,
-    "quilting: files to read": 12,
-    "quilting: lines to read": 2_722,
+    "lines of tests": 24_239,
+    "quilting: files to read": 11,
+    "quilting: lines to read": 2_640,
     "graphcut: files to read": 18,
-    "graphcut: lines to read": 3_865,
+    "graphcut: lines to read": 3_820,
     "efros-leung: files to read": 8,
-    "efros-leung: lines to read": 1_286,
-    "near-regular: files to read": 13,
-    "near-regular: lines to read": 2_452,
+    "efros-leung: lines to read": 1_265,
+    "near-regular: files to read": 10,
+    "near-regular: lines to read": 2_035,
 }
 
 
