@@ -28,7 +28,7 @@ from weftex.planes import open_plane
 
 DOCS = Path(__file__).resolve().parents[2] / "docs"
 _ACROSS = 1100  # pixels of a row, in which the next picture finds no place
-_SHOWN = 860  # pixels of a page's column
+_SHOWN = 760  # pixels of a page's column
 _GAP = 6
 _QUALITY = 70
 _VIEW = (256, 272)  # pixels of a zoom
