@@ -10,7 +10,7 @@ from collections.abc import Callable
 
 import numpy as np
 from numpy.typing import NDArray
-from paving import PAVING
+from paving import PAVING, basket
 from shapes import (
     MANY,
     Drawn,
@@ -141,20 +141,6 @@ def in_turn(x: Floats, y: Floats, rng: np.random.Generator) -> Drawn:
     amount = rng.uniform(0.2, 1.0)
     levels = picture[0][a, b] + amount * np.where((i + j) % 2, picture[1][a, b], picture[2][a, b])
     return levels[..., None] * np.ones(3), ((wide, high), (wide, -high))
-
-
-def basket(x: Floats, y: Floats, rng: np.random.Generator) -> Drawn:
-    """Pavers in blocks of two or three, each block turned against the next."""
-    side, number = rng.uniform(26, 64), rng.choice([2, 3])
-    i, j = np.floor(x / side).astype(np.int64), np.floor(y / side).astype(np.int64)
-    lying = (i + j) % 2 == 0
-    part = np.floor(np.where(lying, y, x) / side % 1 * number).astype(np.int64)
-    size = side / number
-    along, across = np.where(lying, x, y) % side, np.where(lying, y, x) % size
-    off = np.minimum(np.minimum(along, side - along), np.minimum(across, size - across))
-    levels = tones(rng, number * i + part, j, spread=rng.uniform(0.1, 0.5))
-    levels[off < rng.uniform(0.8, 0.06 * side)] = rng.choice([-2, 2])
-    return levels, ((side, side), (side, -side))
 
 
 def mesh(x: Floats, y: Floats, rng: np.random.Generator) -> Drawn:

@@ -42,15 +42,29 @@ def double_herringbone(x: Floats, y: Floats, rng: np.random.Generator) -> Drawn:
     return _laid(x, y, rng, 2, 2)
 
 
-def parquet(x: Floats, y: Floats, rng: np.random.Generator) -> Drawn:
-    """Blocks of three to five strips, each turned against the next."""
-    side, number = rng.uniform(30, 64), int(rng.choice([3, 4, 5]))
+def _turned(
+    x: Floats, y: Floats, rng: np.random.Generator, least: float, numbers: list[int]
+) -> tuple[Floats, Floats, float, float]:
+    """Square blocks of strips, each turned against the next: levels, distances to joints, sides."""
+    side, number = rng.uniform(least, 64), int(rng.choice(numbers))
     i, j = np.floor(x / side).astype(np.int64), np.floor(y / side).astype(np.int64)
     lying, size = (i + j) % 2 == 0, side / number
     part = np.floor(np.where(lying, y, x) / side % 1 * number).astype(np.int64)
     along, across = np.where(lying, x, y) % side, np.where(lying, y, x) % size
     off = np.minimum(np.minimum(along, side - along), np.minimum(across, size - across))
-    levels = tones(rng, number * i + part, j, spread=rng.uniform(0.1, 0.5))
+    return tones(rng, number * i + part, j, spread=rng.uniform(0.1, 0.5)), off, side, size
+
+
+def basket(x: Floats, y: Floats, rng: np.random.Generator) -> Drawn:
+    """Pavers in blocks of two or three, each block turned against the next."""
+    levels, off, side, _ = _turned(x, y, rng, 26, [2, 3])
+    levels[off < rng.uniform(0.8, 0.06 * side)] = rng.choice([-2, 2])
+    return levels, ((side, side), (side, -side))
+
+
+def parquet(x: Floats, y: Floats, rng: np.random.Generator) -> Drawn:
+    """Blocks of three to five strips, each turned against the next."""
+    levels, off, side, size = _turned(x, y, rng, 30, [3, 4, 5])
     levels[off < rng.uniform(0.6, 0.15 * size)] = rng.choice([-2, 2])
     return levels, ((side, side), (side, -side))
 

@@ -117,8 +117,8 @@ def border_steps(exemplar: Exemplar) -> tuple[float, float]:
 def sidedness(exemplar: Exemplar) -> tuple[float, float]:
     """Return how far a sample is from looking the same upside down, and turned by 90 degrees.
 
-    The skew of the differences of pixels; and by what share their squares differ between a
-    direction and the same turned or in a mirror, as they do where there is grain or light.
+    The first is the skewness of the differences of pixels. The second compares their squares in
+    directions that a quarter turn or a mirror exchanges: grain and light make these unequal.
     """
     flat = relief(exemplar)
     levels, usable = flat.levels.mean(axis=0), flat.usable > 0

@@ -209,7 +209,7 @@ async def add_job(call: Call) -> Any:
 
 
 async def _queued(call: Call, job: Job) -> Any:
-    """Queue a job; tell of its end, if that comes within so many milliseconds."""
+    """Queue a job, wait for its end up to `within` milliseconds, and return its state."""
     within = whole_number(call.query, "within", 0, 0, 1000)
     call.studio.jobs.add(job)
     return await _told(call, job, within / 1000, lambda: job.state in ENDED)

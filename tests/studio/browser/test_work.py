@@ -13,6 +13,14 @@ def steps(page: Any) -> int:
     return len(page.query_selector_all(".strip button"))
 
 
+def at_make(tab: Any, address: str, photo: Path) -> tuple[Any, Any]:
+    one = tab()
+    one.open(address).set_input_files("input[type=file]", photo)
+    one.page.wait_for_selector(".facts")
+    one.page.click("[data-screen=make]")
+    return one, one.page
+
+
 def make(one: Any, words: str) -> None:
     one.page.click("text=Make it")
     one.page.wait_for_selector(f".strip [aria-current] >> text={words}")
@@ -22,11 +30,7 @@ def make(one: Any, words: str) -> None:
 @pytest.mark.parametrize("browser", ["chromium", "firefox"], indirect=True)
 def test_results_are_retouched_and_nothing_is_lost(tab: Any, address: str, photo: Path) -> None:
     """A result is healed and becomes a sample; a branch and F5 lose no step."""
-    one = tab()
-    page = one.open(address)
-    page.set_input_files("input[type=file]", photo)
-    page.wait_for_selector(".facts")
-    page.click("[data-screen=make]")
+    one, page = at_make(tab, address, photo)
     page.select_option("select", "quilting")
     for side in ("Width", "Height"):
         one.write(side, "200")
@@ -77,11 +81,7 @@ def test_results_are_retouched_and_nothing_is_lost(tab: Any, address: str, photo
 @pytest.mark.parametrize("browser", ["chromium", "firefox"], indirect=True)
 def test_steps_are_repeated_on_another_photo(tab: Any, address: str, photo: Path) -> None:
     """Estimate, tile, enlarge: a preset. A painted hole ends one, and what was made stays."""
-    one = tab()
-    page = one.open(address)
-    page.set_input_files("input[type=file]", photo)
-    page.wait_for_selector(".facts")
-    page.click("[data-screen=make]")
+    one, page = at_make(tab, address, photo)
     page.click("[data-task=maps]")
     page.click("text=Estimate maps")
     page.wait_for_selector(".strip [aria-current] >> text=Maps estimated")
