@@ -5,15 +5,12 @@ from __future__ import annotations
 import argparse
 import os
 import re
-from typing import TYPE_CHECKING, Any, ClassVar, NoReturn
+from typing import Any, ClassVar, NoReturn
 
 from weftex.cli import terminal
 from weftex.errors import InvalidInputError, did_you_mean
 from weftex.recipe.declared import tasks_with
-
-if TYPE_CHECKING:
-    from weftex.recipe.options import Option
-
+from weftex.recipe.options import Option
 
 HUGE = 2**28  # pixels
 

@@ -2,26 +2,23 @@
 
 from __future__ import annotations
 
+import argparse
 import os
 from contextlib import ExitStack
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from weftex.canvas import MAX_PIXELS
 from weftex.cli.options import given_blocks
 from weftex.cli.parser import HUGE
 from weftex.cli.terminal import Bar, Outputs, finish, say
 from weftex.errors import InvalidInputError
+from weftex.exemplar.material import Material
 from weftex.io.formats import suffix_of
 from weftex.io.pictures import check_output
+from weftex.planes.definition import Definition
 from weftex.planes.tiff import SUFFIXES
-
-if TYPE_CHECKING:
-    import argparse
-
-    from weftex.exemplar.material import Material
-    from weftex.planes.definition import Definition
-    from weftex.recipe import Recipe
+from weftex.recipe import Recipe
 
 #: Options of synth that ask for the whole picture.
 _WHOLE = {

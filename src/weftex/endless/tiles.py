@@ -10,24 +10,19 @@ doi:10.1145/1183287.1183296. The set is made on a torus that has each tile once.
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from weftex.analysis.canvas_lattice import CanvasLattice
+from weftex.endless.boxes import Box, PlaneRequest
 from weftex.endless.grid import ACROSS, CORNER, DOWN, Axis, Block, Grid, Sizes
-from weftex.endless.plane import Plane, usable_corners
+from weftex.endless.plane import Filler, Plane, usable_corners
 from weftex.errors import InvalidInputError
+from weftex.exemplar import Exemplar
 from weftex.random import draw
 
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from weftex.endless.boxes import Box, PlaneRequest
-    from weftex.endless.plane import Filler
-    from weftex.exemplar import Exemplar
-
-    Ints = NDArray[np.int64]
+Ints = NDArray[np.int64]
 
 _SHARE, _LEAST = 8, 8  # half of the belt is an eighth of the tile's shorter side; at least, pixels
 _KEPT = 8  # pixels on both sides of a border that insides leave, or an eighth of the belt

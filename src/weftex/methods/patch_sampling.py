@@ -4,7 +4,10 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, ClassVar, Self
+from typing import ClassVar, Self
+
+import numpy as np
+from numpy.typing import NDArray
 
 from weftex.exemplar import Exemplar
 from weftex.methods.patches.method import PatchMethod
@@ -12,10 +15,6 @@ from weftex.methods.patches.model import Output, PatchModel
 from weftex.methods.patches.orders import Run
 from weftex.methods.patches.patch_kernels import Tolerance
 from weftex.parameters import parameter
-
-if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import NDArray
 
 _PAPERS_EPSILON = 0.2  # section 2.4
 _HOLE_EPSILON = 0.02  # known pixels cannot be blended, so the best match is taken

@@ -2,30 +2,33 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from html import escape
 from time import perf_counter
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-from weftex import METHODS, InvalidInputError, UnsupportedError, assess, load_exemplar
+import numpy as np
+
+from weftex import (
+    METHODS,
+    Assessment,
+    Exemplar,
+    InvalidInputError,
+    Synthesis,
+    UnsupportedError,
+    assess,
+    load_exemplar,
+)
 from weftex.canvas import as_canvas
+from weftex.choice import Choice
 from weftex.errors import shown
 from weftex.pages.html import Page, document, number, parameters, pictures, show, small, table
-from weftex.progress import Progress
+from weftex.progress import Progress, ProgressCallback
 from weftex.quality import FIGURES, SCORE, as_shown
 from weftex.random import seed_number
 from weftex.tasks.auto import MARGIN, Auto, AutoModel
 from weftex.tasks.method_names import AUTO, make_method
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    import numpy as np
-
-    from weftex import Assessment, Exemplar, Synthesis
-    from weftex.choice import Choice
-    from weftex.progress import ProgressCallback
-
 
 _COLORS = "false colors by place in the sample: more red to the right, more green downwards"
 

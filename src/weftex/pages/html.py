@@ -5,19 +5,16 @@ from __future__ import annotations
 import json
 import os
 from abc import ABC, abstractmethod
+from collections.abc import Iterable, Sequence
 from html import escape
-from typing import TYPE_CHECKING, Any
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
 
 from weftex.io.pictures import check_output, write_text
 from weftex.io.png import data_url
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Sequence
-
-    import numpy as np
-    from numpy.typing import NDArray
-
-    from weftex.quality import Figure
+from weftex.quality import Figure
 
 _LARGEST_PICTURE = 1024  # pixels a side of a picture in the page
 

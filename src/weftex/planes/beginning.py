@@ -4,18 +4,14 @@ from __future__ import annotations
 
 import os
 import secrets
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from weftex.errors import FileError, InvalidInputError, shown
+from weftex.planes.plane_file import PlaneFile, Sums
 from weftex.planes.record import Record, Run
 from weftex.planes.tiff import REPAIR, synced
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator
-
-    from weftex.planes.plane_file import PlaneFile, Sums
 
 _NAMES = {"digest": "sample", "wrap": "tiling (y, x)", "version": "version of weftex"}
 

@@ -6,32 +6,27 @@ import hashlib
 import json
 import numbers
 import os
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, fields, replace
 from fractions import Fraction
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 import weftex
 from weftex import Exemplar, Method
 from weftex.canvas import as_canvas
 from weftex.errors import InvalidInputError, shown
 from weftex.io.npz import DamageError, one_line_errors, open_npz, write_npz
-from weftex.planes.layout import Layout, check_block
+from weftex.method import Model
+from weftex.planes.layout import Layout, Window, check_block
 from weftex.planes.tiff import MOST_DENSITY, TiffStore
 from weftex.random import seed_number
 from weftex.raster.turning import gap_of
 from weftex.roles import Role
 from weftex.tasks.method_names import AUTO, make_method
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping
-
-    from numpy.typing import NDArray
-
-    from weftex.method import Model
-    from weftex.planes.layout import Window
 
 BLOCK = 2048
 _MOST_SIDE = 2**40

@@ -3,22 +3,18 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from weftex.errors import FileError
 from weftex.planes.definition import Definition
+from weftex.planes.layout import Place
 from weftex.planes.record import Record
-from weftex.planes.tiff import check_sum
+from weftex.planes.tiff import TiffStore, check_sum
 
-if TYPE_CHECKING:
-    from collections.abc import Collection, Iterator, Mapping
-
-    from weftex.planes.layout import Place
-    from weftex.planes.tiff import TiffStore
-
-    Sums = Mapping[Place, tuple[int, ...]]
+Sums = Mapping[Place, tuple[int, ...]]
 
 
 @dataclass(frozen=True)

@@ -18,23 +18,19 @@ import json
 import os
 import re
 import zlib
+from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import asdict, dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from weftex.errors import FileError
 from weftex.io.formats import suffix_of
 from weftex.io.npz import open_regular
 from weftex.io.pictures import write_text
 from weftex.io.temporary import is_temporary
-from weftex.planes.layout import named
+from weftex.planes.layout import Place, named
 from weftex.planes.locks import COUNT, locked, shared
 from weftex.planes.tiff import synced
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-
-    from weftex.planes.layout import Place
 
 _DEFINITION, _RUN = "recipe.npz", "run.json"
 _LOCKS = ("lock", "begin", "writing")

@@ -6,21 +6,18 @@ import os
 import socket
 from collections.abc import Callable, Iterable, Iterator
 from threading import Lock
-from typing import TYPE_CHECKING
 
 from weftex.errors import FileError
+from weftex.planes.layout import Place
+from weftex.planes.plane_file import PlaneFile
 from weftex.planes.record import Record
 from weftex.planes.tiff import KEPT
 from weftex.processes import LostError, Workers
+from weftex.progress import Progress
 from weftex.threads import in_turn, thread_count
 
-if TYPE_CHECKING:
-    from weftex.planes.layout import Place
-    from weftex.planes.plane_file import PlaneFile
-    from weftex.progress import Progress
-
-    #: Makes blocks of one level for the run of a record, which are done when it gives them.
-    Runner = Callable[[Record, Iterable[Place], Progress], Iterator[Place]]
+#: Makes blocks of one level for the run of a record, which are done when it gives them.
+Runner = Callable[[Record, Iterable[Place], Progress], Iterator[Place]]
 
 _AT_ONCE = 4  # blocks, which bounds the memory
 

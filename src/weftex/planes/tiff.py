@@ -11,24 +11,19 @@ from __future__ import annotations
 import os
 import struct
 import zlib
+from collections.abc import Iterator, Mapping
 from contextlib import suppress
 from fractions import Fraction
 from functools import cached_property
-from typing import IO, TYPE_CHECKING, Any, ClassVar
+from typing import IO, Any, ClassVar
 
 import numpy as np
+from numpy.typing import NDArray
 
 from weftex.errors import FileError, InvalidInputError
 from weftex.io.npz import open_regular
 from weftex.io.temporary import write_through
-from weftex.planes.layout import named
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping
-
-    from numpy.typing import NDArray
-
-    from weftex.planes.layout import Layout, Place, Window
+from weftex.planes.layout import Layout, Place, Window, named
 
 #: Suffixes of files that can be written block by block.
 SUFFIXES = (".tif", ".tiff")

@@ -9,25 +9,21 @@ from collections import Counter
 from dataclasses import dataclass
 from functools import partial
 from math import prod
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+import numpy as np
+
+from weftex import Method
 from weftex.errors import FileError
 from weftex.io.pictures import check_output
 from weftex.planes.beginning import at_work, done_before
 from weftex.planes.definition import BLOCK, Definition, define
-from weftex.planes.plane_file import PlaneFile, open_plane
+from weftex.planes.plane_file import PlaneFile, Sums, open_plane
 from weftex.planes.record import Record
-from weftex.planes.runners import in_threads
+from weftex.planes.runners import Runner, in_threads
 from weftex.planes.tiff import SUFFIXES
 from weftex.progress import Progress, ProgressCallback
 from weftex.tasks.method_names import AUTO
-
-if TYPE_CHECKING:
-    import numpy as np
-
-    from weftex import Method
-    from weftex.planes.plane_file import Sums
-    from weftex.planes.runners import Runner
 
 
 @dataclass(frozen=True)

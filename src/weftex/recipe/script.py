@@ -4,18 +4,16 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from weftex.recipe.command_line import path_of
 from weftex.recipe.declared import TASKS
+from weftex.recipe.fields import Fields
 from weftex.recipe.opening import straighten_arguments
 from weftex.recipe.options import PICTURE
 from weftex.tasks.method_names import AUTO
 
-if TYPE_CHECKING:
-    from weftex.recipe.fields import Fields
-
-    Names = Mapping[str, str]
+Names = Mapping[str, str]
 
 _PACKAGE = "weftex"
 #: Beside the picture, of a set of maps.

@@ -4,18 +4,16 @@ from __future__ import annotations
 
 import dataclasses
 from functools import cache
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import weftex
+from weftex import Method
 from weftex.io.pictures import sample_names
 from weftex.io.presets import presets
 from weftex.naming import kind_of
 from weftex.quality import FIGURES
 from weftex.recipe import TASKS
 from weftex.results.drawing import DRAWINGS
-
-if TYPE_CHECKING:
-    from weftex import Method
 
 #: The options of tasks that the page asks for in a form.
 _FORMS = {

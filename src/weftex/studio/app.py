@@ -4,28 +4,24 @@ from __future__ import annotations
 
 import asyncio
 import logging
+from collections.abc import AsyncIterator, Awaitable, Callable, Collection
 from contextlib import asynccontextmanager, suppress
 from importlib import import_module
 from itertools import count
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from starlette.applications import Starlette
 from starlette.exceptions import HTTPException
 from starlette.requests import ClientDisconnect, Request
 from starlette.responses import JSONResponse, Response
 from starlette.routing import Mount, Route, Router
+from starlette.types import ASGIApp, Receive, Scope, Send
 
 from weftex.errors import WeftexError
 from weftex.studio.guard import Guard
 from weftex.studio.page_files import static_files
-
-if TYPE_CHECKING:
-    from collections.abc import AsyncIterator, Awaitable, Callable, Collection
-
-    from starlette.types import ASGIApp, Receive, Scope, Send
-
-    from weftex.studio.requests import Handler
-    from weftex.studio.studio import Studio
+from weftex.studio.requests import Handler
+from weftex.studio.studio import Studio
 
 _SWEEP = 1.0  # seconds
 _MARK = 60  # sweeps between two marks of the folders in use

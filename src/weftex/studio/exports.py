@@ -6,31 +6,27 @@ import json
 import os
 import tempfile
 import zipfile
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
+
+from numpy.typing import NDArray
 
 import weftex
 from weftex.atlas import atlas
 from weftex.errors import InvalidInputError, did_you_mean, shown
 from weftex.io.formats import written_as
 from weftex.io.packing import write_preset
-from weftex.io.pictures import write_text
+from weftex.io.pictures import Picture, write_text
 from weftex.io.presets import presets, read_preset
 from weftex.prepare import estimate_maps, light_joints
+from weftex.recipe.opening import PreparedMaterial
+from weftex.studio.downloads import Downloads
 from weftex.studio.results import formats_of
+from weftex.studio.sessions import Session
+from weftex.studio.synthesis import Result
 from weftex.studio.uploads import file_in, label_of
-
-if TYPE_CHECKING:
-    from collections.abc import Mapping
-
-    from numpy.typing import NDArray
-
-    from weftex.io.pictures import Picture
-    from weftex.recipe.opening import PreparedMaterial
-    from weftex.studio.downloads import Downloads
-    from weftex.studio.sessions import Session
-    from weftex.studio.synthesis import Result
 
 #: What may stand beside the pictures.
 BESIDE = ("source", "report", "recipe", "atlas")

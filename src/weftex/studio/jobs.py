@@ -6,21 +6,19 @@ import os
 import threading
 import time
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from weftex.errors import CancelledError
 from weftex.progress import listening
+from weftex.recipe import Recipe
+from weftex.studio.limits import Limits
 from weftex.studio.pictures import smaller
 from weftex.studio.refusals import Refusal, answer_of
+from weftex.studio.sessions import Session
 
-if TYPE_CHECKING:
-    from weftex.recipe import Recipe
-    from weftex.studio.limits import Limits
-    from weftex.studio.sessions import Session
-
-    Work = Callable[["Job"], None]
+Work = Callable[["Job"], None]
 
 #: Threads that take any job, and further ones that take only those in lanes, such as previews.
 WORKERS, QUICK = 2, 1

@@ -7,16 +7,12 @@ from __future__ import annotations
 
 import shutil
 import socket
+from collections.abc import Iterator
 from contextlib import contextmanager
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 from weftex.errors import FileError
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-    from pathlib import Path
-
-    from weftex.studio.downloads import Downloads
+from weftex.studio.downloads import Downloads
 
 #: Tried first, so that a page that is open finds the server again after a restart.
 PORT = 8427

@@ -5,24 +5,21 @@ from __future__ import annotations
 import hashlib
 import json
 import os
+from collections.abc import Mapping
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import weftex
+from weftex import Exemplar
 from weftex.analysis.overlay import Lattice, LatticeRating, Rated, draw, is_tilted
+from weftex.choice import Choice
 from weftex.errors import InvalidInputError
 from weftex.recipe import checked_material, pictures_of
 from weftex.recipe.opening import PreparedMaterial, prepare_material, read_described
 from weftex.roles import COLOR, is_preview, role_of, words_of
 from weftex.studio.refusals import Refusal
+from weftex.studio.sessions import Session
 from weftex.studio.uploads import picture_of
-
-if TYPE_CHECKING:
-    from collections.abc import Mapping
-
-    from weftex import Exemplar
-    from weftex.choice import Choice
-    from weftex.studio.sessions import Session
 
 
 def id_of(spec: Mapping[str, Any]) -> str:

@@ -3,19 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
+from weftex import Exemplar, Synthesis
 from weftex.io.png import png_bytes
 from weftex.studio.refusals import Refusal
 
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from weftex import Exemplar, Synthesis
-
-    Bytes = NDArray[np.uint8]
+Bytes = NDArray[np.uint8]
 
 _MOST_RAW = 2**20  # pixels
 _BAND = 2**22  # pixels, about, that are converted together: a large sample would take gigabytes

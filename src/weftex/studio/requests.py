@@ -5,24 +5,21 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Awaitable, Callable, Sequence
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import Any, TypeVar
 
+import numpy as np
 from anyio import to_thread
+from numpy.typing import NDArray
+from starlette.requests import Request
 from starlette.responses import Response
 
 from weftex.studio.pictures import packed
 from weftex.studio.refusals import Refusal
+from weftex.studio.sessions import Session
+from weftex.studio.studio import Studio
 
-if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import NDArray
-    from starlette.requests import Request
-
-    from weftex.studio.sessions import Session
-    from weftex.studio.studio import Studio
-
-    Result = TypeVar("Result")
-    Handler = Callable[["Call"], Awaitable[Any]]
+Result = TypeVar("Result")
+Handler = Callable[["Call"], Awaitable[Any]]
 
 SESSION = "x-weftex-session"
 _MOST_DEEP = 32  # levels of JSON

@@ -2,28 +2,25 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import fields
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 import weftex
+from weftex import Exemplar
 from weftex.io.formats import FORMATS
+from weftex.io.pictures import Picture
 from weftex.quality import FIGURES, fault_maps
 from weftex.results.drawing import DRAWINGS
 from weftex.studio.materials import maps_of
 from weftex.studio.pictures import shown
 from weftex.studio.refusals import Refusal
+from weftex.studio.sessions import Session
+from weftex.studio.synthesis import Result
 
-if TYPE_CHECKING:
-    from collections.abc import Mapping
-
-    from weftex import Exemplar
-    from weftex.io.pictures import Picture
-    from weftex.studio.sessions import Session
-    from weftex.studio.synthesis import Result
-
-    Bytes = np.ndarray[Any, np.dtype[np.uint8]]
+Bytes = np.ndarray[Any, np.dtype[np.uint8]]
 
 
 def result_of(name: str, session: Session) -> Result:

@@ -4,15 +4,20 @@ from __future__ import annotations
 
 import asyncio
 import time
+from collections.abc import AsyncIterator, Callable
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+import numpy as np
+from numpy.typing import NDArray
 from starlette.responses import FileResponse, JSONResponse, Response
 
 import weftex
+from weftex import Exemplar
 from weftex.errors import InvalidInputError, shown
 from weftex.io.pictures import sample_names
 from weftex.recipe import Recipe
+from weftex.recipe.opening import PreparedMaterial
 from weftex.studio import exports, materials, results, works
 from weftex.studio.about import about
 from weftex.studio.jobs import ENDED, Job
@@ -23,15 +28,6 @@ from weftex.studio.requests import Call, route
 from weftex.studio.synthesis import Result, begin_plane, open_job, plane_window
 from weftex.studio.uploads import IncomingUpload, label_of
 from weftex.studio.work import compared, look_at, plain, several
-
-if TYPE_CHECKING:
-    from collections.abc import AsyncIterator, Callable
-
-    import numpy as np
-    from numpy.typing import NDArray
-
-    from weftex import Exemplar
-    from weftex.recipe.opening import PreparedMaterial
 
 
 @route("POST", "/session")

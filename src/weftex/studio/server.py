@@ -2,21 +2,18 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+import asyncio
+import socket
+from typing import Any
 
 import uvicorn
 from uvicorn.protocols.http.h11_impl import H11Protocol
 
 from weftex.studio.app import make_app
 from weftex.studio.guard import OWNER
+from weftex.studio.limits import Limits
 from weftex.studio.listening import hosts_of
-
-if TYPE_CHECKING:
-    import asyncio
-    import socket
-
-    from weftex.studio.limits import Limits
-    from weftex.studio.studio import Studio
+from weftex.studio.studio import Studio
 
 _GRACE = 1  # seconds that requests have to end
 

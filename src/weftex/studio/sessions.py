@@ -12,18 +12,15 @@ import stat
 import sys
 import threading
 import time
+from collections.abc import Callable, Mapping
 from contextlib import suppress
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import Any, TypeVar
 
 from weftex.errors import FileError
 from weftex.io.pictures import write_text
+from weftex.studio.limits import Limits, LruCache
 from weftex.studio.refusals import Refusal
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping
-
-    from weftex.studio.limits import Limits, LruCache
 
 Value = TypeVar("Value")
 

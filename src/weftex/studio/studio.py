@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import secrets
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 from anyio import CapacityLimiter
 
@@ -12,11 +12,7 @@ from weftex.studio.downloads import Downloads
 from weftex.studio.jobs import Jobs
 from weftex.studio.limits import Limits, LruCache
 from weftex.studio.sessions import Session, Sessions, Store
-
-if TYPE_CHECKING:
-    from pathlib import Path
-
-    from weftex.studio.uploads import StartMaterial
+from weftex.studio.uploads import StartMaterial
 
 _AT_A_TIME = 4  # pieces of short work, such as pictures to be packed
 

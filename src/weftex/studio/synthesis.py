@@ -5,30 +5,26 @@ from __future__ import annotations
 import math
 import os
 import re
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import partial
 from time import perf_counter
-from typing import TYPE_CHECKING, Any, cast
+from typing import Any, cast
 
+import numpy as np
+from numpy.typing import NDArray
+
+from weftex import Exemplar, Synthesis
+from weftex.io.pictures import Picture
+from weftex.method import Model
+from weftex.progress import ProgressCallback
 from weftex.recipe import Recipe
 from weftex.recipe.opening import OpenedRecipe, open_recipe
 from weftex.studio.materials import id_of, load_material, map_of, maps_of, size_of
 from weftex.studio.pictures import shown, whole_number
 from weftex.studio.refusals import Refusal
+from weftex.studio.sessions import Session
 from weftex.studio.uploads import label_of, picture_of
-
-if TYPE_CHECKING:
-    from collections.abc import Mapping
-
-    import numpy as np
-    from numpy.typing import NDArray
-
-    from weftex import Exemplar, Synthesis
-    from weftex.io.pictures import Picture
-    from weftex.method import Model
-    from weftex.progress import ProgressCallback
-    from weftex.studio.sessions import Session
-
 
 #: What `Result.stem` adds; a result of a result has it once.
 _ENDS = re.compile(r"(_(filled|fused|tileable|\d+x\d+))+$")

@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 from urllib.parse import unquote
 
 from weftex.errors import FileError, InvalidInputError
@@ -13,12 +13,9 @@ from weftex.exemplar.material import read_material
 from weftex.io.formats import kind_of
 from weftex.io.pictures import Picture, read_image
 from weftex.recipe import checked_material
+from weftex.studio.limits import Limits
 from weftex.studio.refusals import Refusal
-
-if TYPE_CHECKING:
-    from weftex.studio.limits import Limits
-    from weftex.studio.sessions import Session
-
+from weftex.studio.sessions import Session
 
 #: By what the first bytes say; readers go by suffixes.
 _SUFFIXES = {

@@ -2,21 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from time import perf_counter
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from weftex.errors import CancelledError, InvalidInputError, WeftexError, shown
+from weftex.recipe import Recipe
+from weftex.recipe.opening import PreparedMaterial
 from weftex.studio import results
+from weftex.studio.jobs import Job
 from weftex.studio.materials import analysis_of, id_of
 from weftex.studio.refusals import answer_of
 from weftex.studio.synthesis import Result, bytes_of, make, open_job
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from weftex.recipe import Recipe
-    from weftex.recipe.opening import PreparedMaterial
-    from weftex.studio.jobs import Job
 
 MOST_SEEDS = 16
 

@@ -9,18 +9,14 @@ import os
 import re
 import shutil
 import time
-from typing import TYPE_CHECKING, Any
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
 
 from weftex.errors import InvalidInputError
 from weftex.recipe import Recipe, checked_material
 from weftex.studio.refusals import Refusal
-from weftex.studio.sessions import KEY, path_of, read_steps, read_uploads
-
-if TYPE_CHECKING:
-    from collections.abc import Mapping
-    from pathlib import Path
-
-    from weftex.studio.sessions import Session, Store
+from weftex.studio.sessions import KEY, Session, Store, path_of, read_steps, read_uploads
 
 _ID = re.compile(r"[0-9a-f]{12}")
 _THUMB = re.compile(r"data:image/(webp|png|jpeg);base64,[A-Za-z0-9+/=]{1,65536}")

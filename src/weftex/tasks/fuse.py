@@ -5,30 +5,23 @@ from __future__ import annotations
 import dataclasses
 import numbers
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from weftex.analysis.scale import dominant_scale
-from weftex.canvas import as_canvas
+from weftex.canvas import Canvas, as_canvas
 from weftex.errors import InvalidInputError, did_you_mean, shown
-from weftex.exemplar import Exemplar, load_exemplar
+from weftex.exemplar import Exemplar, Sample, load_exemplar
 from weftex.label_maps import Gradient, labels_of, map_picture
 from weftex.method import Method
 from weftex.prepare.combining import combined, of_one_kind, paired
-from weftex.random import seed_number
+from weftex.progress import ProgressCallback
+from weftex.random import Seed, seed_number
 from weftex.results.pixels import PixelSynthesis
-from weftex.tasks.fusion import Fusion
+from weftex.tasks.fusion import Fusion, Material
 from weftex.tasks.method_names import is_auto, make_method
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from weftex.canvas import Canvas
-    from weftex.exemplar import Sample
-    from weftex.progress import ProgressCallback
-    from weftex.random import Seed
-    from weftex.tasks.fusion import Material
 
 #: The method for fusion; what "auto" stands for here.
 DEFAULT = "refinement"

@@ -5,8 +5,9 @@ from __future__ import annotations
 import argparse
 import os
 import string
+from collections.abc import Iterator, Sequence
 from time import perf_counter
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 from weftex.canvas import as_canvas
 from weftex.cli.files import open_materials, pixels_of, plan
@@ -19,19 +20,15 @@ from weftex.io.formats import READABLE, suffix_of, written_as
 from weftex.io.manifest import MANIFEST, Manifest, unfinished
 from weftex.io.map_files import map_files
 from weftex.io.pictures import write_text
+from weftex.method import Model
 from weftex.processes import LostError, Workers
 from weftex.quality.score import MapsScorer
 from weftex.recipe import MATERIAL, SEED, Recipe
 from weftex.recipe.declared import FIT, OUTPUT_SIZE, TILEABLE
+from weftex.recipe.opening import OpenedRecipe
+from weftex.results.synthesis import Synthesis
 from weftex.roles import COLOR, role_of
 from weftex.threads import in_turn, thread_count
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
-
-    from weftex.method import Model
-    from weftex.recipe.opening import OpenedRecipe
-    from weftex.results.synthesis import Synthesis
 
 _ABOUT = """\
 Make images from every image and every folder of maps in a folder. In the output folder,

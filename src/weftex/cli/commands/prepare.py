@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+import argparse
 
 from weftex.cli.parser import Parser
 from weftex.cli.terminal import Bar, Outputs, finish
@@ -10,9 +10,6 @@ from weftex.cli.terminal import run as run_work
 from weftex.errors import InvalidInputError
 from weftex.recipe import LANDMARKS, MATERIAL, PREPARATION
 from weftex.recipe.command_line import described_material, value_of
-
-if TYPE_CHECKING:
-    import argparse
 
 _ABOUT = """\
 Straighten a photo, remove uneven light, and remove landmarks (conspicuous features). The output is

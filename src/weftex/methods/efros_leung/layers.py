@@ -4,19 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import contextmanager
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from weftex.methods.efros_leung import wave_kernels as kernels
+from weftex.methods.efros_leung.weighted_search import Draw, Drawn
 from weftex.random import draw
 from weftex.raster.masks import grown
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from weftex.methods.efros_leung.weighted_search import Draw, Drawn
-    from weftex.search.windows import Windows
+from weftex.search.windows import Windows
 
 _SHARE = 8  # pixels; fewer are not worth another thread
 

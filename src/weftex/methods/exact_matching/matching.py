@@ -2,22 +2,19 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from weftex.methods.exact_matching import match_kernels as kernels
+from weftex.methods.exact_matching.lists import ColorLists
+from weftex.methods.pixels import Growth
 from weftex.random import draw
 from weftex.raster.masks import grown, peeled
 from weftex.raster.pyramids import children
 from weftex.search.picture_kernels import Picture
 from weftex.search.windows import new_query
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from weftex.methods.exact_matching.lists import ColorLists
-    from weftex.methods.pixels import Growth
 
 _MOST_NEIGHBORS = 8
 _PASSES = 2  # over pixels between known ones, after the first

@@ -4,34 +4,30 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any, ClassVar, Self
+from typing import Any, ClassVar, Self
+
+import numpy as np
+from numpy.typing import NDArray
 
 from weftex.analysis.canvas_lattice import check_lattice
 from weftex.analysis.patch_sizes import HOLE_PATCHES, patch_size_for, patch_size_on
+from weftex.canvas import Canvas
 from weftex.endless.grid import Sizes
 from weftex.errors import InvalidInputError
+from weftex.exemplar import Exemplar
 from weftex.exemplar.turns import turned
 from weftex.method import Method
 from weftex.methods.graphcut.cutting import CutCanvas, WorstSeams
 from weftex.methods.graphcut.entire import EntirePatchMatching, OrientedMatching
-from weftex.methods.graphcut.placement import draw_offsets
+from weftex.methods.graphcut.placement import Patch, Placement, draw_offsets
 from weftex.methods.graphcut.sample import PATCH_SHARE, Sample, check_boundary, patch_shape_for
 from weftex.methods.graphcut.subpatch import SubPatchMatching
-from weftex.methods.pixels import PixelModel
+from weftex.methods.pixels import Growth, PixelModel
 from weftex.parameters import parameter
 from weftex.repeats import PatchPenalty, Repetition
 from weftex.repeats.salience import SaliencePenalty
 from weftex.search.windows import windows_of
 from weftex.threads import quick_map
-
-if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import NDArray
-
-    from weftex.canvas import Canvas
-    from weftex.exemplar import Exemplar
-    from weftex.methods.graphcut.placement import Patch, Placement
-    from weftex.methods.pixels import Growth
 
 _LARGE = 2**14  # pixels of a patch from which on candidates are cut in threads
 _PATCHES = 2  # in a row between two belts of a plane

@@ -3,19 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from weftex.methods.near_regular import block_kernels as kernels
-from weftex.methods.near_regular.layout import ANY
+from weftex.methods.near_regular.layout import ANY, Layout
+from weftex.methods.near_regular.sample import BlockSample
 from weftex.progress import Progress, ProgressCallback
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from weftex.methods.near_regular.layout import Layout
-    from weftex.methods.near_regular.sample import BlockSample
 
 _GAPS_AT_A_TIME = 32  # that a thread fills, at most
 _SIMILAR = 6  # windows around which a gap searches; the paper searches around all

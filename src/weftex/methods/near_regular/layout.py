@@ -4,20 +4,17 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from weftex.analysis.canvas_lattice import VISIBLE_STRAIN, Around, CanvasLattice
+from weftex.analysis.colored_rows import ColoredRows
+from weftex.canvas import Canvas
 from weftex.endless.boxes import check_period
+from weftex.methods.near_regular.sample import BlockSample
 from weftex.random import draw
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from weftex.analysis.colored_rows import ColoredRows
-    from weftex.canvas import Canvas
-    from weftex.methods.near_regular.sample import BlockSample
 
 #: Blocks around the visible ones that their sources depend on: 1 beside a gap, and 2 for each color
 #: but the last, which is drawn with regard to the ones before.

@@ -2,18 +2,15 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from weftex.methods.near_regular import edge_kernels as kernels
+from weftex.methods.near_regular.blocks import Plan
+from weftex.methods.near_regular.layout import Axis
 from weftex.results.patches import PatchSynthesis
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from weftex.methods.near_regular.blocks import Plan
-    from weftex.methods.near_regular.layout import Axis
 
 _AT_A_TIME = 32  # edges that a thread cuts
 

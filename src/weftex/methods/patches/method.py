@@ -3,21 +3,19 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, fields, replace
-from typing import TYPE_CHECKING, Any, ClassVar, Self
+from typing import Any, ClassVar, Self
+
+import numpy as np
+from numpy.typing import NDArray
 
 from weftex.analysis.patch_sizes import HOLE_PATCHES, patch_size_for, patch_size_of, patch_size_on
+from weftex.canvas import Canvas
 from weftex.errors import InvalidInputError
+from weftex.exemplar import Exemplar
 from weftex.method import Method
 from weftex.methods.patches.patch_kernels import LARGEST_M
 from weftex.methods.patches.zone_search import SEARCHES
 from weftex.parameters import parameter
-
-if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import NDArray
-
-    from weftex.canvas import Canvas
-    from weftex.exemplar import Exemplar
 
 _LAMBDA = 0.3  # patch size over the sample's shorter side (section 2.4)
 _CANDIDATES = 40

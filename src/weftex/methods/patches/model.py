@@ -6,12 +6,14 @@ from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
 from threading import get_ident
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from weftex.canvas import Canvas
-from weftex.endless.boxes import canvas_of, check_period
+from weftex.endless.boxes import Box, PlaneRequest, canvas_of, check_period
+from weftex.endless.corners import SamplePieces
 from weftex.endless.grid import Sizes
 from weftex.errors import InvalidInputError
 from weftex.exemplar import Exemplar
@@ -33,16 +35,10 @@ from weftex.methods.patches.zone_search import ZoneSearch
 from weftex.progress import Progress, ProgressCallback
 from weftex.results.paste_kernels import Layout
 from weftex.results.patches import PatchSynthesis
+from weftex.results.synthesis import Synthesis
 
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from weftex.endless.boxes import Box, PlaneRequest
-    from weftex.endless.corners import SamplePieces
-    from weftex.results.synthesis import Synthesis
-
-    #: Covers an output with patches: the algorithm of a method.
-    Cover = Callable[["Output", Any], None]
+#: Covers an output with patches: the algorithm of a method.
+Cover = Callable[["Output", Any], None]
 
 
 class PatchModel(Model):

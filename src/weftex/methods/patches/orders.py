@@ -9,18 +9,15 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from weftex.canvas import Canvas
+from weftex.methods.patches.analysis import Zones
 from weftex.methods.patches.method import PatchMethod
 from weftex.random import draw
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from weftex.methods.patches.analysis import Zones
 
 _MOST_AROUND = 11  # earlier patches that a patch should not repeat
 _THREADS_FROM = 512  # patches; fewer are pasted faster by one thread

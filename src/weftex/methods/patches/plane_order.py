@@ -21,22 +21,18 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from itertools import pairwise
-from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
+from weftex.endless.boxes import Box, Span
+from weftex.endless.corners import SamplePieces
 from weftex.endless.grid import Axis
+from weftex.methods.patches.analysis import Zones
 from weftex.methods.patches.orders import Order, Run, Step
 from weftex.random import draw
 
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from weftex.endless.boxes import Box, Span
-    from weftex.endless.corners import SamplePieces
-    from weftex.methods.patches.analysis import Zones
-
-    Ints = NDArray[np.int64]
+Ints = NDArray[np.int64]
 
 CORNER, ACROSS, DOWN, INSIDE = range(4)
 _PITCH, _FEWEST, _MOST = 144, 3, 8  # pixels, or so many patches, from one node to the next

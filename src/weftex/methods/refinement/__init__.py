@@ -3,12 +3,18 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any, ClassVar, Self
+from typing import Any, ClassVar, Self
 
+import numpy as np
+from numpy.typing import NDArray
+
+from weftex.canvas import Canvas
+from weftex.endless.boxes import Box, PlaneRequest
 from weftex.endless.grid import Sizes
 from weftex.errors import InvalidInputError
+from weftex.exemplar import Exemplar
 from weftex.method import Method
-from weftex.methods.pixels import PixelModel, WindowedMethod
+from weftex.methods.pixels import Growth, PixelModel, WindowedMethod
 from weftex.methods.refinement.defaults import Starts, resolved_method, start_text, window_width
 from weftex.methods.refinement.levels import Prepared, prepare
 from weftex.methods.refinement.output import (
@@ -24,15 +30,6 @@ from weftex.methods.refinement.seeds import seed_sources
 from weftex.methods.refinement.start import fitted_starts, keep_patches, result_of, start_window
 from weftex.methods.refinement.sweeps import Convergence, refine_texture, sweep_of
 from weftex.parameters import parameter
-
-if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import NDArray
-
-    from weftex.canvas import Canvas
-    from weftex.endless.boxes import Box, PlaneRequest
-    from weftex.exemplar import Exemplar
-    from weftex.methods.pixels import Growth
 
 _PITCH = 384  # pixels, at least, from one node of a plane to the next
 

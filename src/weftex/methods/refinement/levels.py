@@ -4,24 +4,19 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from weftex.exemplar import Exemplar
+from weftex.method import Model
 from weftex.methods.refinement.defaults import reach_and_level_count, seed_spacing
-from weftex.methods.refinement.nearest import nearest_search
+from weftex.methods.refinement.nearest import NearestSearch, nearest_search
 from weftex.methods.refinement.similar import nearest_center, similar_places
 from weftex.raster.boxes import whole_windows
 from weftex.raster.pyramids import gaussian_stack, mask_stack, phase_starts
-from weftex.search.windows import windows_of
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from weftex.method import Model
-    from weftex.methods.refinement.nearest import NearestSearch
-    from weftex.search.windows import Windows
+from weftex.search.windows import Windows, windows_of
 
 ONE = 256  # distances are multiplied with integers; this is a factor of 1
 _FINE_REACH = 1  # pixels from the middle of a window to its side, on the finest of several levels

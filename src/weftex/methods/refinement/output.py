@@ -2,23 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
-from weftex.methods.refinement.levels import ONE, CoherentLevel
+from weftex.methods.pixels import Growth
+from weftex.methods.refinement.levels import ONE, CoherentLevel, Level, Prepared
 from weftex.raster.pyramids import gaussian_pyramid, gaussian_stack, mask_pyramid
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from numpy.typing import NDArray
-
-    from weftex.methods.pixels import Growth
-    from weftex.methods.refinement.levels import Level, Prepared
-    from weftex.search.windows import Windows
-
+from weftex.search.windows import Windows
 
 _KIND_BITS = 6  # lower bits of a guide's bytes that do not make another kind of place
 _MOST_MOVED = 0.15  # of a start; more would break patterns that it continues

@@ -2,20 +2,13 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
+from numpy.typing import NDArray
 
-from weftex.methods.refinement.levels import ONE
-from weftex.methods.refinement.output import NO_GUIDE
+from weftex.methods.refinement.levels import ONE, Prepared
+from weftex.methods.refinement.output import NO_GUIDE, Guide, Output
 from weftex.random import draw
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from weftex.methods.refinement.levels import Prepared
-    from weftex.methods.refinement.output import Guide, Output
-    from weftex.search.windows import Windows
+from weftex.search.windows import Windows
 
 
 def seed_sources(prepared: Prepared, output: Output, guide: Guide, seed: int) -> NDArray[np.int32]:

@@ -4,28 +4,25 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from weftex.analysis.canvas_lattice import Around, four_numbers, is_sure
 from weftex.analysis.scale import dominant_scale
+from weftex.canvas import Canvas
+from weftex.endless.boxes import Box, PlaneRequest
 from weftex.errors import InvalidInputError
+from weftex.exemplar import Exemplar
+from weftex.method import Model
 from weftex.methods.lattices import is_strained
+from weftex.methods.pixels import Growth
+from weftex.methods.refinement.levels import Prepared
 from weftex.naming import method_of, text_of
 from weftex.raster.masks import grown
 from weftex.registry import METHODS
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from weftex.canvas import Canvas
-    from weftex.endless.boxes import Box, PlaneRequest
-    from weftex.exemplar import Exemplar
-    from weftex.method import Model
-    from weftex.methods.pixels import Growth
-    from weftex.methods.refinement.levels import Prepared
-    from weftex.search.windows import Windows
+from weftex.search.windows import Windows
 
 
 def fitted_starts(method: Any, exemplar: Exemplar) -> dict[str, Model]:

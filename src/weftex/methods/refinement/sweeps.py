@@ -2,25 +2,21 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Protocol
+from typing import Protocol
 
 import numpy as np
+from numpy.typing import NDArray
 
 from weftex.methods.refinement import sweep_kernels as kernels
-from weftex.methods.refinement.levels import ONE, CoherentLevel, NearestLevel
+from weftex.methods.refinement.levels import ONE, CoherentLevel, Level, NearestLevel, Prepared
+from weftex.methods.refinement.output import Guide, Output
+from weftex.progress import Progress
 from weftex.random import draw
 from weftex.search.picture_kernels import Picture, Sample
 from weftex.search.windows import new_query
 
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from weftex.methods.refinement.levels import Level, Prepared
-    from weftex.methods.refinement.output import Guide, Output
-    from weftex.progress import Progress
-
-    #: The cell of each place, how often each cell is used, how often it may be, and the weight.
-    Usage = tuple[NDArray[np.int32], NDArray[np.int32], NDArray[np.int32], int]
+#: The cell of each place, how often each cell is used, how often it may be, and the weight.
+Usage = tuple[NDArray[np.int32], NDArray[np.int32], NDArray[np.int32], int]
 
 _TRIED_IN_ALL = 2**23  # comparisons of the first sweep with places of the whole sample
 _TRIED_AT_LEAST = 64  # of these, at each pixel

@@ -2,20 +2,16 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
+from weftex.exemplar import Exemplar
 from weftex.methods.wei_levoy import scan_kernels as kernels
+from weftex.methods.wei_levoy.levels import Level
+from weftex.methods.wei_levoy.passes import Pass
 from weftex.methods.wei_levoy.tsvq import TSVQ, build_tsvq
+from weftex.progress import Progress
 from weftex.search.picture_kernels import Picture
 from weftex.search.pyramid_windows import parent_offsets, window_offsets, window_vectors
-
-if TYPE_CHECKING:
-    from weftex.exemplar import Exemplar
-    from weftex.methods.wei_levoy.levels import Level
-    from weftex.methods.wei_levoy.passes import Pass
-    from weftex.progress import Progress
 
 _LEAST_PIXELS = 64  # in one call of the kernel, where lines are shorter
 
