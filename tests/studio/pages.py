@@ -124,11 +124,15 @@ class Page:
             job = self.get(f"jobs/{job['id']}?seen={job['version']}&wait=5")
         return job
 
-    def look(self, material):
-        """What analysis says about a material."""
-        job = self.wait(self.post(f"materials/{material}/look"))
+    def found(self, path, body=None):
+        """The only result of a job that a path queues."""
+        job = self.wait(self.post(path, body))
         assert job["state"] == "done", job
         return job["results"][0]
+
+    def look(self, material):
+        """What analysis says about a material."""
+        return self.found(f"materials/{material}/look")
 
     def made(self, recipe, **more):
         """The only result of a job."""

@@ -141,9 +141,11 @@ def use_as_sample(client, page):
 
 def estimates(client, page):
     path = f"materials/{page.post('materials', color(page.upload(png(0))))['id']}/estimates"
-    answers = at_once(page, [("POST", path, b"")] * TIMES)
-    (spec,) = {answer.text for answer in answers}
-    assert json.loads(spec)["maps"].keys() == {"color", "height", "normal_gl", "ao", "roughness"}
+    answers = at_once(page, [("POST", path, {})] * TIMES)
+    assert set(codes(answers)) <= {200, 429}
+    jobs = [page.wait(answer.json()) for answer in answers if answer.status_code == 200]
+    (spec,) = {json.dumps(job["results"]) for job in jobs}
+    assert json.loads(spec)[0]["maps"].keys() == {"color", "height", "normal_gl", "ao", "roughness"}
     assert client.studio.store.bytes == stored(client)
 
 
@@ -189,6 +191,14 @@ def look(client, page):
     assert idle(client)
 
 
+def figures(client, page):
+    path = f"results/{made(page)[0]}/figures"
+    answers = at_once(page, [("POST", path, {})] * TIMES)  # each ends the one before
+    assert 200 in codes(answers) and set(codes(answers)) <= {200, 429}
+    assert page.found(path)["score"] > 0
+    assert idle(client)
+
+
 def presets(client, page):
     chain = [{"label": "Made", "recipe": QUICK | {"materials": [{"maps": {"color": "photo"}}]}}]
     names = [f"preset {number}" for number in range(TIMES)]
@@ -206,7 +216,8 @@ CASES = {
     "POST /materials": same("materials", lambda page: color(page.upload(png(0)))),
     "POST /materials/{id}/estimates": estimates, "POST /materials/{id}/look": look,
     "POST /jobs": jobs, "POST /planes": same("planes", WEAVE),
-    "POST /results/{id}/exports": export, "POST /results/{id}/sample": use_as_sample,
+    "POST /results/{id}/exports": export, "POST /results/{id}/figures": figures,
+    "POST /results/{id}/sample": use_as_sample,
     "POST /steps": steps, "POST /presets": presets, "POST /works/{id}/open": continue_work,
     "DELETE /works/{id}": remove_work,
     "DELETE /jobs/{id}": end_job,

@@ -118,7 +118,7 @@ def test_where_pixels_come_from(wall):
 
 def test_figures_and_faults(page):
     result = page.made({"materials": [{"sample": "weave"}], "size": 2 * [128], "seed": 1})
-    found = page.get(f"results/{result['id']}/figures")
+    found = page.found(f"results/{result['id']}/figures")
     assert found["score"] > 0 and found["verdict"].endswith(".")
     assert set(found["figures"]) == {one["name"] for one in page.get("about")["figures"]}
     assert page.get(f"results/{result['id']}/broken").startswith(SIGNATURE)

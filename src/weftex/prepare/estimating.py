@@ -18,6 +18,7 @@ from weftex.prepare.surfaces import (
     normals_from_height,
     occlusion_from_height,
 )
+from weftex.progress import counted
 from weftex.raster.levels import tamed
 
 Floats = NDArray[np.float64]
@@ -93,26 +94,28 @@ def estimate_maps(
     wanted = _wanted(exemplar, maps, list(known))
     kinds = {one.role.kind: one for one in reversed(known.values())}
     wraps = exemplar.tileable
-    if "height" in kinds:
-        pixels = kinds["height"].pixels
-        high = heights_of(pixels if pixels.ndim == 2 else pixels[..., 0], relief)
-    elif "normal" in kinds:
-        given = kinds["normal"]
-        y_up = given.role.name != "normal_dx"
-        high = height_from_normals(given.pixels, y_up=y_up, tileable=wraps)
-    else:
-        high = relief * _height(exemplar, invert)
-    top = float(high.max()) or 1.0
     made: dict[str, NDArray[Any]] = {}
-    for name in wanted:
-        if name == "height":
-            made[name] = np.rint(high / top * 65535).astype(np.uint16)
-        elif name == "ao":
-            made[name] = _bytes(occlusion_from_height(high, 1, radius=radius, tileable=wraps))
-        elif name == "roughness":
-            made[name] = _bytes(_roughness(exemplar))
+    with counted(1 + len(wanted), "estimates") as step:
+        if "height" in kinds:
+            pixels = kinds["height"].pixels
+            high = heights_of(pixels if pixels.ndim == 2 else pixels[..., 0], relief)
+        elif "normal" in kinds:
+            given = kinds["normal"]
+            y_up = given.role.name != "normal_dx"
+            high = height_from_normals(given.pixels, y_up=y_up, tileable=wraps)
         else:
-            made[name] = normals_from_height(high, 1, y_up=name == "normal_gl", tileable=wraps)
+            high = relief * _height(exemplar, invert)
+        top = float(high.max()) or 1.0
+        for name in wanted:
+            step(1)
+            if name == "height":
+                made[name] = np.rint(high / top * 65535).astype(np.uint16)
+            elif name == "ao":
+                made[name] = _bytes(occlusion_from_height(high, 1, radius=radius, tileable=wraps))
+            elif name == "roughness":
+                made[name] = _bytes(_roughness(exemplar))
+            else:
+                made[name] = normals_from_height(high, 1, y_up=name == "normal_gl", tileable=wraps)
     return exemplar.changed(maps=there | made)
 
 

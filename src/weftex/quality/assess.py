@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from weftex.errors import InvalidInputError, shown
 from weftex.exemplar import Exemplar, Sample, load_exemplar
 from weftex.exemplar.turns import as_it_was
+from weftex.progress import counted
 from weftex.quality.appearance import color_distance, patch_distance, sharpness
 from weftex.quality.figures import FIGURES
 from weftex.quality.score import Scorer, weigh
@@ -152,23 +153,25 @@ def assess(
     (True, True)
     """
     exemplar = load_exemplar(sample)
-    pixels, wrap = _checked(exemplar, result, tileable)
-    scorer = Scorer(as_it_was(exemplar))
-    own, whole = scorer.own, scorer.view(pixels)
-    made = whole.center(LARGEST_MEASURED)
-    patches, scales = patch_distance(own, made)
-    color_difference, color = color_distance(own, made)
-    scored = scorer.figures(made)
-    figures: dict[str, Any] = {
-        **{name: scored.get(name) for name in _SCORED},
-        "patches": patches,
-        "patch_scales": scales,
-        "color": color,
-        "color_difference": color_difference,
-        "sharpness": sharpness(own, made),
-        "wrap": wrap_seam(scorer.steps, whole, wrap),
-        "score": weigh(scored),
-    }
+    with counted(6, "measures") as step:
+        pixels, wrap = _checked(exemplar, result, tileable)
+        scorer = Scorer(as_it_was(exemplar))
+        own, whole = scorer.own, scorer.view(pixels)
+        made = whole.center(LARGEST_MEASURED)
+        patches, scales = patch_distance(own, made)
+        color_difference, color = color_distance(own, made)
+        step(1)
+        scored = scorer.figures(made, step)
+        figures: dict[str, Any] = {
+            **{name: scored.get(name) for name in _SCORED},
+            "patches": patches,
+            "patch_scales": scales,
+            "color": color,
+            "color_difference": color_difference,
+            "sharpness": sharpness(own, made),
+            "wrap": wrap_seam(scorer.steps, whole, wrap),
+            "score": weigh(scored),
+        }
     figures = {name: _rounded(value) for name, value in figures.items()}
     return Assessment(**figures, flags=_flags(figures))
 

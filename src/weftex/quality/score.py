@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -140,15 +140,21 @@ class Scorer:
         found: NDArray[np.float64] = (total / np.maximum(count, 1))[np.ix_(rows, columns)]
         return found
 
-    def figures(self, made: View) -> dict[str, float | None]:
+    def figures(
+        self, made: View, step: Callable[[float], None] = lambda _: None
+    ) -> dict[str, float | None]:
         """Return the figures that the score adds up; none where a mask leaves no whole window."""
         if not len(self._own):
             return {}
-        return self.windows(made) | {
-            "lattice": lattice_kept(self.own, made, self.lattice),
-            "autocorrelation": autocorrelation_distance(self.own, made),
-            "seams": seams(self.steps, made),
-        }
+        found: dict[str, float | None] = {**self.windows(made)}
+        step(1)
+        found["lattice"] = lattice_kept(self.own, made, self.lattice)
+        step(1)
+        found["autocorrelation"] = autocorrelation_distance(self.own, made)
+        step(1)
+        found["seams"] = seams(self.steps, made)
+        step(1)
+        return found
 
     def score(self, picture: NDArray[Any]) -> float | None:
         """Return the score of a picture: 0 for the sample itself, and less is better.

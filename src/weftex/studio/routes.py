@@ -27,7 +27,7 @@ from weftex.studio.refusals import Refusal, answer_of
 from weftex.studio.requests import Call, route
 from weftex.studio.synthesis import Result, begin_plane, open_job, plane_window
 from weftex.studio.uploads import IncomingUpload, label_of
-from weftex.studio.work import compared, look_at, plain, several
+from weftex.studio.work import compared, found, plain, several
 
 
 @route("POST", "/session")
@@ -152,16 +152,17 @@ async def _shown(call: Call, sample: Exemplar) -> Response:
 @route("POST", "/materials/{id}/look")
 async def look(call: Call) -> Any:
     """Queue a job that says what a material is like; it ends an analysis that is under way."""
-    job = Job(call.session, None, look_at(await _loaded(call)), "look", "cancel")
-    return await _queued(call, job)
+    work = found(materials.analysis_of, await _loaded(call), call.session)
+    return await _queued(call, Job(call.session, None, work, "look", "cancel"))
 
 
 @route("POST", "/materials/{id}/estimates")
 async def estimate(call: Call) -> Any:
-    """Make a material with estimates of the maps that this one lacks."""
+    """Queue a job that makes a material with estimates of the maps that this one lacks."""
     invert = bool((await call.object("invert")).get("invert"))
     wanted = await _loaded(call), invert, call.studio.downloads, call.session
-    return await call.work(exports.with_estimates, *wanted)
+    work = found(exports.with_estimates, *wanted)
+    return await _queued(call, Job(call.session, None, work, None, "cancel"))
 
 
 @route("GET", "/materials/{id}/lattice")
@@ -272,10 +273,11 @@ async def result_picture(call: Call) -> Any:
     )
 
 
-@route("GET", "/results/{id}/figures")
+@route("POST", "/results/{id}/figures")
 async def figures(call: Call) -> Any:
-    """Tell how good a result is."""
-    return await call.work(results.figures_of, _made(call), call.session)
+    """Queue a job that says how good a result is; it ends one that is under way."""
+    work = found(results.figures_of, _made(call), call.session)
+    return await _queued(call, Job(call.session, None, work, "figures", "cancel"))
 
 
 @route("GET", "/results/{id}/broken")

@@ -8,10 +8,9 @@ from typing import Any
 
 from weftex.errors import CancelledError, InvalidInputError, WeftexError, shown
 from weftex.recipe import Recipe
-from weftex.recipe.opening import PreparedMaterial
 from weftex.studio import results
 from weftex.studio.jobs import Job
-from weftex.studio.materials import analysis_of, id_of
+from weftex.studio.materials import id_of
 from weftex.studio.refusals import answer_of
 from weftex.studio.synthesis import Result, bytes_of, make, open_job
 
@@ -49,9 +48,9 @@ def compared(recipes: list[Recipe]) -> Callable[[Job], None]:
     return work
 
 
-def look_at(loaded: PreparedMaterial) -> Callable[[Job], None]:
-    """Analyze a material."""
-    return lambda job: job.add(analysis_of(loaded, job.session))
+def found(function: Callable[..., dict[str, Any]], *given: Any) -> Callable[[Job], None]:
+    """Add what a function returns."""
+    return lambda job: job.add(function(*given))
 
 
 def made_of(recipe: Recipe, job: Job) -> Result:

@@ -77,6 +77,12 @@ export class Api {
     return this.post("uploads", file, { headers: { "X-Weftex-Name": encodeURIComponent(name), "Content-Type": "application/octet-stream" } });
   }
 
+  /** Queue a job that has one result, and follow it to that. */
+  async found(path, body, ontell, signal) {
+    const job = await this.post(`${path}?within=250`, body, { signal });
+    return (await this.follow(job, ontell, signal)).results[0];
+  }
+
   /**
    * Follow a job to its end; `ontell(job)` hears of every change. Throws the job's error.
    * The wait is cancelled by `signal`; then the job is, too.

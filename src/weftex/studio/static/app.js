@@ -171,8 +171,9 @@ export class App extends Shelf {
   /** Begin from the sample with estimates of the maps that it lacks, by its brightness. */
   async estimate(inverted) {
     const estimated = this.recipe.materials[0];
-    this.tell("notice", { text: t("maps.estimating") });
-    const spec = await this.api.post(`materials/${this.material.id}/estimates`, { invert: inverted });
+    const job = await this.run({ invert: inverted }, { path: `materials/${this.material.id}/estimates` });
+    if (!job) return null;
+    const [spec] = job.results;
     await this.mend({ ...Object.fromEntries(Object.keys(estimated).map((key) => [key, null])), ...spec }, t("history.estimated"), { estimated, inverted });
     return spec;
   }
@@ -236,11 +237,11 @@ export class App extends Shelf {
   }
 
   /** Run a job and show how it goes; resolves to the job, or to null if it was cancelled. */
-  async run(body, { quiet = false, onresults = () => {} } = {}) {
+  async run(body, { path = "jobs", quiet = false, onresults = () => {} } = {}) {
     this.cancel();
     const control = new AbortController();
     const within = quiet ? "?within=250" : ""; // what is quick is told at once
-    const posted = this.api.post(`jobs${within}`, body, { signal: control.signal });
+    const posted = this.api.post(`${path}${within}`, body, { signal: control.signal });
     const many = body.count ?? body.methods?.length ?? 1; // pictures
     return this.watch(posted, many === 1 ? body.recipe : null, control, { quiet, many, onresults });
   }

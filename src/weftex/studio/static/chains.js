@@ -77,6 +77,7 @@ export async function replay(app, steps) {
       if (step.estimate) {
         await app.take({ ...app.recipe, task: "synth", materials: [await material(step.estimate)] }, t("history.sample"));
         const spec = await app.estimate(step.invert);
+        if (!spec) return; // it was stopped
         made.push(() => spec);
       } else {
         const materials = [];

@@ -54,9 +54,8 @@ export class Shelf extends EventTarget {
       this.tell(type);
     };
     this.api
-      .post(`materials/${asked.id}/look?within=250`, {}, { signal })
-      .then((job) => this.api.follow(job, (lookJob) => set("looking", { lookJob }), signal))
-      .then((job) => set("look", { look: job.results[0], lookJob: null }))
+      .found(`materials/${asked.id}/look`, {}, (lookJob) => set("looking", { lookJob }), signal)
+      .then((look) => set("look", { look, lookJob: null }))
       .catch((lookError) => set("look", { lookError, lookJob: null }));
   }
 

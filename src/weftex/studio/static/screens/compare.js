@@ -75,17 +75,9 @@ export class CompareScreen {
       const result = job.results[this.rows.length];
       const row = { ...result };
       this.rows.push(row);
-      if (!result.error) {
-        Object.assign(row, await this.app.api.picture(`results/${result.id}/picture`, { map: result.main }));
-        this.measure(row);
-      }
+      if (!result.error) Object.assign(row, await this.app.api.picture(`results/${result.id}/picture`, { map: result.main }));
       if (this.panel) this.show();
     }
-  }
-
-  async measure(row) {
-    row.measured = await this.app.api.get(`results/${row.id}/figures`).catch(() => null);
-    if (this.panel && !this.hidden()) this.show();
   }
 
   hidden() {
@@ -134,7 +126,7 @@ export class CompareScreen {
 
   table() {
     if (!this.rows.length || this.hidden()) return null;
-    const best = Math.min(...this.rows.map((row) => row.measured?.score ?? Infinity));
+    const best = Math.min(...this.rows.map((row) => row.figures?.score ?? Infinity));
     return h(
       "table",
       {},
@@ -145,7 +137,7 @@ export class CompareScreen {
         this.rows.map((row) =>
           row.error
             ? h("tr", {}, h("th", { scope: "row" }, row.method), h("td", { colspan: 2 }, said(row.error)))
-            : h("tr", {}, h("th", { scope: "row" }, row.method, row === this.picked ? ` · ${t("compare.picked")}` : ""), h("td", { class: "number-cell" }, row.measured?.score === best ? h("strong", {}, number(best, 1)) : row.measured ? number(row.measured.score, 1) : "…"), h("td", { class: "number-cell" }, duration(row.seconds))),
+            : h("tr", {}, h("th", { scope: "row" }, row.method, row === this.picked ? ` · ${t("compare.picked")}` : ""), h("td", { class: "number-cell" }, row.figures.score === best ? h("strong", {}, number(best, 1)) : row.figures.score === null ? "–" : number(row.figures.score, 1)), h("td", { class: "number-cell" }, duration(row.seconds))),
         ),
       ),
       h("caption", { class: "hint" }, t("compare.score.help")),
@@ -154,6 +146,6 @@ export class CompareScreen {
 }
 
 function noteOf(row) {
-  const score = row.measured?.score;
+  const { score } = row.figures;
   return [duration(row.seconds), typeof score === "number" && t("see.score", { n: number(score, 1) })].filter(Boolean).join(" · ");
 }

@@ -66,15 +66,9 @@ export class SampleScreen {
     const { app } = this;
     const { lookError: error } = app;
     if (error) return [h("p", { class: `note ${error.name === "AbortError" ? "" : "error"}` }, error.name === "AbortError" ? t("look.stopped") : error.message), h("button", { type: "button", onclick: () => app.analyzeAgain() ?? this.draw() }, t("look.again"))];
-    const bar = h("span");
-    const text = h("p", { class: "hint", role: "status" });
-    this.tellLook = () => {
-      const { text: said, share } = progressOf(app.lookJob);
-      bar.style.width = `${100 * share}%`;
-      text.textContent = said;
-    };
-    this.tellLook();
-    return [text, h("div", { class: "meter" }, bar), h("button", { type: "button", onclick: () => app.looking.abort() }, t("job.cancel"))];
+    const { tell, parts } = meter(() => app.looking.abort());
+    (this.tellLook = () => tell(app.lookJob))();
+    return parts;
   }
 
   shelf() {
@@ -211,6 +205,19 @@ export class SampleScreen {
     app.edit(found ? { method: "auto", parameters: {} } : { method: "near-regular", parameters: { lattice: lattice.numbers } });
     this.draw();
   }
+}
+
+/** The parts that say how far a job is, once `tell(job)` is called, and a button that stops it. */
+export function meter(stop) {
+  const bar = h("span");
+  const text = h("p", { class: "hint", role: "status" });
+  const tell = (job) => {
+    const { text: said, share } = progressOf(job);
+    bar.style.width = `${100 * share}%`;
+    text.textContent = said;
+  };
+  tell(null);
+  return { tell, parts: [text, h("div", { class: "meter" }, bar), h("button", { type: "button", onclick: stop }, t("job.cancel"))] };
 }
 
 /** The same lattice by the vector that is nearest to level, made level, and another; of rows the one there is. */

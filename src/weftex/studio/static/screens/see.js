@@ -1,6 +1,7 @@
 import { field, fill, h, icon } from "../dom.js";
 import { has, number, said, t } from "../strings.js";
 import { resultButtons } from "./make.js";
+import { meter } from "./sample.js";
 
 /** Overlays, figures, what lies under the pointer and where it comes from; the light's own controls. */
 export class SeeScreen {
@@ -29,6 +30,7 @@ export class SeeScreen {
     this.stage.main.show({ overlay: null });
     this.overlay = "";
     this.panel = null;
+    this.measuring?.abort();
   }
 
   draw() {
@@ -41,7 +43,7 @@ export class SeeScreen {
     }
     this.spot = h("dl", { class: "facts" }, h("dd", { class: "hint wide" }, t("see.hover")));
     this.lightBox = h("section", { class: "section", hidden: true });
-    this.figures = h("section", { class: "section" }, h("h3", {}, t("see.figures")), h("p", { class: "hint" }, t("see.measuring")));
+    this.figures = h("section", { class: "section" });
     const overlays = [["", t("overlay.none")], ...app.about.drawings.map((one) => [one, t(`overlay.${one}`)]), ["fault", t("fault.broken")]];
     this.said = h("p", { class: "note error", role: "alert", hidden: true });
     const strength = h("input", { type: "range", min: 0, max: 1, step: 0.05, value: this.opacity, oninput: () => {
@@ -98,14 +100,21 @@ export class SeeScreen {
   }
 
   async measure(result) {
+    this.measuring?.abort();
+    const control = (this.measuring = new AbortController());
+    const { tell, parts } = meter(() => control.abort());
+    const show = (...shown) => fill(this.figures, h("h3", {}, t("see.figures")), shown);
+    show(parts);
     try {
-      result.measured ??= await this.app.ask(result, (id) => this.app.api.get(`results/${id}/figures`));
+      result.figures ??= await this.app.ask(result, (id) => this.app.api.found(`results/${id}/figures`, {}, tell, control.signal));
     } catch (error) {
-      if (this.panel && error.message) fill(this.figures, h("h3", {}, t("see.figures")), h("p", { class: "note error" }, error.message));
+      if (!this.panel || this.measuring !== control) return;
+      if (error.name !== "AbortError") show(h("p", { class: "note error" }, error.message));
+      else show(h("button", { type: "button", onclick: () => this.measure(result) }, t("see.measure")));
       return;
     }
     if (!this.panel || this.app.result !== result) return;
-    const { score, verdict, figures, flags } = result.measured;
+    const { score, verdict, figures, flags } = result.figures;
     const known = new Map(this.app.about.figures.map((one) => [one.name, one]));
     const rows = Object.entries(figures)
       .filter(([, value]) => value !== null)
@@ -114,9 +123,7 @@ export class SeeScreen {
         const flagged = flags.includes(name);
         return h("tr", { title: said(about.meaning) }, h("th", { scope: "row" }, said(about.title), flagged ? h("span", { class: "flag" }, ` ${t("see.flag")}`) : null), h("td", { class: "number-cell" }, number(value, 2)), h("td", { class: "number-cell hint" }, about.limit ? t("see.limit", { n: number(about.limit, 2) }) : ""));
       });
-    fill(
-      this.figures,
-      h("h3", {}, t("see.figures")),
+    show(
       h("p", {}, said(verdict)),
       score === null ? null : h("p", { class: "hint" }, t("see.score.help", { n: number(score, 1) })),
       h("details", {}, h("summary", {}, t("see.all", { n: rows.length })), h("div", {}, h("table", {}, h("tbody", {}, rows)))),
