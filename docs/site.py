@@ -129,7 +129,7 @@ def on_page_markdown(markdown: str, page: Any, config: Any, files: Any) -> str:
         markdown += commands()
     if here.startswith("reference/methods/") and not here.endswith("index.md"):
         slug = Path(here).stem
-        markdown = markdown.replace("The site lists all parameters here; ", parameters(slug))
+        markdown = markdown.replace(f"`weftex methods {slug}` lists them.\n", parameters(slug))
     origin = made.get(here, DOCS / here)
     markdown = REFERENCE.sub(
         lambda found: (
