@@ -37,13 +37,13 @@ def scores(method: str, surface: Path, count: int = _COUNT) -> tuple[float, floa
         node = (_FAR // pitch + 7 * k) * pitch + shift - _SIDE // 2
         return model.window(node, 3 * pitch * k + shift - _SIDE // 2, _SIDE, _SIDE, seed=k).image
 
-    across = [eye.score(window(k, 0)) for k in range(count)]
-    inside = [eye.score(window(k, pitch // 2)) for k in range(count)]
+    across = [eye.rate(window(k, 0)).score for k in range(count)]
+    inside = [eye.rate(window(k, pitch // 2)).score for k in range(count)]
     side = 2 * _SIDE
     plain = []
     for k in range(count):
         image = model.sample(side, seed=k).image
-        plain.append(eye.score(image[_SIDE // 2 : -_SIDE // 2, _SIDE // 2 : -_SIDE // 2]))
+        plain.append(eye.rate(image[_SIDE // 2 : -_SIDE // 2, _SIDE // 2 : -_SIDE // 2]).score)
     return fmean(across), fmean(inside), fmean(plain)  # type: ignore[arg-type]
 
 

@@ -1,5 +1,6 @@
 """The best of several seeds: which is kept, what is told, and that it can be made again."""
 
+import math
 import re
 
 import numpy as np
@@ -16,20 +17,22 @@ SAMPLE = weftex.load_exemplar("sample:pebbles").pixels[:72, :80]
 QUILTING = {"method": "quilting", "patch_size": 20}
 
 
-def test_the_best_score_is_kept_and_can_be_made_again():
+def test_the_best_by_score_and_broken_things_is_kept_and_can_be_made_again():
     exemplar = weftex.Exemplar(SAMPLE)
     best = weftex.synthesize(exemplar, 90, seed=11, best_of=4, threads=2, **QUILTING)
     each = {s: weftex.synthesize(exemplar, 90, seed=s, **QUILTING) for s in range(11, 15)}
-    scores = {str(s): weftex.assess(exemplar, made).score for s, made in each.items()}
+    found = {str(s): weftex.assess(exemplar, made) for s, made in each.items()}
+    scores = {seed: one.score for seed, one in found.items()}
+    choices = {seed: one.score + 8 * math.log1p(one.broken) for seed, one in found.items()}
     about = best.provenance["best_of"]
     assert about["scores"] == scores and len(set(scores.values())) > 1
     kept = best.provenance["seed"]
-    assert scores[str(kept)] == min(scores.values())
+    assert choices[str(kept)] == min(choices.values()) and scores[str(kept)] > min(scores.values())
     assert np.array_equal(best.image, each[kept].image)
     assert np.array_equal(best.source, each[kept].source)
     others = sorted(score for seed, score in scores.items() if seed != str(kept))
     assert about["told"] == (
-        f"seed {kept} of 11 to 14: score {scores[str(kept)]:.2f}, "
+        f"seed {kept} of 11 to 14, by score and broken things: score {scores[str(kept)]:.2f}, "
         f"the others {others[0]:.2f} to {others[-1]:.2f}"
     )
 
@@ -42,7 +45,7 @@ def test_of_equal_ones_the_first_is_kept():
 
 
 def test_what_cannot_be_judged_is_made_all_the_same(monkeypatch):
-    monkeypatch.setattr("weftex.quality.score.Scorer.score", lambda *_: None)
+    monkeypatch.setattr("weftex.quality.score.weigh", lambda _: None)
     made = weftex.synthesize(noise((30, 30)), 30, seed=3, best_of=2)
     assert made.provenance["seed"] == 3
     assert made.provenance["best_of"]["told"] == "seed 3 of 3 to 4: too small to be judged"
@@ -52,7 +55,7 @@ def test_a_large_output_is_judged_by_its_middle():
     made = weftex.synthesize(SAMPLE, (40, 1100), seed=1, method="quilting")
     exemplar = weftex.Exemplar(SAMPLE)
     middle = weftex.assess(exemplar, made.image[:, 38:1062])
-    assert MapsScorer(exemplar).score(made) == middle.score
+    assert MapsScorer(exemplar).rate(made).score == middle.score
 
 
 def test_the_best_set_is_good_in_all_maps():
@@ -61,11 +64,11 @@ def test_the_best_set_is_good_in_all_maps():
     best = weftex.synthesize(exemplar, 90, seed=3, best_of=4, **QUILTING)
     each = [weftex.synthesize(exemplar, 90, seed=s, **QUILTING) for s in range(3, 7)]
     scorer = Scorer(exemplar.map("height"))
-    heights = [scorer.score(made.maps["height"]) for made in each]
+    heights = [scorer.rate(made.maps["height"]).score for made in each]
     assert best.provenance["seed"] == 3 + int(np.argmin(heights)) and len(set(heights)) == 4
-    assert len({Scorer(exemplar).score(made.image) for made in each}) == 1
+    assert len({Scorer(exemplar).rate(made.image).score for made in each}) == 1
     left_out = exemplar.changed(weights={"height": 0})
-    assert len(set(map(MapsScorer(left_out).score, each))) == 1
+    assert len(set(map(MapsScorer(left_out).rate, each))) == 1
 
 
 def test_progress_counts_outputs_and_cancels_within_one():
@@ -86,7 +89,9 @@ def test_the_command_and_the_pictures_of_debug(tmp_path, monkeypatch, capsys):
     write_image("s.png", SAMPLE)
     words = ["synth", "s.png", "--size", "90", "--seed", "5", "--method", "quilting"]
     assert main([*words, "-o", "a.png", "--best-of", "2", "--debug", "how"]) == 0
-    kept = re.search(r"best of: seed (\d) of 5 to 6: score", capsys.readouterr().err).group(1)
+    kept = re.search(
+        r"best of: seed (\d) of 5 to 6, by score and broken things: score", capsys.readouterr().err
+    ).group(1)
     assert main([*words, "-o", "b.png", "--seed", kept, "--quiet"]) == 0
     assert np.array_equal(read_image("a.png").pixels, read_image("b.png").pixels)
     names = ["coordinates", "patches", "seams"]

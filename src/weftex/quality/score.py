@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -43,6 +43,7 @@ _ROUNDING = 0.05  # what rounding to few bits adds to a distance
 _CELLS = 4  # a side, to count how evenly the sample is used
 _LARGER_PHOTO = 0.5  # the closeness that the windows of a larger photo may gain
 _AUTOCORRELATION_SCALE = 10.0
+_BROKEN = 8.0  # weight of `broken` where results are chosen; the score is not fitted to it
 _LARGEST_SCORED = 1024  # pixels a side of the middle by which a larger output is scored
 _DIGITS = 3
 
@@ -65,6 +66,17 @@ def weigh(figures: Mapping[str, Any]) -> float | None:
     """Return the score of a picture with these figures, or None if none of them is known."""
     found = terms(figures)
     return math.fsum(WEIGHTS[name] * found[name] for name in found) if found else None
+
+
+class Rating(NamedTuple):
+    """The score, and the same with `broken`, which sees stepped joints: the lowest is the best.
+
+    The score is 0 for the sample itself. Of two pictures whose scores differ by d, judges prefer
+    the lower in a share 1 / (1 + exp(-d)). Figures that cannot be measured add nothing.
+    """
+
+    score: float | None = None
+    choice: float = math.inf
 
 
 class Scorer:
@@ -156,13 +168,11 @@ class Scorer:
         step(1)
         return found
 
-    def score(self, picture: NDArray[Any]) -> float | None:
-        """Return the score of a picture: 0 for the sample itself, and less is better.
-
-        Of two pictures whose scores differ by d, judges prefer the lower in a share 1 / (1 +
-        exp(-d)). Figures that cannot be measured add nothing; None where none can.
-        """
-        return weigh(self.figures(self.view(picture)))
+    def rate(self, picture: NDArray[Any]) -> Rating:
+        """Return the score of a picture and the number by which pictures are chosen."""
+        figures = self.figures(self.view(picture))
+        score, broken = weigh(figures), figures.get("broken") or 0.0
+        return Rating() if score is None else Rating(score, score + _BROKEN * math.log1p(broken))
 
     def _coarse(self, view: View) -> View:
         return view.pyramid(self._levels)[-1]
@@ -237,17 +247,18 @@ class MapsScorer:
                     one = one.changed(mask=usable)
                 self._maps.append((Scorer(one), weight / len(exemplar.maps)))
 
-    def score(self, made: Synthesis) -> float | None:
-        """Return the score of the middle 1024x1024 pixels; None where the color has no score."""
-        total = self._color.score(_middle(made.image))
+    def rate(self, made: Synthesis) -> Rating:
+        """Rate the middle 1024x1024 pixels; nothing is known where the color has no score."""
+        total, choice = self._color.rate(_middle(made.image))
         if total is None:
-            return None
+            return Rating()
         weights = 1.0
         for scorer, weight in self._maps:
-            found = scorer.score(_middle(made.render(scorer.exemplar)))
-            if found is not None:
-                total, weights = total + weight * found, weights + weight
-        return round(total / weights, _DIGITS)
+            found = scorer.rate(_middle(made.render(scorer.exemplar)))
+            if found.score is not None:
+                total, choice = total + weight * found.score, choice + weight * found.choice
+                weights += weight
+        return Rating(round(total / weights, _DIGITS), round(choice / weights, _DIGITS))
 
 
 def _middle(image: NDArray[Any]) -> NDArray[Any]:

@@ -22,7 +22,7 @@ from weftex.io.map_files import map_files
 from weftex.io.pictures import write_text
 from weftex.method import Model
 from weftex.processes import LostError, Workers
-from weftex.quality.score import MapsScorer
+from weftex.quality.score import MapsScorer, Rating
 from weftex.recipe import MATERIAL, SEED, Recipe
 from weftex.recipe.declared import FIT, OUTPUT_SIZE, TILEABLE
 from weftex.recipe.opening import OpenedRecipe
@@ -351,12 +351,14 @@ class Maker:
                 canvas, seed=seed, threads=self.threads, progress=lambda *_: not self._cancelled
             )
             record = self._record(job, output, seed, result)
+            rating = Rating()
             if keep is not None or self.args.score:
                 self._scorer = self._scorer or MapsScorer(self._model.exemplar)
-                record["score"] = self._scorer.score(result)
+                rating = self._scorer.rate(result)
+                record["score"] = rating.score
             record["seconds"] = round(perf_counter() - start, 3)
-            score = float("inf") if record.get("score") is None else record["score"]
-            best = sorted([*best, (score, order, result, record)], key=lambda one: one[:2])
+            best.append((rating.choice, order, result, record))
+            best.sort(key=lambda one: one[:2])
             del best[keep or 1 :]  # a job of one seed keeps it
         for _, _, result, record in sorted(best, key=lambda one: one[1]):
             yield result, record

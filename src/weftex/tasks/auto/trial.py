@@ -69,7 +69,7 @@ def best_of_choices(
     from weftex.quality.score import Scorer  # most choices need none
 
     scorer, kept, best = Scorer(exemplar), make(choices[0]), choices[0]
-    score = scorer.score(kept.image)
+    score = scorer.rate(kept.image).score
     first, tried = score, []
     for choice in choices[1:]:
         if score is None or first is None:
@@ -78,7 +78,7 @@ def best_of_choices(
             made = make(choice)
         except InvalidInputError:
             continue
-        other = scorer.score(made.image)
+        other = scorer.rate(made.image).score
         assert other is not None  # of one size, and the first has a score
         tried.append(f"{choice.method} {other:.2f}")
         if other < min(first - MARGIN, score):
