@@ -92,7 +92,7 @@ class AutoModel(Model):
         found = self._exactly
         if found.lattice is None or not is_sure(found.lattice, found.shape):
             return None
-        return found.full[-1] if found.full else found.lattice
+        return found.full or found.lattice
 
     def choose(self, size: Canvas | int | tuple[int, int]) -> Choice:
         """Return the rule's method for a canvas, and why; nothing is tried."""
@@ -101,7 +101,9 @@ class AutoModel(Model):
             return Choice("refinement", {}, "there is a guide to follow")
         if canvas.known is not None:
             return choose_for_hole(self.exemplar, canvas)
-        return choose(self._exactly if any(canvas.wrap) else self.findings, canvas)
+        lattice = self.findings.lattice
+        exactly = any(canvas.wrap) or (lattice is not None and not lattice.area)
+        return choose(self._exactly if exactly else self.findings, canvas)
 
     def chosen(self, size: Canvas | int | tuple[int, int]) -> tuple[Choice, Model]:
         """Return the rule's choice and its model, or the next method that can be fitted."""

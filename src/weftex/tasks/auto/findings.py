@@ -31,8 +31,7 @@ class Findings:
     #: How far it is from looking the same upside down, and turned by 90 degrees or in a mirror;
     #: 1 where such copies cannot be made.
     sidedness: tuple[float, float] = 1.0, 1.0
-    #: Where `lattice` is not exact: that of the sample itself, and rows where it should have rows.
-    full: tuple[Lattice, ...] = ()
+    full: Lattice | None = None  # that of the sample itself, where `lattice` is not exact
 
 
 def look(exemplar: Exemplar) -> Findings:
@@ -69,28 +68,9 @@ def look(exemplar: Exemplar) -> Findings:
 
 
 def with_full(found: Findings, exemplar: Exemplar) -> Findings:
-    """Add the lattice of the sample itself, which canvases that wrap must fit."""
+    """Add the lattice of the sample itself, as entire samples and canvases that wrap need it."""
     own = None if found.exact or found.lattice is None else find_lattice(exemplar)
-    if own is None or found.lattice is None:
-        return found
-    doubtful = own.area and len(found.lattice.vectors) == 1
-    rows = [_exact_rows(exemplar, found.lattice)] if doubtful else []
-    return replace(found, full=(own.reduced(), *rows))
-
-
-def _exact_rows(exemplar: Exemplar, rows: Lattice) -> Lattice:
-    """Return rows of a smaller copy with their distance in the sample itself.
-
-    It is measured over 1, 2, 4 and more rows; along rows nothing tells one place from another.
-    """
-    ((x, y),), times, factor = rows.vectors, 1, 1.0
-    pixels, length = exemplar.matching(), float(np.hypot(x, y))
-    while 2 * times * length <= max(pixels.shape[:2]):
-        near = [factor + step / (times * length) for step in (0, -1, 1)]
-        shifts = {one: (times * one * x, times * one * y) for one in near}
-        factor = max(near, key=lambda one: like_itself(pixels, shifts[one]))
-        times *= 2
-    return Lattice(((factor * x, factor * y),), rows.confidence)
+    return found if own is None else replace(found, full=own.reduced())
 
 
 def _sidedness(exemplar: Exemplar, small: Exemplar) -> tuple[float, float]:

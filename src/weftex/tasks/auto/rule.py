@@ -27,6 +27,8 @@ _FINE = 1 / 12  # scale over the side: a patch, a quarter of the side, holds thr
 _GRAIN = 1 / 20  # scale over the side up to which cut features do not show, but repeats do
 #: Strain of a lattice on a canvas that wraps, up to which the entire sample is placed by it.
 _STIFF = 0.02
+#: The same for rows. At 3.5 % boards were whole, at 6 % ribs were torn.
+_STIFF_ROWS = 0.04
 #: Sidedness up to which a material looks the same upside down, or turned and in a mirror.
 _SIDED = 0.06
 #: Pixels of the output above which no rotated copies are used, as they take 60 % more time.
@@ -71,24 +73,19 @@ def _regular(findings: Findings, canvas: Canvas) -> Choice | None:
     lattice = findings.lattice
     if lattice is None or not is_sure(lattice, findings.shape):
         return None
-    because, full = f"the sample has {words(lattice)}", findings.full or (lattice,)
-    vectors = four_numbers(full[0])
-    strain = CanvasLattice(vectors, canvas).strain
-    given = {"lattice": vectors} if findings.exact else {}
-    if strain > _STIFF and len(full) > 1:
-        vectors = four_numbers(full[1])
-        strain, given = CanvasLattice(vectors, canvas).strain, {"lattice": vectors}
-    # Rows that are stretched break; entire samples keep them, but take longer.
-    stiff = len(full) > 1 or (len(lattice.vectors) == 1 and _quickly_cut(canvas))
-    refused = strain > (_STIFF if stiff else VISIBLE_STRAIN)
-    notes = strain_notes(vectors, canvas)
-    if refused:
+    because = f"the sample has {words(lattice)}"
+    used, quick = findings.full or lattice, _quickly_cut(canvas)
+    vectors, rows = four_numbers(used), len(used.vectors) == 1
+    strain, notes = CanvasLattice(vectors, canvas).strain, strain_notes(vectors, canvas)
+    if strain > (_STIFF_ROWS if rows and quick else VISIBLE_STRAIN):
         because = f"{because}, and its repeats do not fit a tileable {_size(canvas.shape)}"
-        if len(lattice.vectors) == 1:  # rows keep their distance if cut seldom
+        if rows:  # entire samples keep their distance, as they are cut seldom
             return replace(_whole(findings, canvas, because), warnings=notes)
         return Choice("quilting", {}, because, notes)
-    if findings.exact and _quickly_cut(canvas) and strain <= _STIFF:
-        return Choice("graphcut", {**WHOLE, **given}, because)
+    exact = findings.exact or (rows and findings.full is not None)
+    given = {"lattice": vectors} if exact else {}
+    if exact and quick and (rows or strain <= _STIFF):
+        return Choice("graphcut", {**WHOLE, **given}, because, notes)
     return Choice("near-regular", given, because, notes)
 
 
