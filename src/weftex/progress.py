@@ -24,8 +24,6 @@ analysis and a fit come first, and call `weftex.progress.listening` instead.
 PAUSE = 0.2  # seconds from one drawing to the next
 _REST = 200  # times what a drawing took, which the process must have worked before the next
 _LONGEST = 2.0  # seconds after which it need not, as others may work for it
-_WORTH = 3.2  # seconds of work beside which loading tqdm, 0.03 s, is little
-_UNKNOWN = 0.8  # seconds after which a bar appears if nobody knows how long the work takes
 
 
 class Bar:
@@ -34,8 +32,7 @@ class Bar:
     Parameters
     ----------
     after : float
-        Seconds after which it appears, if the work is to take long enough for it to cost less than
-        a hundredth.
+        Seconds after which it appears; loading tqdm takes 0.03 s.
 
     Attributes
     ----------
@@ -65,12 +62,6 @@ class Bar:
     def _is_time(self, clock: float) -> bool:
         """Whether to draw: that must take less than a hundredth, also on a busy machine."""
         if clock < self._next:
-            return False
-        done, total, _ = self._now
-        left = (clock - self._begun) * (total - done) / done if done else 0.0
-        if not done and clock - self._start >= _UNKNOWN:
-            left = _WORTH
-        if "tqdm" not in sys.modules and clock - self._start + left < _WORTH:
             return False
         return process_time() >= self._rested or clock >= self._next + _LONGEST
 

@@ -18,7 +18,6 @@ from weftex.errors import InvalidInputError, printable
 
 Result = TypeVar("Result")
 
-_BAR_AFTER = 0.5  # seconds
 _PATIENCE = 0.6  # seconds that work in hand has to end by itself
 
 
@@ -87,7 +86,7 @@ class Bar(progress.Bar):
     left = "nothing was written"  # what is there if the work is stopped now
 
     def __init__(self, quiet: bool) -> None:
-        super().__init__(_BAR_AFTER)
+        super().__init__()
         self._at_stop: list[Callable[[], None]] = []
         self._shows = not quiet and (for_program or sys.stderr.isatty())
         self.stopped = False
