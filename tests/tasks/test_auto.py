@@ -178,7 +178,7 @@ def test_where_refinement_breaks_lines_joints_alone_are_refined():
     choices = [Choice("near-regular", {}, "tiles"), Choice("refinement")]
     for before, after, kept in (
         (laid, laid, "refinement, because tiles"),
-        (laid, broken, r"refinement, because tiles; only its seams are refined, as 0\.\d\d of .*"),
+        (laid, broken, r"refinement, because tiles; only the seams .* keep only \d+% of .*"),
         (broken, laid, "near-regular, because tiles"),  # faint lines are not judged
     ):
         made = {"near-regular": before, "refinement": after}
@@ -193,7 +193,7 @@ def test_refinement_that_tears_a_strained_lattice_is_left_out():
     noisy = 60 + 120 * ((y + x) % 2)[..., None] + noise((240, 240, 3)).astype(int) // 16
     made = weftex.synthesize(noisy.astype(np.uint8), 512, tileable=True, seed=1)
     assert made.provenance["joints"] == 24
-    assert "only its seams are refined" in made.provenance["reason"]
+    assert "only the seams between blocks are refined" in made.provenance["reason"]
     assert like_itself(noise((9, 9, 1)), (0, 12)) == 0  # a vector longer than the picture
 
 

@@ -24,6 +24,9 @@ _SHIFTS = [(0, 2), (1, 2), (2, 2), (2, 1), (2, 0), (2, -1), (2, -2), (1, -2)]
 _CELLS = 8  # along each side; what is larger than one is a large form
 _BINS = 8  # of the spectrum, an octave
 _COARSE, _FINE = 2.0**-5, 0.5  # waves a pixel between which spectra are compared
+#: Above these, forms are large, and the light is uneven: samples of many evenly lit features have
+#: up to 0.33, and 0.2 by chance; the last are gray levels.
+FORMS, _LIGHT, _LIGHT_RANGE = 0.45, 0.25, 40.0
 _SMALLEST_PART = 32  # pixels of the parts whose spectra are compared
 _REACH = 8  # bins that a spectrum is shifted by at most
 _LIKE, _UNLIKE = 0.6, 0.2  # correlations of spectra: of the same things, and of others
@@ -175,6 +178,12 @@ class Evenness:
     light_range: float
     large_forms: float
     perspective: tuple[float, float]
+
+    @property
+    def lit_unevenly(self) -> bool:
+        """Whether the light should be made even; large forms look the same, and are left."""
+        lit = self.light > _LIGHT and self.light_range > _LIGHT_RANGE
+        return lit and self.large_forms <= FORMS
 
 
 def evenness(exemplar: Exemplar) -> Evenness:

@@ -12,7 +12,6 @@ from typing import Any
 import weftex
 from weftex import Exemplar
 from weftex.analysis.overlay import Lattice, LatticeRating, Rated, draw, is_tilted
-from weftex.choice import Choice
 from weftex.errors import InvalidInputError
 from weftex.recipe import checked_material, pictures_of
 from weftex.recipe.opening import PreparedMaterial, prepare_material, read_described
@@ -148,7 +147,7 @@ def _analysis(loaded: PreparedMaterial) -> dict[str, Any]:
         "colors": found.colors,
         "tiles": list(found.tiles),
         "auto": found.choice.as_dict(),
-        "mending": _mending(loaded.spec, found.choice, found.lattice),
+        "mending": _mending(loaded.spec, found.evenness.lit_unevenly, found.lattice),
         "text": str(found),
     }
 
@@ -170,7 +169,7 @@ def _quick_analysis(loaded: PreparedMaterial) -> dict[str, Any]:
         "colors": seen.colors,
         "tiles": None,
         "auto": choice.as_dict(),
-        "mending": _mending(loaded.spec, choice, seen.lattice),
+        "mending": _mending(loaded.spec, seen.evenness.lit_unevenly, seen.lattice),
         "text": f"{exemplar.shape[1]}x{exemplar.shape[0]}, analyzed on a smaller copy\n{choice}",
     }
 
@@ -197,17 +196,14 @@ def _own(exemplar: Exemplar, lattice: Lattice | None, rated: Rated | None) -> An
 
 
 def _mending(
-    spec: Mapping[str, Any], choice: Choice, lattice: Lattice | None
+    spec: Mapping[str, Any], lit_unevenly: bool, lattice: Lattice | None
 ) -> list[dict[str, Any]]:
     """What would help, each with what is to be added to the material's description."""
-    found = []
-    for line in choice.warnings:
-        if "--even-light" in line and "even_light" not in spec:
-            found.append({"what": "even_light", "why": line, "spec": {"even_light": _DEGREE}})
-        if "--straighten" in line and "straighten" not in spec and lattice is not None:
-            found.append({"what": "straighten", "why": line, "spec": {"straighten": ""}})
-    tilted = lattice is not None and "straighten" not in spec and is_tilted(lattice)
-    if tilted and not any(one["what"] == "straighten" for one in found):
-        line = "the lattice or the rows are tilted; straighten the photo"
-        found.append({"what": "straighten", "why": line, "spec": {"straighten": ""}})
-    return found
+    tilted = lattice is not None and is_tilted(lattice)
+    needed = {"even_light": lit_unevenly, "straighten": tilted}
+    values = {"even_light": _DEGREE, "straighten": ""}
+    return [
+        {"what": what, "spec": {what: values[what]}}
+        for what in values
+        if needed[what] and what not in spec
+    ]

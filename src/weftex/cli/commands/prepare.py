@@ -82,20 +82,18 @@ def _advice(args: argparse.Namespace) -> list[str]:
     """Say what a photo needs, and the command that does it."""
     from weftex.analysis.overlay import is_tilted
     from weftex.cli.files import load_sample
-    from weftex.tasks.auto import Auto, AutoModel
+    from weftex.tasks.auto import Auto, AutoModel, Findings
 
-    def look(bar: Bar, outputs: Outputs) -> tuple[list[str], bool]:
+    def look(bar: Bar, outputs: Outputs) -> tuple[list[str], Findings]:
         photo = load_sample(args.sample, args, "maps")
         model = AutoModel(Auto(), photo)
-        lattice = model.findings.lattice
-        found = list(model.choose(photo.shape).warnings)
-        return found, lattice is not None and is_tilted(lattice)
+        return list(model.choose(photo.shape).warnings), model.findings
 
-    (found, tilted), _ = run_work(look, args.quiet)
+    (found, seen), _ = run_work(look, args.quiet)
+    tilted = seen.lattice is not None and is_tilted(seen.lattice)
     if tilted:
         found.append("the lattice or the rows are tilted; level them with --straighten")
-    even = any("--even-light" in line for line in found)
-    options = ["--straighten"] * tilted + ["--even-light"] * even
+    options = ["--straighten"] * tilted + ["--even-light"] * seen.evenness.lit_unevenly
     if options:
         found.append(f"weftex prepare {args.sample} -o OUT {' '.join(options)}")
     return found or ["The light is even, and nothing is slanted: this photo needs no preparation"]

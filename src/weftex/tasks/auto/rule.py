@@ -15,6 +15,7 @@ from weftex.analysis.canvas_lattice import (
 from weftex.analysis.canvas_lattice import is_sure as lattice_is_sure
 from weftex.analysis.lattice import Lattice, find_lattice
 from weftex.analysis.overlay import courses
+from weftex.analysis.properties import FORMS
 from weftex.analysis.relief import smaller_copy
 from weftex.analysis.scale import dominant_scale
 from weftex.canvas import Canvas
@@ -41,9 +42,6 @@ PATIENCE = 2**20
 _SMALL = 2**18
 #: Keep features whole: place the entire sample where it fits best, and cut around obstacles.
 WHOLE = {"placement": "entire"}
-
-_LIGHT, _LIGHT_RANGE = 0.25, 40.0  # evenly lit samples have up to 0.2 by chance
-_FORMS = 0.45  # samples of many features have up to 0.33
 
 
 def choose(findings: Findings, canvas: Canvas) -> Choice:
@@ -184,12 +182,12 @@ def is_sure(lattice: Lattice, shape: tuple[int, int]) -> bool:
 def _warnings(findings: Findings) -> list[str]:
     """Return the faults of the sample that no method can repair."""
     even, found = findings.evenness, []
-    if even.large_forms > _FORMS:
+    if even.large_forms > FORMS:
         found.append(
             f"{100 * even.large_forms:.0f} % of the contrast is in forms larger than an eighth of "
             "the sample: one object, or too few features; show more of the material"
         )
-    elif even.light > _LIGHT and even.light_range > _LIGHT_RANGE:
+    elif even.lit_unevenly:
         found.append(
             f"the light changes by {even.light_range:.0f} of 255 levels across the sample; "
             "correct it with --even-light, or crop a part"

@@ -113,7 +113,8 @@ def refined_if_whole(
     if left >= _KEPT:
         return refined
     because = (
-        f"{blocks.because}; only its seams are refined, as {left:.2f} of thin lines would be left"
+        f"{blocks.because}; only the seams between blocks are refined: refining the whole image "
+        f"would keep only {max(left, 0):.0%} of its thin lines"
     )
     return replace(refined, parameters=dict(refined.parameters, joints=BELT), because=because)
 

@@ -97,7 +97,7 @@ export class SampleScreen {
     const turns = [["", t("turn.none")], ["flip", t("turn.flip")], ["half", t("turn.half")], ["4", t("turn.4")], ["8", t("turn.8")]];
     return [
       look.mending.map((one) =>
-        h("div", { class: "note" }, icon("light"), h("div", {}, h("span", {}, said(one.why)), h("button", { type: "button", onclick: () => app.guard(() => app.mend(one.spec, t(`mend.${one.what}`))) }, t(`mend.${one.what}`)))),
+        h("div", { class: "note" }, icon("light"), h("div", {}, h("span", {}, t(`why.${one.what}`)), h("button", { type: "button", onclick: () => app.guard(() => app.mend(one.spec, t(`mend.${one.what}`))) }, t(`mend.${one.what}`)))),
       ),
       this.mended(spec),
       h(
