@@ -9,6 +9,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
+from pathlib import Path
+from string import Template
 from typing import Any
 from xml.sax.saxutils import quoteattr
 
@@ -39,6 +41,7 @@ __all__ = ["Atlas", "atlas", "corner_colors"]
 _USUAL, _LEAST, _FINEST = 256, 32, 24  # pixels a side of a tile; of a belt at the coarsest level
 #: Colors by which editors show corner colors.
 _SHOWN = ((0xD0, 0x43, 0x3B), (0x3B, 0x7D, 0xD0), (0x4C, 0xA8, 0x4C))
+_SHADER = Path(__file__).parent / "presets" / "corner_tiles.gdshader"
 _TIMES = np.array([0x8DA6B343, 0xD8163841, 0xCB1AB31F], np.uint32)
 _MIX = np.array([0x7FEB352D, 0x846CA68B], np.uint32)
 
@@ -113,7 +116,7 @@ class Atlas:
         return {"colors": self.colors, **grid, **sizes, "ids": ids, "tiles": tiles}
 
     def documents(self, name: str, image: str, maps: Any = None) -> dict[str, str]:
-        """Return index and tilesets by suffix, for a grid in the file `image`.
+        """Return index, tilesets and a shader by suffix, for a grid in the file `image`.
 
         `maps` are lists of the maps in each file, if there are several.
         """
@@ -122,6 +125,9 @@ class Atlas:
             ".json": json.dumps(index, indent=1) + "\n",
             ".tsx": _tiled_tileset(index, name, image),
             ".tres": _godot_tileset(index, image),
+            ".gdshader": Template(_SHADER.read_text("utf-8")).substitute(
+                index, count=len(index["ids"]), numbers=", ".join(map(str, index["ids"]))
+            ),
         }
 
     def plane(

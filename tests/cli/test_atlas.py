@@ -46,7 +46,7 @@ def test_a_set_and_a_folder_of_tiles(here):
     assert weft_run("atlas", "sample:stone_wall", "-o", "set", "--tile-size", "48") == 0
     found = {path.name for path in (here / "set").iterdir()}
     maps = {"albedo.png", "ao.png", "height.png", "normal.png", "roughness.png"}
-    assert found == maps | {"atlas.json", "atlas.tsx", "atlas.tres"}
+    assert found == maps | {"atlas.json", "atlas.tsx", "atlas.tres", "atlas.gdshader"}
     assert json.loads((here / "set/atlas.json").read_text())["image"] == "albedo.png"
     words = ("--tile-size", "48", "--colors", "3", "--method", "patch-sampling", "--seed", "7")
     assert weft_run("atlas", "sample.png", "-o", "tiles", *words) == 0

@@ -1,4 +1,4 @@
-"""The sampler of the page on atlases, in WebGL2: the plane that Python assembles, without seams."""
+"""The sampler of the page on atlases and of Godot's shader, in WebGL2: the plane that Python assembles, without seams."""
 
 import base64
 import re
@@ -55,7 +55,9 @@ def code_for(made):
     assert f"({', '.join(map(str, index['ids']))})" in code
     (height, width), gutter = made.tile_size, f"GUTTER = {made.gutter}.0"
     code = code.replace("GUTTER = 0.0", gutter).replace("192.0, 192.0", f"{width}.0, {height}.0")
-    return code.replace("768.0, 768.0", f"{index['width']}.0, {index['height']}.0")
+    code = code.replace("768.0, 768.0", f"{index['width']}.0, {index['height']}.0")
+    assert code in made.documents("a", "a.png")[".gdshader"]
+    return code
 
 
 def drawn(tab, made, folder, rows, columns, step=1, linear=False):

@@ -22,8 +22,9 @@ if TYPE_CHECKING:
 _ABOUT = """\
 Make all corner tiles of a material. Tiles with the same corner colors at a side fit without a seam,
 so an engine can assemble an endless texture from them. OUT is an image with a grid of tiles; weftex
-also writes an index (.json) and tilesets for Tiled (.tsx) and Godot 4 (.tres). For a map set, OUT
-is a folder. For one image, OUT without a suffix is a folder with a file for each tile.\
+also writes an index (.json), tilesets for Tiled (.tsx) and Godot 4 (.tres), and a shader for 3D
+surfaces of Godot 4 (.gdshader). For a map set, OUT is a folder. For one image, OUT without a suffix
+is a folder with a file for each tile.\
 """
 
 _EXAMPLES = """\
