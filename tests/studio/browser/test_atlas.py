@@ -1,4 +1,4 @@
-"""The sampler of the page on atlases and of Godot's shader, in WebGL2: the plane that Python assembles, without seams."""
+"""The sampler of the page and of Godot's shader, in WebGL2: the plane of Python, without seams."""
 
 import base64
 import re
