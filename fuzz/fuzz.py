@@ -90,7 +90,7 @@ def journal(data: bytes, folder: Path) -> None:
     run.mkdir(exist_ok=True)
     (run / "run.json").write_bytes(data)
     (run / "done.txt").write_bytes(data)
-    record = Record(str(folder / "plane.tif"))
+    record = Record(str(folder / "plane.tif"), run="a" * 32)
     record.done()
     record.current()
 
@@ -236,10 +236,10 @@ def seeds() -> dict[str, dict[str, bytes]]:
         found["saved"]["hole"] = unpacked(file)
         define(pixels, 64, weftex.PatchSampling(patch_size=5), {}, seed=1).save(str(file))
         found["plane"]["plane"] = unpacked(file)
-    line = "0 0 1 123 456"
+    line = f"{'a' * 32} 0 0 1 123 456"
     found["journal"] = {
         "blocks": f"\n{line} {zlib.crc32(line.encode()):08x}\n{line[:40]}".encode(),
-        "run": b'{"begun": true, "files": ["plane.tif"], "about": {"seed": 1}}',
+        "run": b'{"name": "a", "begun": true, "files": ["plane.tif"], "about": {"seed": 1}}',
     }
     found["manifest"] = {
         "lines": b'{"output": "a.png", "seed": 1}\n{"output": "b.png"}\n[1]\n{"outp',

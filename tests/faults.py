@@ -74,6 +74,17 @@ def hidden(folder):
     return [path.name for path in folder.rglob(".weftex-*")]
 
 
+def parts(folder, long):
+    """Eight parts of one plane that start at the same moment."""
+    for turn in range(20 if long else 2):
+        target = folder / f"parts{turn}.tif"
+        words = [*PLANE, "--seed", 1, "-o", target]
+        runs = [weftex_process(*words, "--part", f"{k}/8") for k in range(1, 9)]
+        assert [ended(run) for run in runs] == [(0, "")] * 8
+        done(*words)
+        check(target, folder, 1)
+
+
 def kills(folder, long):
     """`kill -9` between the start and the first blocks, and while a picture is written."""
     moments, killed = random.Random(os.getpid()), 0
@@ -185,7 +196,7 @@ def studio(folder, long):
             second.end(signal.SIGTERM)
 
 
-FAULTS = {act.__name__: act for act in (kills, disk, writers, studio)}
+FAULTS = {act.__name__: act for act in (parts, kills, disk, writers, studio)}
 
 
 def main():

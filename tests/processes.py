@@ -71,7 +71,7 @@ def weftex_process(*words, **options):
 
 #: Calls, by the names of their audit events, that change files or lock them.
 FILE_CALLS = ("open", "os.mkdir", "os.rename", "os.remove", "os.rmdir", "os.truncate", "os.chmod")
-FILE_CALLS += ("fcntl.flock",)
+FILE_CALLS += ("fcntl.lockf",)
 
 
 def killed_at(number, work, folder):
@@ -86,7 +86,7 @@ def killed_at(number, work, folder):
 
     def count(event, args):
         nonlocal calls
-        if event in FILE_CALLS and (event == "fcntl.flock" or str(args[0]).startswith(str(folder))):
+        if event in FILE_CALLS and (event == "fcntl.lockf" or str(args[0]).startswith(str(folder))):
             calls += 1
             if calls == number:
                 os.kill(os.getpid(), signal.SIGKILL)

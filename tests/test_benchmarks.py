@@ -57,7 +57,7 @@ def test_the_page_has_every_table():
 
 
 def test_planes_on_disk(capsys):
-    planes_on_disk.main(["speed", "--side", "200", "--threads", "1"])
+    planes_on_disk.main(["speed", "--side", "200", "--workers", "0"])
     assert "times the method" in capsys.readouterr().out
 
 

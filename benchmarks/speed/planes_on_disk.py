@@ -59,16 +59,17 @@ def plain(method: str, side: int) -> float:
 
 
 def speed(args: argparse.Namespace, folder: Path) -> None:
-    """Megapixels a second, by one thread and two."""
+    """Megapixels a second, by one process, one worker and two."""
     for method in args.methods:
         alone = plain(method, args.side)
-        for threads in args.threads:
+        for workers in args.workers:
             target = folder / "p.tif"
-            words = ["--method", method, "--block", 2048, "--threads", threads]
+            words = ["--method", method, *(("--workers", workers) if workers else ())]
+            words += ["--block", 2048, *(["--threads", 1] * (not workers))]
             code, took, busy, memory = measured(command(target, args.side, *words))
             assert code == 0
             print(
-                f"{method} {args.side} threads {threads}: "
+                f"{method} {args.side} workers {workers}: "
                 f"{args.side**2 / took / 1e6:.3g} MP/s, {args.side**2 / busy / 1e6:.3g} MP a "
                 f"processor second, {busy / alone:.2f} times the method, {memory:.0f} MB, "
                 f"{target.stat().st_size / 1e6:.0f} MB on disk",
@@ -162,7 +163,9 @@ def main(words: list[str] | None = None) -> None:
     parser.add_argument("what", choices=WORKS)
     parser.add_argument("--side", type=int, default=1024)
     parser.add_argument("--methods", nargs="+", default=["near-regular"], choices=METHODS)
-    parser.add_argument("--threads", nargs="+", type=int, default=[1, 2])
+    parser.add_argument(
+        "--workers", nargs="+", type=int, default=[0, 1, 2], help="0: this process alone"
+    )
     parser.add_argument("--rest", type=float, default=0, help="seconds between runs of growth")
     parser.add_argument("--slice", type=float, default=3600, help="seconds of a run of growth")
     parser.add_argument("--times", type=int, default=20)

@@ -1,4 +1,4 @@
-"""`weftex synth` block by block, also killed; `check` of the image."""
+"""`weftex synth` block by block, killed and in parts; `check` of the image."""
 
 from __future__ import annotations
 
@@ -51,21 +51,28 @@ def test_killed_at_any_moment(here):
     assert files(here) == files(here, "whole")
 
 
-def test_check(here, capsys):
+def test_parts_and_check(here, capsys):
     target = "p.tif"
+    for part in ("1/2", "2/2"):
+        assert weft_run(*SYNTH, target, "--size", 600, "--part", part) == 0
+        fails(capsys, here, "check", target)
     assert weft_run(*SYNTH, target, "--size", 600) == 0
     assert weft_run("check", target, "--read") == 0
     assert (
         capsys.readouterr().out
         == "p.tif is whole, as it was written: 600x600 with best-tile, seed 4\n"
     )
+    whole = files(here)
     with open(target, "r+b") as file:
         file.seek(2**16)
         file.write(b"other")
     err = fails(capsys, here, "check", target, "--read")
     assert "1 blocks differ from their checksums" in err
+    assert weft_run("check", target, "--repair") == 0
+    assert "seed 4; 2 blocks were made again\n" in capsys.readouterr().out
+    assert files(here) == whole
     (here / target).unlink()
-    assert "missing or damaged; --restart makes the image" in fails(capsys, here, "check", target)
+    assert "missing or damaged; --repair makes it again" in fails(capsys, here, "check", target)
 
 
 def test_small_tiffs_are_as_ever(here):
@@ -90,6 +97,7 @@ def test_bad_input_of_others(here, capsys):
         (["check", "sample.png"], "there is no plane in sample.png.run beside it"),
         (["report", "sample.png", "p.tif", "--json"], "only check works on it"),
         ([*SYNTH, "q.tif", "--size", 200, "--save-source", "q.npz"], "--save-source has no effect"),
+        (["synth", "sample.png", *HOW[:-4], "--part", "1/2", "-o", "q.tif"], "--part needs --seed"),
     ]:
         assert why in fails(capsys, here, *words)
 

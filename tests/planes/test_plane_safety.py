@@ -7,6 +7,7 @@ import os
 import shutil
 import signal
 import sys
+import threading
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
@@ -17,13 +18,17 @@ import weftex
 from commands import listing
 from families import noise
 from processes import run
-from weftex.errors import FileError, InvalidInputError
+from weftex import planes
+from weftex.errors import CancelledError, FileError, InvalidInputError
 from weftex.io.pictures import write_image
 from weftex.planes import check, open_plane
+from weftex.planes.beginning import at_work
 from weftex.planes.definition import define
 from weftex.planes.plane_file import PlaneFile
 from weftex.planes.record import Record
-from weftex.planes.writing import at_work
+from weftex.planes.runners import block_maker
+from weftex.planes.tiff import TiffStore
+from weftex.planes.writing import write_plane
 
 SIZE = (200, 333)
 TILE = weftex.BestTile(lattice=(20, 0, 0, 20))
@@ -47,10 +52,74 @@ def pixels_of(folder):
     return {p: data for p, data in listing(folder).items() if data and ".run" not in str(p)}
 
 
+def plane_of(target, seed, size=SIZE, **part):
+    return PlaneFile(define(SAMPLE, size, TILE, {}, seed=seed, block=64), str(target), **part)
+
+
 def is_whole(target):
     """Whether everything is there, and as it was written."""
     with suppress(FileError):
         return bool(check(target, read=True))
+
+
+def repair(target):
+    return planes.repair(target, threads=1).made
+
+
+def test_a_restart_waits_for_a_block_that_is_being_written(tmp_path, monkeypatch):
+    """Else it would be written into the file of the new run, after the check."""
+    target = tmp_path / "p.tif"
+    weftex.planes.stream(SAMPLE, tmp_path / "whole.tif", SIZE, **HOW)
+    old = plane_of(target, 9)
+    with at_work(old) as record:
+        block_maker(old)((record.run, (0, 0, 0)))
+    put, writing, go = TiffStore.put, threading.Event(), threading.Event()
+
+    def slow(self, place, pixels):
+        writing.set()
+        assert go.wait(20)
+        put(self, place, pixels)
+
+    monkeypatch.setattr(TiffStore, "put", slow)
+
+    def task():
+        with pytest.raises(FileError, match="another command restarted"):  # it is not noted as done
+            block_maker(old)((record.run, (0, 1, 1)))
+
+    late = threading.Thread(target=task)
+    late.start()
+    assert writing.wait(20)
+    monkeypatch.undo()
+    again = threading.Thread(
+        target=weftex.planes.stream, args=(SAMPLE, target, SIZE), kwargs={"restart": True, **HOW}
+    )
+    again.start()
+    again.join(0.3)
+    assert again.is_alive()
+    go.set()
+    late.join(20)
+    again.join(20)
+    assert target.read_bytes() == (tmp_path / "whole.tif").read_bytes() and is_whole(target)
+
+
+def test_a_worker_goes_on_when_its_plane_was_begun_again(tmp_path):
+    """It writes to the journal that is there, not to one that was removed."""
+    target = tmp_path / "p.tif"
+    plane = plane_of(target, 4)
+    make = block_maker(plane)
+
+    def worker(record, level, steps):
+        for place in level:
+            make((record.run, place))
+            yield place
+
+    for _ in range(2):
+        write_plane(plane, runner=worker)
+        assert is_whole(target)
+        write_plane(plane, runner=worker, restart=True)
+        assert is_whole(target)
+        for path in tmp_path.iterdir():
+            shutil.rmtree(path) if path.is_dir() else path.unlink()
 
 
 @pytest.mark.parametrize(
@@ -93,6 +162,8 @@ def test_nothing_is_written_through_a_link(tmp_path):
     target.symlink_to(other)
     with pytest.raises(FileError, match="is a link"):
         weftex.planes.stream(SAMPLE, target, SIZE, restart=True, **HOW)
+    with pytest.raises(FileError, match="is a link"):
+        repair(target)
     assert other.read_bytes() == b"precious"
 
 
@@ -107,7 +178,6 @@ def test_killed_at_any_call_of_the_start(tmp_path, restart):
     import weftex
     from commands import listing
     from processes import killed_at
-    from weftex.io import temporary
     os.fsync = lambda number: None  # a killed process needs none
     folder, restart = Path(sys.argv[1]), sys.argv[2] == "True"
     sample = np.arange(60 * 64 * 3).astype(np.uint8).reshape(60, 64, 3)
@@ -135,7 +205,6 @@ def test_killed_at_any_call_of_the_start(tmp_path, restart):
             make(target, seed=5)
         work = lambda: make(target, restart=restart)
         died = killed_at(number, work, folder)
-        temporary._sweep.cache_clear()  # as in a process of its own
         work()
         assert kept("p") == kept("whole"), number
         assert {*pixels("p")} == {*pixels("whole")}, (number, {*pixels("p")})
@@ -150,18 +219,51 @@ def test_killed_at_any_call_of_the_start(tmp_path, restart):
     assert int(done.stdout) > 30
 
 
-def test_what_is_missing_or_damaged_is_found(tmp_path, target):
+def test_a_recipe_of_another_run_is_refused(tmp_path):
+    target = tmp_path / "p.tif"
+    weftex.planes.stream(SAMPLE, target, SIZE, **HOW)
+    recipe = tmp_path / "p.tif.run" / "recipe.npz"
+    data = recipe.read_bytes()
+    weftex.planes.stream(SAMPLE, target, SIZE, restart=True, **HOW)
+    recipe.write_bytes(data)
+    with pytest.raises(FileError, match="it belongs to another run"):
+        open_plane(target)
+
+
+def test_what_is_missing_or_damaged_is_repaired(tmp_path, target):
     weftex.planes.stream(SAMPLE, target, (70, 60), **HOW)
-    data, middle = target.read_bytes(), 2**16  # the first pixel
-    flipped = data[:middle] + bytes([data[middle] ^ 8]) + data[middle + 1 :]
-    for bad in (None, b"", data[:middle], flipped, data[:20] + b"x" + data[21:]):
-        target.unlink(missing_ok=True)
-        if bad is not None:
-            target.write_bytes(bad)
-        with pytest.raises(FileError, match="--restart makes the image again"):
-            check(target, read=True)
-    weftex.planes.stream(SAMPLE, target, (70, 60), restart=True, **HOW)
-    assert is_whole(target) and target.read_bytes() == data
+    whole = pixels_of(tmp_path)
+    assert repair(target) == 0
+    for path, data in whole.items():
+        middle = 2**16  # the first pixel
+        flipped = data[:middle] + bytes([data[middle] ^ 8]) + data[middle + 1 :]
+        for bad in (None, b"", data[:middle], flipped):
+            path.unlink()
+            if bad is not None:
+                path.write_bytes(bad)
+            assert not is_whole(target)
+            assert repair(target) > 0
+            assert is_whole(target) and pixels_of(tmp_path) == whole
+
+
+def test_smaller_versions_are_made_of_whole_blocks_only(tmp_path, target):
+    """Else damage would be in them, with the right check sum."""
+    weftex.planes.stream(SAMPLE, target, 600, **HOW)
+    whole = pixels_of(tmp_path)
+
+    def stop(done, *_):
+        return done < 100  # of level 0
+
+    with pytest.raises(CancelledError):
+        weftex.planes.stream(SAMPLE, target, 600, restart=True, progress=stop, **HOW)
+    store = open_plane(target).stores["color"]
+    store.put((0, 2, 3), 255 - store.get(0, store.layout.window((0, 2, 3))))
+    with pytest.raises(FileError, match="level 0, row 2, column 3 is damaged.*check --repair"):
+        weftex.planes.stream(SAMPLE, target, 600, **HOW)
+    repair(target)
+    assert is_whole(target) and pixels_of(tmp_path) == whole
+    store.put((0, 2, 3), 255 - store.get(0, store.layout.window((0, 2, 3))))
+    assert repair(target) == store.levels  # the block and all that is made of it
 
 
 @pytest.mark.parametrize("begun", [False, True])
@@ -264,8 +366,8 @@ def test_another_version_is_refused(tmp_path, monkeypatch):
 def test_a_removed_plane_is_not_touched_by_the_run_that_made_it(tmp_path):
     """Nor does that run, when it fails, remove the one that was begun since."""
     target = tmp_path / "p.tif"
-    old = PlaneFile(define(SAMPLE, SIZE, TILE, {}, seed=9, block=64), str(target))
-    with pytest.raises(FileError, match="was removed; this run stops"), at_work(old) as record:
+    old = plane_of(target, 9)
+    with pytest.raises(FileError, match="restarted or removed"), at_work(old) as record:
         for path in tmp_path.iterdir():
             shutil.rmtree(path) if path.is_dir() else path.unlink()
         assert run(_STREAM, target).returncode == 0

@@ -9,9 +9,11 @@ import pytest
 import tifffile
 
 from families import noise
-from weftex.errors import FileError
+from weftex.cli.planes import parse_part
+from weftex.errors import FileError, InvalidInputError
 from weftex.io.pictures import read_image
 from weftex.planes.layout import Layout
+from weftex.planes.locks import locked
 from weftex.planes.record import Record, Run
 from weftex.planes.tiff import TiffStore
 from weftex.raster.mixing import Kind, Mixing
@@ -34,7 +36,8 @@ def written(path, shape, dtype, channels, alpha, block=64):
         store.write(place, pixels[top : top + height, left : left + width])
     for level in range(1, store.levels):
         for place in layout.places(level):
-            store.write(place, store.reduced(place))
+            sums = {one: store.sum_of(one) for one in layout.below(place)}
+            store.write(place, store.reduced(place, sums))
     return store, whole
 
 
@@ -72,46 +75,49 @@ def test_halved():
     assert Mixing(Kind.LABELS).halved(labels).tolist() == [[1]]
 
 
-def begun(folder):
-    """The record of a plane that a run has begun."""
-    record = Record(str(folder / "a.tif"))
-    with record.held():
-        record.begin(Run(True, ["a.tif"]))
-    return record
+@pytest.mark.parametrize("text", ["0/3", "4/3", "1", "a/b", "1/99999", "1/2/3"])
+def test_parts_that_are_none(text):
+    with pytest.raises(InvalidInputError, match="it must be K/N"):
+        parse_part(text)
 
 
 def test_a_journal_that_was_cut_off(tmp_path):
-    record = begun(tmp_path)
+    record = begun(tmp_path, "a" * 32)
+    record.add((0, 1, 2), (7, 8))
     journal = tmp_path / "a.tif.run" / "done.txt"
-    with record.held():
-        record.add((0, 1, 2), (7, 8))
-        line = journal.read_bytes()
-        journal.write_bytes(line + b"\nnonsense" + line[:-3])
-        record.add((0, 1, 3), (5, 6))
+    line = journal.read_bytes()
+    journal.write_bytes(line + b"\nnonsense" + line[:-3])
+    record.add((0, 1, 3), (5, 6))
     assert record.done() == {(0, 1, 2): (7, 8), (0, 1, 3): (5, 6)}
     for k in range(len(line)):  # a flipped bit makes a block again, and never another one
         journal.write_bytes(line[:k] + bytes([line[k] ^ 1]) + line[k + 1 :])
         assert record.done() in ({}, {(0, 1, 2): (7, 8)})
 
 
-def test_one_at_a_time_holds_a_plane(tmp_path):
-    record, other = (Record(str(tmp_path / "a.tif")) for _ in range(2))
-    with record.held():
-        with pytest.raises(FileError, match="another process makes it"), other.held():
-            pass
-        record.check_held()
-    with other.held(), pytest.raises(FileError, match="was removed"):
-        record.check_held()
+def begun(folder, run):
+    """The record of a plane that a run of that name has begun."""
+    record = Record(str(folder / "a.tif"))
+    with record.held(), record.beginning():
+        record.begin(Run(run, True, ["a.tif"]))
+    return record
 
 
 @pytest.mark.parametrize(
     "change",
     [{"files": ["../a"]}, {"files": ["/etc/a"]}, {"files": "a"}, {"files": ["a/b"]}, {"more": 1}]
-    + [{"files": [7]}, {"files": [".."]}, {"about": 7}, {"begun": "no"}],
+    + [{"files": [7]}, {"files": [".."]}, {"name": 7}, {"about": 7}, {"begun": "no"}],
 )
 def test_runs_that_are_none(tmp_path, change):
-    record = begun(tmp_path)
+    record = begun(tmp_path, "a" * 32)
     file = tmp_path / "a.tif.run" / "run.json"
     file.write_text(json.dumps(json.loads(file.read_text()) | change))
     with pytest.raises(FileError, match=r"run\.json is damaged"):
         record.current()
+
+
+def test_locks_of_one_process(tmp_path):
+    path = str(tmp_path / "lock")
+    with locked(path, 1, 5) as got, locked(path, 3) as again:
+        assert got and not again
+    with locked(path, 3) as got:
+        assert got

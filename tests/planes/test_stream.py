@@ -1,4 +1,4 @@
-"""Planes on disk: the same bytes in one run, in threads, and after it was cut off."""
+"""Planes on disk: the same bytes in one run, in threads, in parts, and after it was cut off."""
 
 from __future__ import annotations
 
@@ -14,7 +14,9 @@ from families import noise
 from weftex.errors import CancelledError, FileError, InvalidInputError
 from weftex.planes import check, open_plane
 from weftex.planes.definition import Definition, define
+from weftex.planes.plane_file import PlaneFile
 from weftex.planes.tiff import TiffStore
+from weftex.planes.writing import write_plane
 
 SIZE = (300, 333)
 TILE = weftex.BestTile(lattice=(20, 0, 0, 20))
@@ -72,6 +74,20 @@ def test_a_run_that_was_cut_off_goes_on(sample, whole, tmp_path):
     assert plain(tmp_path) == whole
 
 
+def test_parts_are_the_whole(sample, whole, tmp_path):
+    target = str(tmp_path / "p.tif")
+    made_of = define(sample, SIZE, TILE, {}, seed=4, block=64)
+    made = [write_plane(PlaneFile(made_of, target, (k, 3))).made for k in (3, 1, 1)]
+    assert made == [10, 10, 0]
+    with pytest.raises(FileError, match=r"10 blocks are missing; parts .* 2/3 \(10 blocks\)"):
+        check(target)
+    assert write_plane(PlaneFile(made_of, target, (2, 3))).made == 10
+    with pytest.raises(FileError, match="only smaller versions are missing"):
+        check(target)
+    assert write_plane(PlaneFile(made_of, target)).made == 9
+    assert plain(tmp_path) == whole
+
+
 def test_other_runs_are_refused(sample, tmp_path):
     target = tmp_path / "p.tif"
     weftex.planes.stream(sample, target, 100, **HOW)
@@ -98,24 +114,25 @@ def test_without_its_file_nothing_counts_as_done(sample, tmp_path):
 
 
 def test_a_disk_that_fills(sample, whole, tmp_path, monkeypatch):
-    calls = []
+    put, calls = TiffStore.put, []
 
-    def fill(number):
-        calls.append(number)
-        if len(calls) > 60:
+    def fill(self, place, pixels):
+        calls.append(place)
+        if len(calls) > 20:
             raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+        put(self, place, pixels)
 
-    monkeypatch.setattr(os, "fsync", fill)
+    monkeypatch.setattr(TiffStore, "put", fill)
     with pytest.raises(FileError, match="No space left on device; blocks that are done are kept"):
         weftex.planes.stream(sample, tmp_path / "p.tif", SIZE, threads=1, **HOW)
     monkeypatch.undo()
-    assert 0 < weftex.planes.stream(sample, tmp_path / "p.tif", SIZE, **HOW).made < 39
+    assert weftex.planes.stream(sample, tmp_path / "p.tif", SIZE, **HOW).made == 33
     assert plain(tmp_path) == whole
 
 
 def test_a_run_that_fails_at_once_leaves_nothing(sample, tmp_path, monkeypatch):
-    monkeypatch.setattr(TiffStore, "write", lambda *_: (_ for _ in ()).throw(FileError("broken")))
-    with pytest.raises(FileError, match="broken"):
+    monkeypatch.setattr(TiffStore, "put", lambda *_: (_ for _ in ()).throw(OSError(5, "broken")))
+    with pytest.raises(FileError, match="cannot write: broken"):
         weftex.planes.stream(sample, tmp_path / "p.tif", 100, **HOW)
     assert list(tmp_path.iterdir()) == []
 

@@ -35,9 +35,13 @@ SHARED: dict[str, tuple[str, dict[str, Any]]] = {
                          "two; does not change the image; default: 2048"}),
     "--restart": (_LARGE, {"action": "store_true",
                            "help": "delete this image and start again"}),
+    "--part": (_LARGE, {"metavar": "K/N", "help": "write part K of N, on any machine that shares "
+                        "the folder; needs --seed"}),
+    "--workers": (_LARGE, {"type": int, "metavar": "N",
+                           "help": "number of worker processes on this machine"}),
 }  # fmt: skip
 #: Those of images that are written block by block.
-BLOCKS = ("--restart", "--block")
+BLOCKS = ("--part", "--workers", "--restart", "--block")
 SHORT = {"--output": "-o", "--verbose": "-v"}
 #: The arguments that name what is written.
 _WRITTEN = ("output", "save_source", "debug", "picture", "overlay", "correlation")

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import argparse
 import os
+from contextlib import ExitStack
+from functools import partial
 from typing import Any
 
 from weftex.canvas import MAX_PIXELS
@@ -52,9 +54,35 @@ def check_options(args: argparse.Namespace) -> None:
             raise InvalidInputError(f"{option} has no effect on {args.output}: {why}")
     if getattr(args, "--best-of") not in (None, "1"):
         raise InvalidInputError("--best-of makes whole pictures; name a method and a seed")
+    given = [name for name in ("part", "workers") if getattr(args, name) is not None]
+    if len(given) > 1:
+        raise InvalidInputError(f"--{given[0]} and --{given[1]} exclude each other; give one")
+    if args.part is not None:
+        args.part = parse_part(args.part)
+        if args.restart:
+            raise InvalidInputError("--restart has no effect with --part; restart without it")
+        if getattr(args, "--seed") is None:
+            raise InvalidInputError("--part needs --seed, the same for all parts")
+    if args.workers is not None and args.workers < 1:
+        raise InvalidInputError(f"--workers is {args.workers}; it must be 1 or more")
+    if given and given[0] != "part" and args.threads is not None:
+        raise InvalidInputError("--threads has no effect: a worker makes one block at a time")
     if args.block is not None:
         check_block(args.block)
     check_output(args.output, suffixes=SUFFIXES)
+
+
+def parse_part(text: str) -> tuple[int, int]:
+    """Return number and count of 'K/N'."""
+    from weftex.planes.record import MOST_PARTS
+
+    number, slash, count = text.partition("/")
+    if slash and number.isdecimal() and count.isdecimal():
+        if 1 <= int(number) <= int(count) <= MOST_PARTS:
+            return int(number), int(count)
+    raise InvalidInputError(
+        f"--part is '{text}'; it must be K/N with K from 1 to N, N up to {MOST_PARTS}"
+    )
 
 
 def stems_of(args: argparse.Namespace, material: Material) -> dict[str, str]:
@@ -99,23 +127,37 @@ def synthesize(recipe: Recipe, args: argparse.Namespace) -> None:
 
 def _write(args: argparse.Namespace, definition: Definition, bar: Bar) -> str:
     """Write a plane, and return the line about it."""
+    from weftex.planes.beginning import done_before
     from weftex.planes.plane_file import PlaneFile
-    from weftex.planes.writing import done_before, in_words, most_bytes, write_plane
+    from weftex.planes.writing import in_words, most_bytes, write_plane
 
-    plane = PlaneFile(definition, args.output)
+    plane = PlaneFile(definition, args.output, args.part)
     left = plane.missing(done_before(plane, restart=args.restart))
+    part = "part {}/{} of ".format(*args.part) if args.part else ""
     if not args.quiet:
         say(
-            f"{args.output} is written block by block: {left} of {plane.count} blocks "
+            f"{part}{args.output} is written block by block: {left} of {plane.count} blocks "
             f"are left, up to {in_words(most_bytes(plane, left))}"
         )
     bar.left = "blocks that are done are kept; the same command continues"
-    how: dict[str, Any] = {"threads": args.threads, "check_disk": not args.allow_huge}
-    written = write_plane(plane, restart=args.restart, progress=bar, **how)
+    how: dict[str, Any] = {"restart": args.restart, "progress": bar}
+    how |= {"threads": args.threads, "check_disk": not args.allow_huge}
+    with ExitStack() as stack:
+        if args.workers is not None:
+            from weftex.planes.runners import block_maker, in_processes
+            from weftex.processes import Workers
+
+            workers = stack.enter_context(Workers(block_maker, plane))
+            how["runner"] = partial(in_processes, workers, args.workers)
+            bar.at_stop(workers.end)
+        written = write_plane(plane, **how)
     took = bar.took
     speed = f" ({written.pixels / took / 1e6:.3g} megapixels/s)" if written.pixels else ""
-    return (f"auto: {definition.reason}\n" if definition.reason else "") + (
-        f"made {definition.width}x{definition.height} {args.output} with "
+    line = (
+        f"made {part}{definition.width}x{definition.height} {args.output} with "
         f"{definition.method.slug}, seed {definition.seed}, {written.made} blocks in "
         f"{took:.2f} s{speed}"
     )
+    if args.part:
+        line += "\nwhen all parts are there, the same command without --part makes what is left"
+    return (f"auto: {definition.reason}\n" if definition.reason else "") + line

@@ -43,7 +43,7 @@ examples:
   weftex synth brick.png -o wall.png --best-of 8      the best of eight seeds
   weftex synth photo.jpg -o wall.png --straighten --even-light
   weftex synth brick.png -o part.png --window 10000,-500,512,512 --seed 7    endless texture
-  weftex synth brick.png -o wall.tif --size 100000x100000
+  weftex synth brick.png -o wall.tif --size 100000x100000 --workers 4
   weftex synth moss.png -o face.png --method ashikhmin --guide face.png
   weftex synth photo.png -o new.png --method refinement --sample-guide painted.png --guide other.png
 """,

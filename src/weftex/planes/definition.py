@@ -1,4 +1,4 @@
-"""What a plane is made of: sample, method, seed, size."""
+"""What a plane is made of, on disk and on other machines: sample, method, seed, size."""
 
 from __future__ import annotations
 
@@ -99,6 +99,10 @@ class Definition:
                 f"size is {self.width}x{self.height}; a side of a plane is from 1 to 2**40"
             )
 
+    def __getstate__(self) -> dict[str, Any]:
+        """Without what can be made again: other processes fit the model themselves."""
+        return {one.name: getattr(self, one.name) for one in fields(self)}
+
     @cached_property
     def model(self) -> Model:
         """The sample, fitted."""
@@ -189,20 +193,22 @@ class Definition:
             "digest": digest.hexdigest(),
         }
 
-    def save(self, path: str) -> None:
-        """Write it to an `.npz` file."""
+    def save(self, path: str, run: str = "") -> None:
+        """Write it to an `.npz` file, with the name of the run that it belongs to."""
         facts, arrays = self._packed()
-        about = {"about": self.about, "facts": facts, "reason": self.reason}
+        about = {"about": self.about, "facts": facts, "reason": self.reason, "run": run}
         write_npz(path, {"format": _FORMAT, **about}, arrays)
 
     @classmethod
-    def load(cls, path: str) -> Definition:
-        """Read what `save` wrote; `FileError` if it is damaged."""
+    def load(cls, path: str, run: str | None = None) -> Definition:
+        """Read what `save` wrote; `FileError` if it is damaged, or belongs to another run."""
         with one_line_errors(path, "a saved plane of weftex"):
             with open_npz(path) as file:
                 if file.facts["format"] != _FORMAT or file.size > _MOST_BYTES:
                     raise ValueError
                 header, arrays = file.facts, file.read()
+            if run is not None and header.get("run") != run:
+                raise DamageError("it belongs to another run")
             try:
                 return cls._unpacked(header, arrays)
             except (LookupError, TypeError, ValueError, AttributeError) as error:

@@ -78,16 +78,37 @@ class Layout:
         """The number of blocks of the first `levels` levels."""
         return sum(rows * columns for rows, columns in map(self.grid, range(levels)))
 
-    def places(self, level: int) -> Iterator[Place]:
-        """The blocks of a level, row by row."""
+    def part(self, number: int, of: int) -> range:
+        """The blocks of level 0, counted row by row, that are part `number` of `of`."""
+        count = self.count(1)
+        return range(count * (number - 1) // of, count * number // of)
+
+    def places(self, level: int, part: tuple[int, int] | None = None) -> Iterator[Place]:
+        """The blocks of a level, or of a part of level 0, row by row."""
         rows, columns = self.grid(level)
-        return ((level, *divmod(number, columns)) for number in range(rows * columns))
+        numbers = self.part(*part) if part else range(rows * columns)
+        return ((level, *divmod(number, columns)) for number in numbers)
+
+    def below(self, place: Place) -> list[Place]:
+        """The blocks of the level below that a block is made of."""
+        level, row, column = place
+        rows, columns = self.grid(level - 1)
+        return [
+            (level - 1, y, x)
+            for y in range(2 * row, min(2 * row + 2, rows))
+            for x in range(2 * column, min(2 * column + 2, columns))
+        ]
 
     def window_below(self, place: Place) -> Window:
         """The window of the level below that becomes a block."""
         top, left, height, width = (2 * k for k in self.window(place))
         below = self.shape(place[0] - 1)
         return top, left, min(height, below[0] - top), min(width, below[1] - left)
+
+
+def named(place: Place) -> str:
+    """What errors call a block."""
+    return "the block level {}, row {}, column {}".format(*place)
 
 
 def check_block(block: object) -> None:

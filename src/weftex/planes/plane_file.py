@@ -27,10 +27,18 @@ class PlaneFile:
         Sample, method, size, seed and blocks.
     path : str
         The file.
+    part : (int, int), optional
+        Number, from 1, and count, if a process makes only a part of the full-resolution blocks, as
+        with `--part` of the command line; `stream` always makes all.
     """
 
     definition: Definition
     path: str
+    part: tuple[int, int] | None = None
+
+    def __getstate__(self) -> dict[str, Any]:
+        """Without its stores, which each process opens."""
+        return {name: getattr(self, name) for name in ("definition", "path", "part")}
 
     @cached_property
     def stores(self) -> dict[str, TiffStore]:
@@ -40,48 +48,67 @@ class PlaneFile:
     @property
     def levels(self) -> int:
         """Number of levels that are made."""
-        return max(store.levels for store in self.stores.values())
+        return 1 if self.part else max(store.levels for store in self.stores.values())
 
     @property
     def count(self) -> int:
         """Number of blocks."""
-        return self.definition.base.count(self.levels)
+        base = self.definition.base
+        return len(base.part(*self.part)) if self.part else base.count(self.levels)
 
     def done(self) -> Sums:
         """Return the blocks that were written, with the check sums of their pixels."""
-        found = Record(self.path).done()
-        return {place: sums for place, sums in found.items() if self._has(place)}
+        return Record(self.path).done()
 
     def missing(self, done: Collection[Place] | None = None) -> int:
         """Return the number of blocks that are not done, smaller versions included."""
-        return self.count - len(self.done() if done is None else done)
+        return self.count - sum(map(self.has, self.done() if done is None else done))
 
-    def _has(self, place: Place) -> bool:
-        """Return whether a block belongs to this plane."""
+    def has(self, place: Place) -> bool:
+        """Return whether a block belongs to this plane, or this part of it."""
         level, row, column = place
         if not 0 <= level < self.levels:
             return False
         rows, columns = self.definition.base.grid(level)
-        return 0 <= row < rows and 0 <= column < columns
+        inside = 0 <= row < rows and 0 <= column < columns
+        numbers = self.definition.base.part(*self.part) if self.part else None
+        return inside and (numbers is None or row * columns + column in numbers)
 
     def make(self, record: Record, place: Place, **how: Any) -> None:
         """Make and write a block of every map, and record it as done."""
-        stores = self._stores(place[0])
-        if place[0] == 0:
-            pixels = self.definition.render(self.definition.base.window(place), **how)
+        level, base = place[0], self.definition.base
+        stores = self._stores(level)
+        if level == 0:
+            pixels = self.definition.render(base.window(place), **how)
         else:
-            pixels = {name: store.reduced(place) for name, store in stores.items()}
-        record.check_held()
-        for name, store in stores.items():
-            store.write(place, pixels[name])
-        record.add(place, tuple(check_sum(pixels[name]) for name in stores))
+            below = {one: record.sums(one) for one in base.below(place)}
+            pixels = {}
+            for k, name in enumerate(self._stores(level - 1)):
+                if name in stores:
+                    own = {one: sums[k] if k < len(sums) else -1 for one, sums in below.items()}
+                    pixels[name] = stores[name].reduced(place, own)
+        sums = tuple(check_sum(pixels[name]) for name in stores)
+        with record.writing():
+            for name, store in stores.items():
+                store.write(place, pixels[name])
+            record.add(place, sums)
 
     def damaged(self, done: Sums) -> Iterator[Place]:
         """Yield the blocks whose pixels differ from what was written; reads all blocks."""
-        for place, sums in done.items():
+        for place in filter(self.has, done):
             stores = self._stores(place[0]).values()
-            if sums != tuple(store.sum_of(place) for store in stores):
+            if done[place] != tuple(store.sum_of(place) for store in stores):
                 yield place
+
+    def sound(self, done: Sums) -> Sums:
+        """Return the undamaged blocks that are made of undamaged blocks; reads all blocks."""
+        damaged = {*self.damaged(done)}
+        found: dict[Place, tuple[int, ...]] = {}
+        for place in sorted(filter(self.has, done)):  # level by level
+            below = self.definition.base.below(place) if place[0] else ()
+            if place not in damaged and all(one in found for one in below):
+                found[place] = done[place]
+        return found
 
     def flaws(self) -> list[str]:
         """Return the files that are missing, or damaged beside their pixels."""
@@ -107,6 +134,6 @@ def open_plane(path: str | os.PathLike[str]) -> PlaneFile:
     """
     target = os.fspath(path)
     record = Record(target)
-    if not record.begun():
+    if (run := record.begun()) is None:
         raise FileError(f"{target}: there is no plane in {record.folder} beside it")
-    return PlaneFile(Definition.load(record.definition), target)
+    return PlaneFile(Definition.load(record.definition, run.name), target)

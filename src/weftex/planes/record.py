@@ -2,22 +2,24 @@
 
 A folder, ``plane.tif.run``, has
 
-* ``run.json``: the files of the plane, and whether they are begun,
+* ``run.json``: the run that the plane belongs to, a random name; its files; whether they are begun,
 * ``recipe.npz``: sample, method, seed and size,
-* ``done.txt``, the journal: a line is written, and on the disk, after its block is,
-* ``lock``, which the process that makes the plane holds; it ends with its process.
+* a journal for each writer: a line is written, and on the disk, after its block is,
+* locks: ``lock`` is held by who makes the plane or a part of it, ``begin`` by who begins;
+  ``writing`` is shared by all who write a block, and held alone by who begins.
 
-A process may be killed at any moment.
+A process may be killed at any moment. One whose run has ended, such as a task of a cluster, finds
+another run in ``run.json`` and writes nothing more.
 """
 
 from __future__ import annotations
 
 import json
 import os
-import sys
+import re
 import zlib
 from collections.abc import Iterator
-from contextlib import contextmanager, suppress
+from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import asdict, dataclass, field
 from typing import Any
 
@@ -26,26 +28,27 @@ from weftex.io.formats import suffix_of
 from weftex.io.npz import open_regular
 from weftex.io.pictures import write_text
 from weftex.io.temporary import is_temporary
-from weftex.planes.layout import Place
+from weftex.planes.layout import Place, named
+from weftex.planes.locks import COUNT, locked, shared
 from weftex.planes.tiff import synced
 
-if sys.platform == "win32":
-    import msvcrt
-else:
-    import fcntl
-
-_DEFINITION, _RUN, _JOURNAL, _LOCK = "recipe.npz", "run.json", "done.txt", "lock"
+_DEFINITION, _RUN = "recipe.npz", "run.json"
+_LOCKS = ("lock", "begin", "writing")
+_JOURNAL = re.compile(r"(done|worker-.+|part-\d+-of-(\d{1,5}))\.txt")
 _MOST_OF_RUN, _MOST_OF_LINE = 2**24, 2**16  # bytes: far more than any
+#: Of parts, which take numbers of a lock that a run alone takes all of.
+MOST_PARTS = 2**16
 
 
 @dataclass(frozen=True)
 class Run:
-    """What the files of a plane are made of: `about` is `Definition.about`.
+    """The run that a plane belongs to; each start that creates files has a new random `name`.
 
-    `files`, in the plane's folder, were created by weftex, or are about to be; they count once the
-    run has `begun`.
+    `files`, in the plane's folder, were created by weftex, or are about to be. `about` is
+    `Definition.about`.
     """
 
+    name: str
     begun: bool
     files: list[str]
     about: dict[str, Any] = field(default_factory=dict)
@@ -55,16 +58,18 @@ class Run:
         for name in self.files:
             if name in ("", ".", "..") or "/" in name or "\\" in name:
                 raise ValueError("a file lies elsewhere")
-        if [type(self.begun), type(self.files), type(self.about)] != [bool, list, dict]:
+        types = [type(self.name), type(self.begun), type(self.files), type(self.about)]
+        if types != [str, bool, list, dict]:
             raise TypeError("it is no run")
 
 
 class Record:
-    """The folder beside a plane; one process at a time writes it, while the plane is `held`."""
+    """The folder beside a plane, for a process that writes a journal of its own for a run."""
 
-    def __init__(self, target: str) -> None:
-        self.target, self.folder = target, f"{target}.run"
-        self._lock = -1  # the open lock file
+    def __init__(self, target: str, journal: str = "done", run: str = "") -> None:
+        self.target, self.folder, self.run = target, f"{target}.run", run
+        self._journal = self._path(f"{journal}.txt")
+        self._level: dict[Place, tuple[int, ...]] = {}  # the blocks of a level that are done
 
     @property
     def definition(self) -> str:
@@ -91,15 +96,15 @@ class Record:
                 )
         return run
 
-    def begun(self) -> bool:
-        """Return whether a run has made its files."""
+    def begun(self) -> Run | None:
+        """Return the run if it has made its files."""
         run = self.current()
-        return run is not None and run.begun
+        return run if run is not None and run.begun else None
 
     def check_folder(self) -> None:
         """Raise `FileError` if the folder is not one of ours."""
-        names = os.listdir(self.folder) if os.path.isdir(self.folder) else []
-        foreign = [one for one in names if one not in (_LOCK, _RUN) and not is_temporary(one)]
+        known = {*_LOCKS, _RUN}
+        foreign = [one for one in self._names() if one not in known and not is_temporary(one)]
         if foreign and not os.path.exists(self._path(_RUN)):
             raise FileError(
                 f"{self.folder} contains other files, such as {foreign[0]}; move them, or name "
@@ -107,102 +112,138 @@ class Record:
             )
 
     @contextmanager
-    def held(self) -> Iterator[None]:
-        """Hold the plane while the block runs; `FileError` if another process does."""
-        with self._our_errors():
-            os.makedirs(self.folder, exist_ok=True)
-            while not self._is_held():  # unless somebody removed the file meanwhile
-                self._release()
-                self._lock = os.open(self._path(_LOCK), os.O_RDWR | os.O_CREAT, 0o666)
-                if not _locked(self._lock):
-                    self._release()
-                    raise FileError(
-                        f"{self.target}: another process makes it; wait until that ends"
-                    )
-        try:
+    def held(self, part: tuple[int, int] | None = None) -> Iterator[None]:
+        """Hold the plane, or a part, while the block runs; `FileError` if another process does."""
+        first, count = (part[0], 1) if part else (1, COUNT - 1)
+        with ExitStack() as stack:
+            with self._our_errors():
+                os.makedirs(self.folder, exist_ok=True)
+                got = stack.enter_context(locked(self._path("lock"), first, count))
+            if not got:
+                what = f"part {first} of it" if part else "it"
+                raise FileError(
+                    f"{self.target}: another process makes {what}; wait until that ends"
+                )
             yield
-        finally:
-            self._release()
 
-    def check_held(self) -> None:
-        """Raise `FileError` if somebody removed the folder, and may have begun anew."""
-        if not self._is_held():
-            raise FileError(f"{self.target}: its folder {self.folder} was removed; this run stops")
+    @contextmanager
+    def beginning(self) -> Iterator[None]:
+        """Let one process at a time begin."""
+        with self._our_errors(), locked(self._path("begin"), wait=True):
+            yield
+
+    @contextmanager
+    def alone(self) -> Iterator[None]:
+        """Wait until no block is being written, and let none be written while the block runs."""
+        with self._our_errors(), locked(self._path("writing"), wait=True):
+            yield
+
+    @contextmanager
+    def writing(self) -> Iterator[None]:
+        """Let nobody begin anew while the block runs; `FileError` if another run has begun."""
+        with self._our_errors(), shared(self._path("writing")):
+            self._check_run()
+            yield
 
     def begin(self, run: Run) -> None:
-        """Write what the plane is made of, and whether its files are there."""
+        """Write which run the plane belongs to; others write nothing from now on."""
         with self._our_errors():
             write_text(self._path(_RUN), json.dumps(asdict(run)))
             synced(self._path(_RUN))
             synced(self.folder)
+        self.run = run.name
 
     def done(self) -> dict[Place, tuple[int, ...]]:
-        """Return the blocks that are done, with the check sums of their pictures.
+        """Return the blocks that are done, by any writer, with the check sums of their pictures.
 
-        Lines that were cut off do not count.
+        Lines of other runs, and those that were cut off, do not count.
         """
-        path = self._path(_JOURNAL)
+        run = self.run
+        if not run and (current := self.current()):
+            run = current.name
         found: dict[Place, tuple[int, ...]] = {}
-        if not os.path.lexists(path):
-            return found
-        with self._our_errors("read"), open_regular(path) as file:
-            while line := file.readline(_MOST_OF_LINE):
-                if len(line) == _MOST_OF_LINE:
-                    raise FileError(f"{path} is damaged: a line has no end")
-                text, _, check = line.strip().rpartition(b" ")
-                if check == _check(text):
-                    with suppress(ValueError):  # numbers, unless somebody else wrote them
-                        level, row, column, *sums = map(int, text.split())
-                        found[level, row, column] = tuple(sums)
+        for path in map(self._path, self._journals()):
+            with self._our_errors("read"), open_regular(path) as file:
+                while line := file.readline(_MOST_OF_LINE):
+                    if len(line) == _MOST_OF_LINE:
+                        raise FileError(f"{path} is damaged: a line has no end")
+                    text, _, check = line.strip().rpartition(b" ")
+                    owner, *rest = text.split() or [b""]
+                    if owner == run.encode() and check == _check(text):
+                        with suppress(ValueError):  # numbers, unless somebody else wrote them
+                            level, row, column, *sums = map(int, rest)
+                            found[level, row, column] = tuple(sums)
         return found
 
+    def sums(self, place: Place) -> tuple[int, ...]:
+        """Return the check sums of a block that is done; journals are read once for each level."""
+        if place not in self._level:
+            self._level = {one: sums for one, sums in self.done().items() if one[0] == place[0]}
+        if place not in self._level:
+            raise FileError(
+                f"{self.target}: {named(place)} is not done; the same command continues"
+            )
+        return self._level[place]
+
+    def parts(self) -> list[int]:
+        """Return into how many parts the plane was divided, by whoever made some."""
+        matches = map(_JOURNAL.fullmatch, self._journals())
+        return sorted({int(m[2]) for m in matches if m and m[2] and 0 < int(m[2]) <= MOST_PARTS})
+
     def add(self, place: Place, sums: tuple[int, ...]) -> None:
-        """Write that a block is on the disk."""
-        self.check_held()
-        text = " ".join(map(str, (*place, *sums))).encode()
-        path = self._path(_JOURNAL)
+        """Write that a block is on the disk; `FileError` if another run has begun."""
+        self._check_run()
+        text = " ".join(map(str, (self.run, *place, *sums))).encode()
         with self._our_errors():
-            new = not os.path.exists(path)
-            with open(path, "ab") as file:
-                file.write(b"\n" + text + b" " + _check(text))  # the last line may be cut off
+            new = not os.path.exists(self._journal)
+            # The file may end in a line that was cut off. It is opened anew, since it may be gone.
+            with open(self._journal, "ab") as file:
+                file.write(b"\n" + text + b" " + _check(text))
                 file.flush()
                 os.fsync(file.fileno())
             if new:
-                synced(path)
+                synced(self._journal)
 
     def clear(self) -> None:
-        """Forget what was done; who owns which files stays, and so does the lock."""
-        self._unlink(_DEFINITION, _JOURNAL)
+        """Forget what was done; who owns which files stays, and so do the locks."""
+        with self._our_errors():
+            for name in (_DEFINITION, *self._journals()):
+                with suppress(FileNotFoundError):
+                    os.unlink(self._path(name))
+        self.sweep()
+
+    def sweep(self) -> None:
+        """Remove temporary files that nobody writes any more."""
+        with self._our_errors():
+            for name in filter(is_temporary, self._names()):
+                with suppress(FileNotFoundError):
+                    os.unlink(self._path(name))
 
     def remove(self) -> None:
         """Remove the folder, unless others have files in it; call it while the plane is held."""
-        self._unlink(_DEFINITION, _JOURNAL, _RUN)
-        with suppress(OSError):  # Windows keeps what is open
-            os.unlink(self._path(_LOCK))
+        self.clear()
+        for name in (_RUN, *_LOCKS):
+            with suppress(OSError):  # Windows keeps what is open
+                os.unlink(self._path(name))
+        with suppress(OSError):
             os.rmdir(self.folder)
-
-    def _unlink(self, *names: str) -> None:
-        with self._our_errors():
-            for name in names:
-                with suppress(FileNotFoundError):
-                    os.unlink(self._path(name))
 
     def _path(self, name: str) -> str:
         return os.path.join(self.folder, name)
 
-    def _is_held(self) -> bool:
-        """Whether the lock file is open, and still the one of its name."""
-        if self._lock < 0:
-            return False
-        try:
-            return os.path.samestat(os.stat(self._path(_LOCK)), os.fstat(self._lock))
-        except OSError:
-            return False
+    def _names(self) -> list[str]:
+        return os.listdir(self.folder) if os.path.isdir(self.folder) else []
 
-    def _release(self) -> None:
-        if self._lock >= 0:
-            os.close(self._lock)  # which ends the lock
-        self._lock = -1
+    def _journals(self) -> list[str]:
+        """Names of journals; "done", which repairs write, comes last."""
+        return sorted(filter(_JOURNAL.fullmatch, self._names()), reverse=True)
+
+    def _check_run(self) -> None:
+        current = self.current()
+        if current is None or current.name != self.run:
+            raise FileError(
+                f"{self.target}: another command restarted or removed it; this run stops"
+            )
 
     @contextmanager
     def _our_errors(self, doing: str = "write") -> Iterator[None]:
@@ -213,18 +254,6 @@ class Record:
         except OSError as error:
             why = error.strerror or error
             raise FileError(f"{self.folder}: cannot {doing}: {why}") from None
-
-
-def _locked(number: int) -> bool:
-    """Lock an open file if nobody else has it."""
-    try:
-        if sys.platform == "win32":
-            msvcrt.locking(number, msvcrt.LK_NBLCK, 1)
-        else:
-            fcntl.flock(number, fcntl.LOCK_EX | fcntl.LOCK_NB)
-    except (BlockingIOError, PermissionError):
-        return False
-    return True
 
 
 def _check(text: bytes) -> bytes:

@@ -1,9 +1,9 @@
 """Tiled BigTIFF, whose every tile has its place in the file from the beginning.
 
-Tiles are not compressed, so their offsets follow from the size: blocks are written in any order,
-and what was written before a run was killed stays. The levels are further directories of the file,
-as GDAL, QGIS and libvips expect overviews. OpenImageIO and libtiff write directories at the end and
-cannot go on with a file that was cut off.
+Tiles are not compressed, so their offsets follow from the size: any process writes any block, in
+any order, without a word to others, and what was written before a run was killed stays. The levels
+are further directories of the file, as GDAL, QGIS and libvips expect overviews. OpenImageIO and
+libtiff write directories at the end and cannot go on with a file that was cut off.
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ from __future__ import annotations
 import os
 import struct
 import zlib
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import suppress
 from fractions import Fraction
 from functools import cached_property
@@ -23,19 +23,19 @@ from numpy.typing import NDArray
 from weftex.errors import FileError, InvalidInputError
 from weftex.io.npz import open_regular
 from weftex.io.temporary import write_through
-from weftex.planes.layout import Layout, Place, Window
+from weftex.planes.layout import Layout, Place, Window, named
 
 #: Suffixes of files that can be written block by block.
 SUFFIXES = (".tif", ".tiff")
 _MOST_SIDE = 2**20
 _MOST_TILES = 2**22  # tables of tiles, of 12 bytes each, are made in memory
-_PAGE = 2**16  # tiles begin at pages
+_PAGE = 2**16  # tiles begin at pages, which no two writers share
 _SHORT, _LONG, _RATIONAL, _UNDEFINED, _LONG8 = 3, 4, 5, 7, 16
 _CODES = {_SHORT: "<u2", _LONG: "<u4", _RATIONAL: "<u8", _UNDEFINED: "u1", _LONG8: "<u8"}
 MOST_DENSITY = 2**31  # pixels per meter
 _RGB = 3
 KEPT = "blocks that are done are kept, and the same command continues"
-AGAIN = "--restart makes the image again"
+REPAIR = "'weftex check --repair' makes it again"
 
 
 class TiffStore:
@@ -89,19 +89,32 @@ class TiffStore:
             return False
         return True
 
+    def write(self, place: Place, pixels: NDArray[Any]) -> None:
+        """Write a block; when this returns it is on the disk."""
+        try:
+            self.put(place, pixels)
+        except OSError as error:
+            why = error.strerror or error
+            raise FileError(f"{self.path}: cannot write: {why}; {KEPT}") from None
+
     def read(self, level: int, window: Window) -> NDArray[Any]:
         """Return the pixels of a window, or raise `FileError` if the file is damaged."""
         try:
-            return self._get(level, window)
+            return self.get(level, window)
         except (OSError, ValueError) as error:  # NumPy raises those where data are missing
             why = " ".join(str(error).split())
-            raise FileError(f"{self.path}: level {level} is damaged: {why}; {AGAIN}") from None
+            raise FileError(f"{self.path}: level {level} is damaged: {why}; {REPAIR}") from None
 
-    def reduced(self, place: Place) -> NDArray[Any]:
-        """Return a block of a level above 0, made of the level below."""
-        halved: NDArray[Any] = self.layout.mixing.halved(
-            self.read(place[0] - 1, self.layout.window_below(place))
-        )
+    def reduced(self, place: Place, sums: Mapping[Place, int]) -> NDArray[Any]:
+        """Return a block of a level above 0, made of blocks that must have these check sums."""
+        window = self.layout.window_below(place)
+        pixels = self.read(place[0] - 1, window)
+        for below in self.layout.below(place):
+            top, left, height, width = self.layout.window(below)
+            y, x = top - window[0], left - window[1]
+            if check_sum(pixels[y : y + height, x : x + width]) != sums[below]:
+                raise FileError(f"{self.path}: {named(below)} is damaged; {REPAIR}")
+        halved: NDArray[Any] = self.layout.mixing.halved(pixels)
         return halved
 
     def sum_of(self, place: Place) -> int:
@@ -126,28 +139,23 @@ class TiffStore:
         for level in range(self.levels):
             yield self._heads[level], self._directory(level)
 
-    def write(self, place: Place, pixels: NDArray[Any]) -> None:
-        """Write a block, a row of tiles at a time; when this returns it is on the disk."""
+    def put(self, place: Place, pixels: NDArray[Any]) -> None:
+        """Write the tiles of a block, a row of them at a time."""
         level, tile = place[0], self.layout.tile
         top, left, height, width = self.layout.window(place)
         across = -(-width // tile)
-        try:
-            with open(self.path, "r+b") as file:
-                for line in range(0, height, tile):
-                    rows = min(tile, height - line)
-                    shape = tile, across * tile, max(self.layout.channels, 1)
-                    strip = np.zeros(shape, self._dtype)
-                    strip[:rows, :width] = pixels[line : line + rows].reshape(rows, width, -1)
-                    tiles = strip.reshape(tile, across, tile, -1).swapaxes(0, 1)
-                    file.seek(self._offset(level, top + line, left))
-                    file.write(np.ascontiguousarray(tiles).data)
-                file.flush()
-                os.fsync(file.fileno())
-        except OSError as error:
-            why = error.strerror or error
-            raise FileError(f"{self.path}: cannot write: {why}; {KEPT}") from None
+        with open(self.path, "r+b") as file:
+            for line in range(0, height, tile):
+                rows = min(tile, height - line)
+                strip = np.zeros((tile, across * tile, max(self.layout.channels, 1)), self._dtype)
+                strip[:rows, :width] = pixels[line : line + rows].reshape(rows, width, -1)
+                tiles = strip.reshape(tile, across, tile, -1).swapaxes(0, 1)
+                file.seek(self._offset(level, top + line, left))
+                file.write(np.ascontiguousarray(tiles).data)
+            file.flush()
+            os.fsync(file.fileno())
 
-    def _get(self, level: int, window: Window) -> NDArray[Any]:
+    def get(self, level: int, window: Window) -> NDArray[Any]:
         """Read the tiles that a window touches, a row of them at a time."""
         top, left, height, width = window
         tile, bands = self.layout.tile, max(self.layout.channels, 1)

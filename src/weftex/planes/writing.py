@@ -1,38 +1,34 @@
-"""Write a plane to a file block by block, resume it, and check it."""
+"""Write a plane to a file block by block, resume it, check it and repair it."""
 
 from __future__ import annotations
 
 import os
 import shutil
-from collections.abc import Iterable, Iterator
-from contextlib import contextmanager, suppress
+from bisect import bisect_right
+from collections import Counter
 from dataclasses import dataclass
+from functools import partial
 from math import prod
-from pathlib import Path
-from threading import Lock
 from typing import Any
 
 import numpy as np
 
 from weftex import Method
-from weftex.errors import FileError, InvalidInputError, shown
+from weftex.errors import FileError
 from weftex.io.pictures import check_output
+from weftex.planes.beginning import at_work, done_before
 from weftex.planes.definition import BLOCK, Definition, define
-from weftex.planes.layout import Place
 from weftex.planes.plane_file import PlaneFile, Sums, open_plane
-from weftex.planes.record import Record, Run
-from weftex.planes.tiff import AGAIN, SUFFIXES, synced
+from weftex.planes.record import Record
+from weftex.planes.runners import Runner, in_threads
+from weftex.planes.tiff import SUFFIXES
 from weftex.progress import Progress, ProgressCallback
 from weftex.tasks.method_names import AUTO
-from weftex.threads import in_turn, thread_count
-
-_AT_ONCE = 4  # blocks, which bounds the memory
-_WORDS = {"digest": "sample", "wrap": "tiling (y, x)", "version": "version of weftex"}
 
 
 @dataclass(frozen=True)
 class Written:
-    """The work of one run of `stream`.
+    """The work of one run of `stream` or `repair`.
 
     Attributes
     ----------
@@ -126,150 +122,32 @@ def write_plane(
     plane: PlaneFile,
     *,
     restart: bool = False,
+    repair: bool = False,
     threads: int | None = None,
     progress: ProgressCallback | None = None,
+    runner: Runner | None = None,
     check_disk: bool = True,
 ) -> Written:
-    """Make all blocks that are not done; `check_disk` refuses what may not fit on the disk."""
-    left = plane.missing(done_before(plane, restart=restart))
+    """Make all blocks that are not done, by a runner: in threads by default.
+
+    With `repair` blocks and files that are damaged are made again, of a plane that is there.
+    `check_disk` refuses what may not fit on the disk.
+    """
+    found = done_before(plane, restart=restart, repair=repair)
     if check_disk:
-        _check_free_space(plane, left)
-    base, pixels = plane.definition.base, 0
-    with at_work(plane, restart=restart) as record:
-        done = plane.done()
+        _check_free_space(plane, plane.missing(found))
+    with at_work(plane, restart=restart, repair=repair) as record:
+        done = plane.sound(record.done()) if repair else record.done()
         left = plane.missing(done)
         steps = Progress(progress, left, "blocks", lambda: None)
+        run = runner or partial(in_threads, plane, threads)
+        base, pixels = plane.definition.base, 0
         for level in range(plane.levels):  # each is made of the one below
-            places = (one for one in base.places(level) if one not in done)
-            for place in _made(plane, record, places, threads, steps):
+            places = base.places(level, plane.part)
+            for place in run(record, (one for one in places if one not in done), steps):
                 pixels += prod(base.window(place)[2:]) if level == 0 else 0
                 steps.advance(1)
-    return Written(plane.count, left, pixels)
-
-
-def _made(
-    plane: PlaneFile,
-    record: Record,
-    places: Iterable[Place],
-    threads: int | None,
-    steps: Progress,
-) -> Iterator[Place]:
-    """Make blocks in threads, and yield each when it is done."""
-    count = thread_count(threads)
-    at_once = min(count, _AT_ONCE)
-    fitting = Lock()
-
-    def make(place: Place) -> Place:
-        with fitting:
-            plane.definition.model  # noqa: B018  (fitted once, not in every thread)
-        plane.make(record, place, threads=max(1, count // at_once), progress=steps.within())
-        return place
-
-    return in_turn(make, places, at_once)
-
-
-def done_before(plane: PlaneFile, *, restart: bool = False) -> Sums:
-    """Return the blocks that a run finds done, with their check sums.
-
-    `FileError` if another file is in the way, `InvalidInputError` if another run began the plane.
-    """
-    return plane.done() if _continues(plane, Record(plane.path), restart) else {}
-
-
-@contextmanager
-def at_work(plane: PlaneFile, *, restart: bool = False) -> Iterator[Record]:
-    """Hold the plane, which `done_before` has looked at, while the block runs; its files are there.
-
-    Raises as `done_before`, and `FileError` if another process works on the plane.
-    """
-    record = Record(plane.path)
-    with record.held():
-        if not _continues(plane, record, restart):
-            _begin(plane, record)
-        try:
-            yield record
-        except Exception:
-            with suppress(FileError):
-                record.check_held()
-                if not plane.done():  # nothing that a run could continue
-                    _remove_files(plane, record, _names(plane))
-                    record.remove()
-            raise
-
-
-def _continues(plane: PlaneFile, record: Record, restart: bool) -> bool:
-    """Whether the run that is there is continued; else one begins."""
-    there = [path for path in dict.fromkeys((plane.path, *_roots(plane))) if os.path.lexists(path)]
-    for path in there:
-        if os.path.islink(path) or not os.path.isfile(path):
-            what = "a link" if os.path.islink(path) else "no file"
-            raise FileError(f"{path} is {what}; remove it, or name another file")
-    record.check_folder()
-    run = record.current()
-    if run is not None and run.begun and not restart:
-        _refuse_other(plane, run)
-        if there:
-            if flaws := plane.flaws():
-                raise FileError(f"{flaws[0]} is missing or damaged; {AGAIN}")
-            return True
-    own = [os.path.abspath(_path(plane, name)) for name in run.files] if run else []
-    for path in there:
-        if os.path.abspath(path) not in own:
-            raise FileError(
-                f"{path} exists already, and {record.folder} does not list it as part of this "
-                "image; remove it, or name another file"
-            )
-    return False
-
-
-def _refuse_other(plane: PlaneFile, run: Run) -> None:
-    """Raise `InvalidInputError` unless a run makes the same plane, saying where they differ."""
-    for name, wanted in plane.definition.about.items():
-        found = run.about.get(name)
-        if found != wanted:
-            values = f"{shown(found)}, here {shown(wanted)}"
-            raise InvalidInputError(
-                f"{plane.path} was started by another run: its {_WORDS.get(name, name)} is "
-                f"{'different' if name == 'digest' else values}; --restart starts again, or name "
-                "another file"
-            )
-
-
-def _begin(plane: PlaneFile, record: Record) -> None:
-    """Make the files anew. A run killed in between starts again."""
-    old, names = record.current(), _names(plane)
-    # The list of files may be a stranger's: only what this run writes, or its target, is removed.
-    past = {os.path.basename(plane.path)}.intersection(old.files if old else ())
-    _remove_files(plane, record, sorted({*names, *past}))
-    record.clear()
-    record.begin(Run(False, names))  # what was there before is gone
-    for store in plane.stores.values():
-        store.create()
-    plane.definition.save(record.definition)
-    synced(record.definition)
-    record.begin(Run(True, names, plane.definition.about))
-
-
-def _remove_files(plane: PlaneFile, record: Record, names: list[str]) -> None:
-    """Remove files, which the record lists before."""
-    record.begin(Run(False, names))
-    for name in names:
-        path = Path(_path(plane, name))
-        if not path.is_symlink():
-            path.unlink(missing_ok=True)
-
-
-def _roots(plane: PlaneFile) -> list[str]:
-    """The files of a plane, all in one folder."""
-    return [store.path for store in plane.stores.values()]
-
-
-def _names(plane: PlaneFile) -> list[str]:
-    return [os.path.basename(path) for path in _roots(plane)]
-
-
-def _path(plane: PlaneFile, name: str) -> str:
-    return os.path.join(os.path.dirname(plane.path), name)
+        return Written(plane.count, left, pixels)
 
 
 def _check_free_space(plane: PlaneFile, left: int) -> None:
@@ -299,6 +177,10 @@ def in_words(count: float) -> str:
     return f"{count:.3g} TB"
 
 
+_REPAIR = "--repair makes it again"
+_SHOWN = 8  # parts
+
+
 def check(path: str | os.PathLike[str], *, read: bool = False) -> PlaneFile:
     """Check that a plane that `weftex.planes.stream` wrote is whole, and return it.
 
@@ -318,14 +200,53 @@ def check(path: str | os.PathLike[str], *, read: bool = False) -> PlaneFile:
     done = plane.done()
     if flaws := plane.flaws():
         more = f", and {len(flaws) - 1} more files" if flaws[1:] else ""
-        raise FileError(f"{plane.path} is not whole: {flaws[0]}{more}: missing or damaged; {AGAIN}")
-    if missing := plane.missing(done):
         raise FileError(
-            f"{plane.path} is not whole: {missing} blocks are missing; the same command continues"
+            f"{plane.path} is not whole: {flaws[0]}{more}: missing or damaged; {_REPAIR}"
         )
+    if plane.missing(done):
+        raise FileError(f"{plane.path} is not whole: {_what_is_missing(plane, done)}")
     if wrong := [*plane.damaged(done)] if read else []:
         raise FileError(
             f"{plane.path}: {len(wrong)} blocks differ from their checksums, the first at "
-            f"level, row, column {min(wrong)}; {AGAIN}"
+            f"level, row, column {min(wrong)}; {_REPAIR}"
         )
     return plane
+
+
+def repair(
+    path: str | os.PathLike[str],
+    *,
+    threads: int | None = None,
+    progress: ProgressCallback | None = None,
+) -> Written:
+    """Read all pixels of a plane, and make missing or damaged blocks and files again.
+
+    Parameters
+    ----------
+    path, threads, progress
+        As for `weftex.planes.stream`.
+
+    Raises
+    ------
+    FileError
+        If there is no plane, or it cannot be written.
+    """
+    return write_plane(open_plane(path), repair=True, threads=threads, progress=progress)
+
+
+def _what_is_missing(plane: PlaneFile, done: Sums) -> str:
+    base = plane.definition.base
+    columns = base.grid(0)[1]
+    made = [row * columns + column for level, row, column in filter(plane.has, done) if level == 0]
+    below = base.count(1) - len(made)
+    if not below:
+        return "only smaller versions are missing; the same command without --part makes them"
+    parts = []
+    for count in Record(plane.path).parts():
+        numbers = [base.part(k, count) for k in range(1, count + 1)]
+        there = Counter(bisect_right([one.start for one in numbers], number) for number in made)
+        left = {k: len(one) - there[k] for k, one in enumerate(numbers, 1)}
+        parts += [f"{k}/{count} ({number} blocks)" for k, number in left.items() if number > 0]
+    more = f" and {len(parts) - _SHOWN} more" if len(parts) > _SHOWN else ""
+    of_parts = f"; parts that are not done: {', '.join(parts[:_SHOWN])}{more}" if parts else ""
+    return f"{below} blocks are missing{of_parts}"
