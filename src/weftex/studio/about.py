@@ -20,7 +20,7 @@ _FORMS = {
     "synth": ("landmarks",),
     "tile": ("border",),
     "fill": ("overlap", "match_tone"),
-    "fuse": ("boundary", "belt_width"),
+    "fuse": ("belt_width",),
 }
 _KINDS = {int: "int", float: "float", str: "text"}
 
