@@ -58,15 +58,16 @@ def test_padding_and_cropping_are_inverse_for_all_kinds(folder, capsys):
         found, expected = (read_image(root / file) for root in (folder.parent / "back", folder))
         assert np.array_equal(found.pixels, expected.pixels)
         assert found.pixels.dtype == expected.pixels.dtype
-    assert weft_run("tile", "--pad=200", "--tileable", "x", folder / "gray.png", "-o", "w.png") == 0
-    expected = np.pad(gray, ((0, 0), (200, 200)), "wrap")  # more than once around
+    assert weft_run("tile", "--pad=80", "--tileable", "x", folder / "gray.png", "-o", "w.png") == 0
+    expected = np.pad(gray, ((0, 0), (80, 80)), "wrap")  # all of it
     assert np.array_equal(read_image("w.png").pixels, expected)
 
 
 @pytest.mark.parametrize(
     "words, message",
     [
-        (["--pad", 0, "sample.png", "-o", "a.png"], "--pad is 0; it must be 1 or more"),
+        (["--pad", 0, "sample.png", "-o", "a.png"], "--pad is '0'; it must be 1 or more"),
+        (["--pad", 73, "sample.png", "-o", "a.png"], "72x64, so it can be at most 64"),
         (["--crop", 32, "sample.png", "-o", "a.png"], "72x64, so it can be at most 31"),
         (["--check", "--pad", 1, "sample.png"], "give only one of --check and --pad"),
         (["--check", "sample.png", "--border", 3], "--border has no effect on tile --check"),

@@ -4,26 +4,22 @@ from __future__ import annotations
 
 import argparse
 import os
-from dataclasses import replace
-from typing import TYPE_CHECKING, Any
-
-import numpy as np
+from typing import TYPE_CHECKING
 
 from weftex.cli.files import plan, read_input
 from weftex.cli.parser import Parser
 from weftex.cli.terminal import Bar, Outputs, finish, run
 from weftex.errors import InvalidInputError
-from weftex.exemplar.material import Material, has_several
+from weftex.exemplar.material import has_several, with_border
 from weftex.recipe import TASKS
 from weftex.recipe.command_line import value_of
+from weftex.recipe.declared import CROP, PAD
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
-    from numpy.typing import NDArray
-
-    from weftex.io.pictures import Picture
     from weftex.recipe import Recipe
+    from weftex.recipe.options import Option
 
 #: Options of `weftex tile` that do something else than making a photo tileable.
 TOOLS = ("--check", "--pad", "--crop")
@@ -33,15 +29,13 @@ _AXES = TASKS["tile"].options["axes"]
 
 def add_tools(parser: Parser) -> None:
     """Add the options of `TOOLS`, and --picture."""
-    add = parser.add_argument_group("check, pad and crop").add_argument
+    parser.under[PAD.heading] = group = parser.add_argument_group(PAD.heading)
+    add = group.add_argument
     text = "check whether images are tileable; exit code 0 if all are, 1 if not"
     add("--check", action="store_true", help=text)
     text = "with --check: write the image with the worst border in its middle, marked red"
     add("--picture", metavar="FILE", help=text)
-    text = "surround a tileable image with N pixels of the opposite sides, for upscalers and "
-    add("--pad", type=int, metavar="N", help=text + "filters; --crop removes them")
-    text = "remove N pixels at each side; after an upscaler by 2, N is twice that of --pad"
-    add("--crop", type=int, metavar="N", help=text)
+    parser.take(PAD, CROP)
 
 
 def materials_of(
@@ -125,7 +119,7 @@ def run_tool(argv: list[str]) -> None:
     if args.check:
         _check(args, axes)
     else:
-        _resize(args, axes, named[0])
+        _resize(args, axes, PAD if named[0] == PAD.flag else CROP)
 
 
 def _check(args: argparse.Namespace, axes: tuple[int, ...]) -> None:
@@ -161,54 +155,20 @@ def _check(args: argparse.Namespace, axes: tuple[int, ...]) -> None:
         raise SystemExit(1)
 
 
-def _resize(args: argparse.Namespace, axes: tuple[int, ...], tool: str) -> None:
+def _resize(args: argparse.Namespace, axes: tuple[int, ...], option: Option) -> None:
     """Write images with wrapped pixels around them, or without."""
-    by = args.pad if tool == "--pad" else args.crop
-    if by < 1:
-        raise InvalidInputError(f"{tool} is {by}; it must be 1 or more")
+    by = {option.name: value_of(option, vars(args))}
 
     def work(bar: Bar, outputs: Outputs) -> str:
         count = 0
         for path, own in each_output(args.materials, args, outputs):
-            material = read_input(path, args)
-            pictures = {
-                name: replace(one, pixels=_resized(one, _scaled(by, material, name), axes, tool))
-                for name, one in material.pictures.items()
-            }
-            changed = replace(material, pictures=pictures)
+            changed = with_border(read_input(path, args), **by, axes=axes, flag="--")
             made = plan(
                 [changed], changed.exemplar(), argparse.Namespace(**{"preset": None} | vars(own))
             )
             made.write(lambda name, made=made: made.pictures[name].pixels, outputs)  # type: ignore[misc]
-            count += len(pictures)
-        did = "padded" if tool == "--pad" else "cropped"
+            count += len(changed.pictures)
+        did = "padded" if option is PAD else "cropped"
         return f"{did} {count} image{'s'[: count > 1]} in {args.output}, in {bar.took:.2f} s"
 
     finish(work, args.quiet)
-
-
-def _scaled(by: int, material: Material, name: str) -> int:
-    """Return a number of pixels of the main picture in those of a map."""
-    from fractions import Fraction
-
-    sizes = [material.pictures[one].pixels.shape[1] for one in (name, material.main)]
-    found = by * Fraction(*sizes)
-    if found.denominator > 1:
-        raise InvalidInputError(
-            f"{by} pixels of {material.main} are {float(found):g} of {name}, which is "
-            f"{sizes[0]} pixels wide; give a multiple of {Fraction(*sizes).denominator}"
-        )
-    return int(found)
-
-
-def _resized(picture: Picture, by: int, axes: tuple[int, ...], tool: str) -> NDArray[Any]:
-    pixels = picture.pixels
-    if tool == "--pad":
-        return np.pad(pixels, [(by * (axis in axes),) * 2 for axis in range(pixels.ndim)], "wrap")
-    if any(2 * by >= pixels.shape[axis] for axis in axes):
-        most = (min(pixels.shape[axis] for axis in axes) - 1) // 2
-        raise InvalidInputError(
-            f"{tool} is {by}; {picture.path} is {pixels.shape[1]}x{pixels.shape[0]}, so it can be "
-            f"at most {most}"
-        )
-    return pixels[tuple(slice(by, -by) if axis in axes else slice(None) for axis in (0, 1))]

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from fractions import Fraction
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -21,7 +22,7 @@ if TYPE_CHECKING:
 #: A path, "sample:NAME", an array, a PIL image or an Exemplar.
 Sample = str | os.PathLike[str] | NDArray[Any] | Exemplar | Any
 
-__all__ = ["Material", "load_exemplar", "read_material"]
+__all__ = ["Material", "load_exemplar", "read_material", "with_border"]
 
 _MODES = ("L", "LA", "RGB", "RGBA", "I", "I;16", "I;16B", "I;16L", "I;16N", "F")  # of Pillow
 _FIX = "rename them, or say which are its maps: --maps color=FILE,normal=FILE,..."
@@ -169,6 +170,39 @@ def read_material(path: StrPath, files: Mapping[str, str] | None = None, **limit
         picture.pixels.setflags(write=False)
     name = os.path.basename(os.path.abspath(place))
     return Material(name, pictures, roles, tuple(notes), folder=True)
+
+
+def with_border(
+    material: Material, *, pad: int = 0, crop: int = 0, axes: Sequence[int] = (0, 1), flag: str = ""
+) -> Material:
+    """Return a material with `pad` pixels of the opposite sides around it, or without `crop`.
+
+    Maps of another size get as much of the surface. Errors name the argument, after `flag`.
+    """
+    pictures = {}
+    for name, one in material.pictures.items():
+        pixels, main = one.pixels, material.pictures[material.main].pixels
+        by = (pad or crop) * Fraction(pixels.shape[1], main.shape[1])
+        least = min(pixels.shape[axis] for axis in axes)
+        most = least if pad else (least - 1) // 2
+        if by.denominator > 1:
+            raise InvalidInputError(
+                f"{pad or crop} pixels of {material.main} are {float(by):g} of {name}, which is "
+                f"{pixels.shape[1]} pixels wide; give a multiple of {by.denominator}"
+            )
+        if by > most:
+            raise InvalidInputError(
+                f"{flag}{'pad' if pad else 'crop'} is {by}; {one.path} is {pixels.shape[1]}x"
+                f"{pixels.shape[0]}, so it can be at most {most}"
+            )
+        if pad:
+            sides = [(int(by) * (axis in axes),) * 2 for axis in range(pixels.ndim)]
+            pixels = np.pad(pixels, sides, "wrap")
+        elif crop:
+            inside = slice(int(by), -int(by))
+            pixels = pixels[tuple(inside if axis in axes else slice(None) for axis in (0, 1))]
+        pictures[name] = replace(one, pixels=pixels)
+    return replace(material, pictures=pictures)
 
 
 def has_several(path: StrPath) -> bool:

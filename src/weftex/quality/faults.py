@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -100,6 +100,8 @@ class Border:
     #: where a side is shorter than 23 pixels.
     seam: float | None
     places: NDArray[np.bool_]  # where along it that is; everywhere if only `steps` shows a seam
+    #: What both are at most where no seam shows.
+    most: ClassVar[tuple[float, float]] = _STEPS, _LIMIT
 
     @property
     def badness(self) -> float:

@@ -35,7 +35,17 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from weftex.recipe.declared import GRADIENT, LANDMARKS, MATERIAL, PREPARATION, SEED, TASKS
+from weftex.recipe.declared import (
+    ATLAS,
+    CROP,
+    GRADIENT,
+    LANDMARKS,
+    MATERIAL,
+    PAD,
+    PREPARATION,
+    SEED,
+    TASKS,
+)
 from weftex.recipe.fields import FIELDS, Fields, checked_material, pictures_of
 
 if TYPE_CHECKING:
@@ -48,10 +58,13 @@ if TYPE_CHECKING:
     from weftex.results.synthesis import Synthesis
 
 __all__ = [
+    "ATLAS",
+    "CROP",
     "FIELDS",
     "GRADIENT",
     "LANDMARKS",
     "MATERIAL",
+    "PAD",
     "PREPARATION",
     "SEED",
     "TASKS",

@@ -85,6 +85,25 @@ SEED = Option(
     "seed", WHOLE, "random seed; the same seed gives the same output", low=0, high=2**64 - 1,
     metavar="N",
 )  # fmt: skip
+_WRAP = "check, pad and crop"
+PAD = Option(
+    "pad", WHOLE, "surround a tileable image with N pixels of the opposite sides, for upscalers "
+    "and filters; --crop removes them", low=1, metavar="N", heading=_WRAP,
+)  # fmt: skip
+CROP = Option(
+    "crop", WHOLE, "remove N pixels at each side; after an upscaler by 2, N is twice that of "
+    "--pad", low=1, metavar="N", heading=_WRAP,
+)  # fmt: skip
+#: What an atlas of corner tiles takes beside a material.
+ATLAS = _by_name(
+    Option("colors", WHOLE, "number of corner colors: 2 makes 16 tiles, 3 makes 81, which repeat "
+           "less", 2, low=2, high=3, metavar="2|3"),
+    Option("tile_size", SIZE, "size of a tile in pixels; with a lattice, the nearest size that "
+           "holds whole periods", default_text="256, or the sample's shorter side if less",
+           metavar="WxH|N"),
+    Option("gutter", WHOLE, "width of a border around each tile that continues it, for filters "
+           "that read beyond a tile", 0, low=0, unit="px", metavar="PX"),
+)  # fmt: skip
 OUTPUT_SIZE = Option("size", SIZE, "output size in pixels", metavar="WxH|N")
 TILEABLE = Option(
     "tileable", AXES, "make the output tileable along both axes, or only along x or y", False,

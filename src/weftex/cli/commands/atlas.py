@@ -10,8 +10,7 @@ from weftex.cli.options import parse_task
 from weftex.cli.parser import Parser
 from weftex.cli.terminal import Bar, Outputs, finish
 from weftex.recipe.command_line import value_of
-from weftex.recipe.declared import MATERIAL, SEED
-from weftex.recipe.options import SIZE, WHOLE, Option
+from weftex.recipe.declared import ATLAS, MATERIAL, SEED
 
 if TYPE_CHECKING:
     import argparse
@@ -35,16 +34,6 @@ examples:
   weftex atlas pebbles.png -o tiles.png --gutter 8    for engines that cut tiles out
 """
 
-_OPTIONS = (
-    Option("colors", WHOLE, "number of corner colors: 2 makes 16 tiles, 3 makes 81, which repeat "
-           "less", 2, low=2, high=3, metavar="2|3"),
-    Option("tile_size", SIZE, "size of a tile in pixels; with a lattice, the nearest size that "
-           "holds whole periods", default_text="256, or the sample's shorter side if less",
-           metavar="WxH|N"),
-    Option("gutter", WHOLE, "width of a border around each tile that continues it, for filters "
-           "that read beyond a tile", 0, low=0, unit="px", metavar="PX"),
-)  # fmt: skip
-
 
 def run(argv: list[str]) -> None:
     """Run the command; `argv` is what follows its name."""
@@ -53,9 +42,9 @@ def run(argv: list[str]) -> None:
     parser.add_argument("materials", metavar="SAMPLE", nargs="+", help=text)
     parser.share("--output", "--preset")
     parser.set_defaults(save_source=None)
-    options = [*_OPTIONS, *MATERIAL.values(), SEED]
+    options = [*ATLAS.values(), *MATERIAL.values(), SEED]
     args, recipe = parse_task("synth", parser, argv, options, usual="graphcut, entire samples")
-    given = {option: value_of(option, vars(args)) for option in _OPTIONS}
+    given = {option: value_of(option, vars(args)) for option in ATLAS.values()}
     own = {o.name: o.checked(value, o.flag) for o, value in given.items() if value is not None}
 
     def work(bar: Bar, outputs: Outputs) -> str:
