@@ -175,10 +175,6 @@ def test_any_format_that_holds_it(wall, tmp_path):
     content, name = page.taken(result, preset="unreal", name="rock")
     packed = set(zipfile.ZipFile(BytesIO(content)).namelist())
     assert {"T_rock_ORM.png", "T_rock_Normal.png"} <= packed and name == "rock.zip"
-    content, name = page.taken(result, name="rock", atlas=True)
-    packed = set(zipfile.ZipFile(BytesIO(content)).namelist())
-    assert {f"rock_tiles{suffix}" for suffix in (".json", ".tsx", ".tres", ".gdshader")} <= packed
-    assert {"rock_tiles_height.png", "rock_tiles_roughness.tif"} & packed
     assert page.refused(path, {"path": "/tmp"}, 400)
     waiting = [one for one in page.client.studio.downloads.folder.rglob("*") if one.is_file()]
     assert len(waiting) <= 40

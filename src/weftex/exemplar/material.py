@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
+import math
 import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from fractions import Fraction
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -179,16 +179,16 @@ def with_border(
 
     Maps of another size get as much of the surface. Errors name the argument, after `flag`.
     """
-    pictures = {}
+    pictures, width = {}, material.pictures[material.main].pixels.shape[1]
     for name, one in material.pictures.items():
-        pixels, main = one.pixels, material.pictures[material.main].pixels
-        by = (pad or crop) * Fraction(pixels.shape[1], main.shape[1])
+        pixels = one.pixels
+        by, rest = divmod((pad or crop) * pixels.shape[1], width)
         least = min(pixels.shape[axis] for axis in axes)
         most = least if pad else (least - 1) // 2
-        if by.denominator > 1:
+        if rest:
             raise InvalidInputError(
-                f"{pad or crop} pixels of {material.main} are {float(by):g} of {name}, which is "
-                f"{pixels.shape[1]} pixels wide; give a multiple of {by.denominator}"
+                f"{pad or crop} pixels of {material.main} are {by + rest / width:g} of {name}; "
+                f"give a multiple of {width // math.gcd(width, pixels.shape[1])}"
             )
         if by > most:
             raise InvalidInputError(
@@ -196,10 +196,10 @@ def with_border(
                 f"{pixels.shape[0]}, so it can be at most {most}"
             )
         if pad:
-            sides = [(int(by) * (axis in axes),) * 2 for axis in range(pixels.ndim)]
+            sides = [(by * (axis in axes),) * 2 for axis in range(pixels.ndim)]
             pixels = np.pad(pixels, sides, "wrap")
         elif crop:
-            inside = slice(int(by), -int(by))
+            inside = slice(by, -by)
             pixels = pixels[tuple(inside if axis in axes else slice(None) for axis in (0, 1))]
         pictures[name] = replace(one, pixels=pixels)
     return replace(material, pictures=pictures)

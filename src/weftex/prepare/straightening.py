@@ -114,10 +114,10 @@ def scaled(sample: Sample, times: float) -> Exemplar:
     """
     exemplar = load_exemplar(sample)
     height, width = exemplar.shape
-    if not 0 < times <= _MOST_TIMES:
+    if not 0.5 / min(height, width) <= times <= _MOST_TIMES:
         raise InvalidInputError(
-            f"{exemplar.name}, {width}x{height}, would be scaled {times:.4g} times; it must be "
-            f"above 0, and at most {_MOST_TIMES}, as no detail is added"
+            f"{exemplar.name}, {width}x{height}, would be scaled {times:.4g} times; it must keep "
+            f"a pixel, and be at most {_MOST_TIMES}, as no detail is added"
         )
     whole = math.lcm(*(exemplar.scale_of(name).denominator for name in exemplar.maps))
     high, wide = (max(1, round(side * times / whole)) * whole for side in (height, width))

@@ -26,7 +26,14 @@ if TYPE_CHECKING:
 
     OpenPicture = Callable[[str], Picture]
 
-__all__ = ["OpenedRecipe", "PreparedMaterial", "open_recipe", "prepare_material", "read_described"]
+__all__ = [
+    "OpenedRecipe",
+    "PreparedMaterial",
+    "open_recipe",
+    "prepare_material",
+    "read_described",
+    "times_of",
+]
 
 
 class PreparedMaterial(NamedTuple):
@@ -40,6 +47,11 @@ class PreparedMaterial(NamedTuple):
     def sample(self) -> Exemplar:
         """The exemplar with its mirrored and turned copies, if there are to be any."""
         return with_turns(self.exemplar, self.spec)
+
+    @property
+    def stored(self) -> Material:
+        """The material with the pixels of the exemplar."""
+        return replace(self.material, pictures=pictures_like([self.material], self.exemplar))
 
 
 def read_described(spec: Mapping[str, Any], open_picture: OpenPicture) -> Material:

@@ -12,7 +12,7 @@ from weftex.io.pictures import sample_names
 from weftex.io.presets import presets
 from weftex.naming import kind_of
 from weftex.quality import FIGURES
-from weftex.recipe import TASKS
+from weftex.recipe import ATLAS, TASKS
 from weftex.results.drawing import DRAWINGS
 
 #: The options of tasks that the page asks for in a form.
@@ -36,7 +36,8 @@ def about() -> dict[str, Any]:
             {"name": name, "title": one.title, "limit": one.limit, "meaning": one.meaning}
             for name, one in FIGURES.items()
         ],
-        "tasks": {k: [TASKS[k].options[n].as_json() for n in names] for k, names in _FORMS.items()},
+        "tasks": {k: [TASKS[k].options[n].as_json() for n in names] for k, names in _FORMS.items()}
+        | {"atlas": [one.as_json() for one in ATLAS.values()]},
     }
 
 

@@ -16,9 +16,10 @@ from weftex.errors import InvalidInputError
 from weftex.recipe import checked_material, pictures_of
 from weftex.recipe.opening import PreparedMaterial, prepare_material, read_described
 from weftex.roles import COLOR, is_preview, role_of, words_of
+from weftex.studio.pictures import formats_of
 from weftex.studio.refusals import Refusal
 from weftex.studio.sessions import Session
-from weftex.studio.uploads import picture_of
+from weftex.studio.uploads import label_of, picture_of
 
 
 def id_of(spec: Mapping[str, Any]) -> str:
@@ -88,7 +89,7 @@ def _stem(upload: Mapping[str, Any]) -> str:
 
 def described(loaded: PreparedMaterial) -> dict[str, Any]:
     """Return a material as JSON for the page."""
-    exemplar, material = loaded.exemplar, loaded.material
+    exemplar, material = loaded.exemplar, loaded.stored
     return {
         "id": id_of(loaded.spec),
         "name": material.name,
@@ -96,6 +97,9 @@ def described(loaded: PreparedMaterial) -> dict[str, Any]:
         "width": exemplar.shape[1],
         "height": exemplar.shape[0],
         "maps": maps_of(exemplar, material.main),
+        "formats": {name: formats_of(picture) for name, picture in material.pictures.items()},
+        "density": material.pictures[material.main].density,
+        "file": os.path.splitext(label_of(material.name))[0],
         "notes": [line.removeprefix("map: ") for line in material.notes],
     }
 

@@ -9,6 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from weftex import Exemplar, Synthesis
+from weftex.io.formats import FORMATS
+from weftex.io.pictures import Picture
 from weftex.io.png import png_bytes
 from weftex.studio.refusals import Refusal
 
@@ -90,6 +92,18 @@ def shown(like: Exemplar, pixels: NDArray[Any]) -> Bytes:
     cover = np.rint(255 * np.clip(clear, 0, 1)).astype(np.uint8)
     levels = levels if levels.shape[2] == 3 else np.repeat(levels, 3, axis=2)
     return np.concatenate([levels, cover], axis=2)
+
+
+def formats_of(picture: Picture) -> list[str]:
+    """Return the suffixes of the formats that hold such pixels."""
+    pixels = picture.pixels
+    colors = (pixels.shape[2] if pixels.ndim == 3 else 1) - picture.alpha
+    dtype = "float32" if pixels.dtype.kind == "f" else pixels.dtype.name
+    return [
+        suffix
+        for suffix, one in FORMATS.items()
+        if suffix not in (".jpeg", ".tiff") and one.holds(dtype, colors, picture.alpha)
+    ]
 
 
 def source_of(result: Synthesis, query: Mapping[str, str]) -> tuple[int, int]:

@@ -6,11 +6,11 @@ import errno
 import re
 
 from weftex.errors import WeftexError
-from weftex.recipe import FIELDS
+from weftex.recipe import ATLAS, FIELDS
 
 #: Fields of requests beside recipes, and of `auto`.
 _OWN = {"height", "width", "effort", "recipe", "count", "methods", "lane", "leave"}
-_OWN |= {"format", "preset"}
+_OWN |= {"format", "preset", "pad", "crop", *ATLAS}
 #: What the library calls what a recipe calls otherwise.
 _ALIASES = {"degree": "even_light"}
 

@@ -10,12 +10,11 @@ import numpy as np
 
 import weftex
 from weftex import Exemplar
-from weftex.io.formats import FORMATS
-from weftex.io.pictures import Picture
-from weftex.quality import FIGURES, fault_maps
+from weftex.exemplar.material import Material
+from weftex.quality import FIGURES, borders_of, draw_borders, fault_maps
 from weftex.results.drawing import DRAWINGS
 from weftex.studio.materials import maps_of
-from weftex.studio.pictures import shown
+from weftex.studio.pictures import formats_of, shown
 from weftex.studio.refusals import Refusal
 from weftex.studio.sessions import Session
 from weftex.studio.synthesis import Result
@@ -49,6 +48,7 @@ def described(made: Result, session: Session) -> dict[str, Any]:
         "warnings": list(used.get("warnings", ())),
         "formats": {name: formats_of(picture) for name, picture in made.pictures.items()},
         "file": made.stem,
+        "density": made.pictures[made.main].density,
         "command": made.recipe.command(made.output, names),
         "python": made.recipe.python(made.output, names),
     }
@@ -59,18 +59,6 @@ def _parameters(used: Mapping[str, Any]) -> dict[str, Any]:
     declared = fields(weftex.METHODS[used["method"]]) if "method" in used else ()
     names = {one.name: one.default for one in declared if one.name in used}
     return {name: used[name] for name, usual in names.items() if used[name] != usual}
-
-
-def formats_of(picture: Picture) -> list[str]:
-    """Return the suffixes of the formats that hold such pixels."""
-    pixels = picture.pixels
-    colors = (pixels.shape[2] if pixels.ndim == 3 else 1) - picture.alpha
-    dtype = "float32" if pixels.dtype.kind == "f" else pixels.dtype.name
-    return [
-        suffix
-        for suffix, one in FORMATS.items()
-        if suffix not in (".jpeg", ".tiff") and one.holds(dtype, colors, picture.alpha)
-    ]
 
 
 def picture_of(made: Result, map_name: str | None, drawing: str | None, session: Session) -> Bytes:
@@ -98,6 +86,30 @@ def figures_of(made: Result, session: Session) -> dict[str, Any]:
         return {**about, "figures": figures}
 
     return session.find(measure, lambda _: 4096, "figures", made.id)
+
+
+def borders_of_maps(material: Material, name: str, session: Session) -> dict[str, Any]:
+    """Return how each map wraps around, downwards and to the right, as JSON for the page."""
+    found = _borders(material, name, session)
+    told = {
+        key: [{"steps": one.steps, "seam": one.seam, "good": one.badness <= 1} for one in both]
+        for key, both in found.items()
+    }
+    return {"maps": told, "most": next(iter(found.values()))[0].most}
+
+
+def drawn_borders(material: Material, name: str, key: str, session: Session) -> Bytes:
+    """Return a map shifted by half, with its offending borders marked."""
+    if key not in material.pictures:
+        raise Refusal(404, "there is no such map", "map")
+    return draw_borders(material.maps[key], _borders(material, name, session)[key])
+
+
+def _borders(material: Material, name: str, session: Session) -> dict[str, Any]:
+    def measure() -> dict[str, Any]:
+        return {key: borders_of(one) for key, one in material.maps.items()}
+
+    return session.find(measure, lambda _: 2**16, "borders", name)
 
 
 def broken_of(made: Result, session: Session) -> Bytes:

@@ -1,4 +1,4 @@
-"""The routes under /api: sessions, uploads, materials, planes; jobs, results and exports."""
+"""The routes under /api: sessions, uploads, materials, planes, jobs and results."""
 
 from __future__ import annotations
 
@@ -129,7 +129,7 @@ async def material(call: Call) -> Any:
     return materials.described(loaded)
 
 
-async def _loaded(call: Call) -> PreparedMaterial:
+async def loaded_of(call: Call) -> PreparedMaterial:
     """The material of an address."""
     spec = call.session.recall("spec", call.id)
     if spec is None:
@@ -140,7 +140,7 @@ async def _loaded(call: Call) -> PreparedMaterial:
 @route("GET", "/materials/{id}/picture")
 async def material_picture(call: Call) -> Any:
     """Show a map of a material."""
-    loaded = await _loaded(call)
+    loaded = await loaded_of(call)
     return await _shown(call, map_of(loaded.exemplar, loaded.material.main, call.query.get("map")))
 
 
@@ -152,24 +152,24 @@ async def _shown(call: Call, sample: Exemplar) -> Response:
 @route("POST", "/materials/{id}/look")
 async def look(call: Call) -> Any:
     """Queue a job that says what a material is like; it ends an analysis that is under way."""
-    work = found(materials.analysis_of, await _loaded(call), call.session)
-    return await _queued(call, Job(call.session, None, work, "look", "cancel"))
+    work = found(materials.analysis_of, await loaded_of(call), call.session)
+    return await queued(call, Job(call.session, None, work, "look", "cancel"))
 
 
 @route("POST", "/materials/{id}/estimates")
 async def estimate(call: Call) -> Any:
     """Queue a job that makes a material with estimates of the maps that this one lacks."""
     invert = bool((await call.object("invert")).get("invert"))
-    wanted = await _loaded(call), invert, call.studio.downloads, call.session
+    wanted = await loaded_of(call), invert, call.studio.downloads, call.session
     work = found(exports.with_estimates, *wanted)
-    return await _queued(call, Job(call.session, None, work, None, "cancel"))
+    return await queued(call, Job(call.session, None, work, None, "cancel"))
 
 
 @route("GET", "/materials/{id}/lattice")
 async def lattice(call: Call) -> Any:
     """Say how good a lattice is that somebody drew."""
     vectors = call.query.get("vectors", "")[:200]
-    return await call.work(materials.rate_lattice, await _loaded(call), vectors, call.session)
+    return await call.work(materials.rate_lattice, await loaded_of(call), vectors, call.session)
 
 
 @route("POST", "/planes")
@@ -181,7 +181,7 @@ async def add_plane(call: Call) -> Any:
 @route("GET", "/planes/{id}/window")
 async def show_window(call: Call) -> Any:
     """Show a window of an endless plane."""
-    return await _reduced(call, await call.work(plane_window, call.id, call.query, call.session))
+    return await reduced(call, await call.work(plane_window, call.id, call.query, call.session))
 
 
 _TICK = 0.02  # seconds between two looks at a job that somebody waits for
@@ -202,10 +202,10 @@ async def add_job(call: Call) -> Any:
         raise InvalidInputError(f"lane is {shown(lane)}; it must be a short text")
     if leave not in ("cancel", "keep"):
         raise InvalidInputError(f"leave is {shown(leave)}; it must be 'cancel' or 'keep'")
-    return await _queued(call, Job(call.session, recipe, work, lane, leave))
+    return await queued(call, Job(call.session, recipe, work, lane, leave))
 
 
-async def _queued(call: Call, job: Job) -> Any:
+async def queued(call: Call, job: Job) -> Any:
     """Queue a job, wait for its end up to `within` milliseconds, and return its state."""
     within = whole_number(call.query, "within", 0, 0, 1000)
     call.studio.jobs.add(job)
@@ -260,7 +260,8 @@ async def end_job(call: Call) -> Any:
     return job.as_json(0)
 
 
-def _made(call: Call) -> Result:
+def result_of(call: Call) -> Result:
+    """Return the result of an address."""
     return results.result_of(call.id, call.session)
 
 
@@ -268,25 +269,26 @@ def _made(call: Call) -> Result:
 async def result_picture(call: Call) -> Any:
     """Show a map of a result, or a drawing of where its pixels come from."""
     wanted = call.query.get("map") or None, call.query.get("draw") or None
-    return await _reduced(
-        call, await call.work(results.picture_of, _made(call), *wanted, call.session)
+    return await reduced(
+        call, await call.work(results.picture_of, result_of(call), *wanted, call.session)
     )
 
 
 @route("POST", "/results/{id}/figures")
 async def figures(call: Call) -> Any:
     """Queue a job that says how good a result is; it ends one that is under way."""
-    work = found(results.figures_of, _made(call), call.session)
-    return await _queued(call, Job(call.session, None, work, "figures", "cancel"))
+    work = found(results.figures_of, result_of(call), call.session)
+    return await queued(call, Job(call.session, None, work, "figures", "cancel"))
 
 
 @route("GET", "/results/{id}/broken")
 async def broken(call: Call) -> Any:
     """Show where a result has broken things."""
-    return await _reduced(call, await call.work(results.broken_of, _made(call), call.session))
+    return await reduced(call, await call.work(results.broken_of, result_of(call), call.session))
 
 
-async def _reduced(call: Call, picture: NDArray[np.uint8]) -> Response:
+async def reduced(call: Call, picture: NDArray[np.uint8]) -> Response:
+    """Answer with a picture of at most the size that the page asks for."""
     times = times_smaller(call.query, picture.shape)
     return await call.picture(lambda: smaller(picture, times), picture.shape)
 
@@ -294,30 +296,8 @@ async def _reduced(call: Call, picture: NDArray[np.uint8]) -> Response:
 @route("GET", "/results/{id}/source")
 async def source(call: Call) -> Any:
     """Tell where a pixel comes from."""
-    row, column = source_of(_made(call).result, call.query)
+    row, column = source_of(result_of(call).result, call.query)
     return {"x": column, "y": row} if row >= 0 else {"x": None, "y": None}
-
-
-@route("POST", "/results/{id}/exports")
-async def export(call: Call) -> Any:
-    """Write files of a result, ready to be downloaded."""
-    given = await call.object(*exports.FIELDS)
-    made = _made(call)
-    wanted = exports.ExportOptions.of(given, made.stem)
-    return await call.work(exports.export, made, wanted, call.studio.downloads, call.session.key)
-
-
-@route("POST", "/results/{id}/sample")
-async def use_as_sample(call: Call) -> Any:
-    """Make a result a material."""
-    return await call.work(exports.as_sample, _made(call), call.studio.downloads, call.session)
-
-
-@route("GET", "/downloads/{id}")
-async def download(call: Call) -> Any:
-    """Send a file that is ready."""
-    found = call.studio.downloads.get(call.id)
-    return FileResponse(found.path, media_type="application/octet-stream", filename=found.name)
 
 
 @route("POST", "/steps")

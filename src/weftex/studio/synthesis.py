@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from weftex import Exemplar, Synthesis
+from weftex.exemplar.material import Material
 from weftex.io.pictures import Picture
 from weftex.method import Model
 from weftex.progress import ProgressCallback
@@ -60,6 +61,20 @@ class Result:
         """Return the pixels of a map."""
         own = self.map(name)
         return self.result.image if own is self.result.sample else self.result.render(own)
+
+    @property
+    def material(self) -> Material:
+        """Its pictures, as a material."""
+        names = self.pictures.items()
+        pictures = {name: replace(like, pixels=self.pixels(name)) for name, like in names}
+        roles = {name: self.map(name).role for name in pictures}
+        return Material(self.name, pictures, roles, folder=self.folder)
+
+    @property
+    def tileable(self) -> bool:
+        """Whether it is tileable along both axes."""
+        options = self.recipe.options
+        return options.get("tileable") is True or options.get("axes") is True
 
     @property
     def output(self) -> str:

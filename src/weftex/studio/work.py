@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from time import perf_counter
-from typing import Any
+from typing import Any, cast
 
 from weftex.errors import CancelledError, InvalidInputError, WeftexError, shown
 from weftex.recipe import Recipe
@@ -58,11 +59,20 @@ def made_of(recipe: Recipe, job: Job) -> Result:
     session = job.session
     job(0, 1, "reading", lambda: None)
     ready = open_job(recipe, session)
+    recipe = cast(Recipe, ready.recipe)
     job.to_show = results.preview_of(ready.prepared[0].exemplar)
-    key = "result", id_of(ready.recipe.as_json())
-    return session.find(
-        lambda: make(ready, session, job), lambda made: 2 * bytes_of(made.result), *key
-    )
+    first, *others = recipe.materials
+
+    def work() -> Result:
+        if "sample_width" not in first or "density" in first:
+            return make(ready, session, job)
+        # A width alone changes no pixels: a result without it has them.
+        bare = {name: value for name, value in first.items() if name != "sample_width"}
+        like = made_of(recipe.changed(materials=[bare, *others]), job)
+        return replace(like, recipe=recipe, pictures=ready.pictures)
+
+    key = "result", id_of(recipe.as_json())
+    return session.find(work, lambda made: 2 * bytes_of(made.result), *key)
 
 
 def several(recipe: Recipe, count: Any, methods: Any) -> list[Recipe]:

@@ -69,6 +69,7 @@ def test_a_persons_whole_way(tab: Any, address: str, photo: Path) -> None:
     page.wait_for_selector(".strip >> text=Fused")
 
     page.click("[data-screen=take]")
+    page.click("[data-group=more] > summary")
     page.check("text=Recipe (.json)")
     with page.expect_download() as saved:
         page.click("text=Save >> nth=0")

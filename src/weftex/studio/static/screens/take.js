@@ -1,12 +1,17 @@
 import { download, field, fill, h, icon, iconButton, tick } from "../dom.js";
 import { t } from "../strings.js";
+import { AtlasGroup, BordersGroup, SizeGroup, wrapGroup } from "./take_groups.js";
 
 /** Files in any format, the command and the Python that make the same, the state to share. */
 export class TakeScreen {
   constructor(app, stage) {
     this.app = app;
     this.stage = stage;
-    this.wanted = { format: "", preset: "", name: "", source: false, report: false, recipe: false, atlas: false };
+    this.wanted = { format: "", preset: "", name: "", source: false, report: false, recipe: false, density: null, pad: null, crop: null };
+    this.open = new Set(); // the groups that are
+    this.size = new SizeGroup(this);
+    this.borders = new BordersGroup(this);
+    this.atlas = new AtlasGroup(this);
     this.update = () => this.draw();
   }
 
@@ -14,51 +19,86 @@ export class TakeScreen {
     this.panel = panel;
     if (this.stage.mode === "plane") this.stage.setMode("picture"); // it is no part of the result
     this.stage.setSubject("result");
-    this.app.addEventListener("result", this.update);
+    for (const type of ["result", "material"]) this.app.addEventListener(type, this.update);
     this.draw();
   }
 
   leave() {
-    this.app.removeEventListener("result", this.update);
+    for (const type of ["result", "material"]) this.app.removeEventListener(type, this.update);
     this.panel = null;
   }
 
+  /** What is checked and saved: the result, or the sample as it is while there is none. */
+  get source() {
+    return this.app.result ?? this.app.material;
+  }
+
+  /** Ask about it, by the start of its address. */
+  ask(question) {
+    const { app } = this;
+    return app.result ? app.ask(app.result, (id) => question(`results/${id}`)) : question(`materials/${app.material.id}`);
+  }
+
+  get name() {
+    return this.wanted.name || this.source.file;
+  }
+
+  ticket(made) {
+    return ticket(made);
+  }
+
   draw() {
-    const { app, wanted } = this;
+    if (!this.panel) return;
+    const { app, wanted, source } = this;
     const { result } = app;
-    if (!result || app.preview?.result) {
-      fill(this.panel, h("h2", {}, t("take.title")), h("p", {}, t(result ? "see.preview" : "see.nothing")), h("button", { type: "button", class: "main large", onclick: () => app.tell("go", { screen: "make", now: true }) }, t("make.go")));
+    if (app.preview?.result) {
+      fill(this.panel, h("h2", {}, t("take.title")), h("p", {}, t("see.preview")), this.goMake("main large"));
       return;
     }
-    if (this.of !== result.id) {
-      this.of = result.id; // what was saved of another result is no concern of this one
+    if (this.of !== source.id) {
+      this.of = source.id; // what was saved of another result is no concern of this one
       this.saved = this.error = null;
-      wanted.name = "";
+      Object.assign(wanted, { name: "", density: null, pad: null, crop: null });
+      this.borders.forget();
+      this.atlas.forget();
     }
-    const set = result.maps.length > 1;
-    const formats = result.formats[result.main];
+    const set = source.maps.length > 1;
+    const formats = source.formats[source.main];
     const format = h("select", { onchange: () => (wanted.format = format.value) }, h("option", { value: "" }, t("take.same")), formats.map((one) => h("option", { value: one }, one.slice(1).toUpperCase())));
     format.value = wanted.format;
     const preset = h("select", { onchange: () => ((wanted.preset = preset.value), this.draw()) }, h("option", { value: "" }, t("take.preset.none")), app.about.presets.map((one) => h("option", { value: one.name }, one.about || one.name)));
     preset.value = wanted.preset;
-    const name = h("input", { type: "text", value: wanted.name || result.file, onchange: () => (wanted.name = name.value.trim()) });
+    const name = h("input", { type: "text", value: this.name, onchange: () => (wanted.name = name.value.trim()) });
     const box = (key, words) => tick(words, wanted[key], (on) => (wanted[key] = on));
-    this.maps ??= null;
+    const group = (key, parts) => h("details", { "data-group": key, open: this.open.has(key), ontoggle: (event) => this.open[event.target.open ? "add" : "delete"](key) }, h("summary", {}, t(`${key}.title`)), h("div", { class: "parameters" }, this.errorIn === key ? this.error : null, parts));
     fill(
       this.panel,
-      h("div", {}, h("h2", {}, t("take.title")), h("p", { class: "hint" }, `${t("stage.size", { width: result.width, height: result.height })} · ${result.method}`)),
+      h("div", {}, h("h2", {}, t("take.title")), h("p", { class: "hint" }, [t("stage.size", { width: source.width, height: source.height }), result?.method ?? source.name].join(" · "))),
+      result ? null : h("div", { class: "note" }, icon("picture"), h("div", {}, h("span", {}, t("take.photo")), this.goMake())),
       field(t("take.name"), name),
       field(t("take.preset"), preset),
       wanted.preset ? null : field(t("take.format"), format),
-      set ? this.mapBoxes(result) : null,
-      h("div", {}, box("source", t("take.source")), box("report", t("take.report")), box("recipe", t("take.recipe")), box("atlas", t("take.atlas"))),
-      this.error,
+      set ? this.mapBoxes(source) : null,
+      this.errorIn ? null : this.error,
       h("button", { type: "button", class: "main large", onclick: () => this.save() }, icon("take"), t("take.go")),
       this.saved,
-      this.handOut(result),
-      this.share(result),
-      h("section", { class: "section" }, h("h3", {}, t("take.command")), copyable(result.command, t("take.copy.command")), h("h3", {}, "Python"), copyable(result.python, t("take.copy.python"))),
+      result ? this.handOut(result) : null,
+      h(
+        "div",
+        {},
+        group("size", this.size.draw()),
+        group("borders", this.borders.draw()),
+        group("wrap", wrapGroup(this)),
+        group("atlas", this.atlas.draw()),
+        result ? group("more", [box("source", t("take.source")), box("report", t("take.report")), box("recipe", t("take.recipe"))]) : null,
+      ),
+      result ? this.share(result) : null,
+      result ? h("section", { class: "section" }, h("h3", {}, t("take.command")), copyable(result.command, t("take.copy.command")), h("h3", {}, "Python"), copyable(result.python, t("take.copy.python"))) : null,
     );
+  }
+
+  goMake(kind = "") {
+    return h("button", { type: "button", class: kind, onclick: () => this.app.tell("go", { screen: "make", now: true }) }, t("make.go"));
   }
 
   /** A preset, or a format; both are null where nothing was chosen. */
@@ -83,29 +123,30 @@ export class TakeScreen {
     return h("div", { class: "hand-out" }, image, h("div", {}, copyIt, h("p", { class: "hint" }, t("take.drag"))));
   }
 
-  mapBoxes(result) {
+  mapBoxes(source) {
     const left = (this.left ??= new Set());
-    return h("fieldset", {}, h("legend", {}, t("take.maps")), result.maps.map((one) => tick(one.name, !left.has(one.name), (on) => left[on ? "delete" : "add"](one.name))));
+    return h("fieldset", {}, h("legend", {}, t("take.maps")), source.maps.map((one) => tick(one.name, !left.has(one.name), (on) => left[on ? "delete" : "add"](one.name))));
   }
 
   async save() {
     const { app, wanted } = this;
-    const { result } = app;
-    const maps = this.left?.size ? result.maps.map((one) => one.name).filter((one) => !this.left.has(one)) : null;
+    const maps = this.left?.size ? this.source.maps.map((one) => one.name).filter((one) => !this.left.has(one)) : null;
     await this.attempt(async () => {
-      const made = await app.ask(result, (id) => app.api.post(`results/${id}/exports`, { ...wanted, maps, ...this.files(), name: wanted.name || result.file }));
+      const made = await this.ask((path) => app.api.post(`${path}/exports`, { ...wanted, maps, ...this.files(), name: this.name }));
       this.saved = [ticket(made), made.notes.map((line) => h("p", { class: "hint" }, line))];
       this.draw();
       this.panel.querySelector("[data-ticket]").click();
     });
   }
 
-  async attempt(action) {
+  /** Do something that may fail; its one line is shown in a group, or at the button that saves. */
+  async attempt(action, group = "") {
     this.error = null;
     try {
       await action();
     } catch (error) {
-      this.error = error.message ? h("div", { class: "note error", role: "alert" }, icon("warn"), h("div", {}, error.message)) : null;
+      this.errorIn = group;
+      this.error = error.message && error.name !== "AbortError" ? h("div", { class: "note error", role: "alert" }, icon("warn"), h("div", {}, error.message)) : null;
       this.draw();
     }
   }
