@@ -22,7 +22,7 @@ from PIL import Image, ImageDraw
 
 import weftex
 from weftex.analysis.scale import dominant_scale
-from weftex.methods.refinement.seeds import plant_seeds
+from weftex.methods.refinement.start import plant_seeds
 from weftex.search.windows import windows_of
 
 #: What the paper does and weftex does not by default.

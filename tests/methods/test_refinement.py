@@ -13,8 +13,7 @@ from families import canvas_of, noise, with_guides
 from twins import refinement as reference
 from weftex.analysis.scale import dominant_scale
 from weftex.canvas import Canvas
-from weftex.methods.refinement.seeds import plant_seeds
-from weftex.methods.refinement.start import hole_start, starts_for
+from weftex.methods.refinement.start import hole_start, plant_seeds, starts_for
 from weftex.methods.refinement.sweeps import cyclic_lines, rows_of
 
 WRAPS = [(False, False), (False, True), (True, False), (True, True)]

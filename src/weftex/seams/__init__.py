@@ -6,7 +6,7 @@ Each cut along a path is a dynamic program, and each has its own costs and steps
 |---|---|---|
 | `methods.patches.patch_kernels.cut_bands` | over pixels, 8 neighbors, free ends | quilting |
 | `methods.near_regular.edge_kernels.least_boundary` | between pixels, given ends | near-regular |
-| `seams.path.least_path` | over pixels, open or closed | ashikhmin, wrapped output |
+| `methods.ashikhmin.choice.least_path` | over pixels, open or closed | ashikhmin, wrapped output |
 
 Cuts of any shape are by `maxflow`: graphcut, `boundary` (fuse and fill), `merge` (fuse).
 """

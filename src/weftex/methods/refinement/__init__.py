@@ -26,8 +26,13 @@ from weftex.methods.refinement.output import (
     sources_of_children,
     sources_shown,
 )
-from weftex.methods.refinement.seeds import seed_sources
-from weftex.methods.refinement.start import fitted_starts, keep_patches, result_of, start_window
+from weftex.methods.refinement.start import (
+    fitted_starts,
+    keep_patches,
+    result_of,
+    seed_sources,
+    start_window,
+)
 from weftex.methods.refinement.sweeps import Convergence, refine_texture, sweep_of
 from weftex.parameters import parameter
 

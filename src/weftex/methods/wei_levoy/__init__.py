@@ -12,10 +12,16 @@ from typing import ClassVar, Self
 from weftex.errors import InvalidInputError
 from weftex.exemplar import Exemplar
 from weftex.methods.pixels import Growth, PixelModel, WindowedMethod
-from weftex.methods.wei_levoy.levels import noise, output_pyramid, parents_or_noise
+from weftex.methods.wei_levoy.levels import (
+    PROPOSED_WIDTH,
+    levels_and_widths,
+    noise,
+    output_pyramid,
+    parents_or_noise,
+    window_width,
+)
 from weftex.methods.wei_levoy.passes import hole_passes, scan_passes
-from weftex.methods.wei_levoy.sizes import PROPOSED_WIDTH, levels_and_widths, window_width
-from weftex.methods.wei_levoy.trees import Trees, replace_by_nearest
+from weftex.methods.wei_levoy.tsvq import Trees, replace_by_nearest
 from weftex.parameters import parameter
 from weftex.search.pyramid_windows import sample_pyramid
 from weftex.search.windows import Windows, windows_of

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from twins import seams as reference
-from weftex.seams.path import least_path
+from weftex.methods.ashikhmin.choice import least_path
 
 
 def costs(data, rows, columns, most):
