@@ -242,6 +242,8 @@ class Method(ABC):
     title: ClassVar[str]
     paper: ClassVar[str]
     supports: ClassVar[frozenset[str]] = frozenset()
+    #: Parameters of `for_belt`, which have an effect on belts even where regions take none.
+    belt_parameters: ClassVar[frozenset[str]] = frozenset()
 
     def __new__(cls, /, *values: Any, **named: Any) -> Self:
         """Refuse what is no parameter; `__init__` would raise a TypeError.
@@ -344,6 +346,18 @@ class Method(ABC):
     def window_for(self, proposed: int) -> int:
         """Return the width of the window that is compared, in pixels, if this one is proposed."""
         return proposed
+
+    def for_belt(self, width: int, **parameters: Any) -> Self:
+        """Return this method for a belt between two materials, whose windows are so wide.
+
+        Belts lie between known pixels; what is idle there is left out.
+        """
+        idle = {
+            field.name: field.default
+            for field in dataclasses.fields(self)
+            if field.metadata["idle_canvas"] == "known"
+        }
+        return dataclasses.replace(self, **idle | parameters)
 
     def window_of(self, exemplar: Exemplar) -> int:
         """Return the width of the window that the method chooses; 0 if it compares none.

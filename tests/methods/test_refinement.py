@@ -279,6 +279,17 @@ def test_it_starts_from_a_method_with_parameters(tmp_path):
     assert same.mean() > 0.5 > plain.mean()
 
 
+def test_joints_are_refined_where_materials_are_joined():
+    """A belt between two materials is a joint all of it: refined from seeds, without an error."""
+    for init in ("auto", "quilting"):
+        method = weftex.Refinement(window_width=9, joints=6, init=init)
+        assert method.for_belt(9).joints is None
+    samples = [noise((40, 40), seed=k) for k in (1, 2)]
+    labels = np.where(np.indices((40, 48))[1] > 24, 255, 0).astype(np.uint8)
+    method = weftex.Refinement(window_width=9, joints=6, iterations=1)
+    assert weftex.fuse(samples, labels, method=method, seed=1).image.shape[:2] == (40, 48)
+
+
 def test_seed_points_lie_a_scale_apart():
     """Of the sample, whatever the window is wide; and as often as the density says."""
     x = np.indices((96, 96))[1]

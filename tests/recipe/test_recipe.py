@@ -146,9 +146,9 @@ MADE = {
              "axes": "y", "border": 8},
     "fill": {"task": "fill", "materials": [PHOTO, SAMPLE | {"repeats": True}], "mask": "hole.png",
              "overlap": 2, "method": "patch-sampling", "parameters": {"epsilon": 0.1}},
-    "fuse": {"task": "fuse", "materials": [SAMPLE, {"path": "second.png"}], "map": "map.png",
-               "colors": [[0, 0, 0], [200, 10, 0]], "belt_width": 12,
-               "parameters": {"iterations": 1}},
+    "merged": {"task": "fuse", "materials": [SAMPLE, {"path": "second.png"}], "map": "map.png",
+               "colors": [[0, 0, 0], [200, 10, 0]], "boundary": "merged", "belt_width": 12,
+               "parameters": {"matches": 3, "seed_density": 2.0, "iterations": 1}},
 }  # fmt: skip
 
 
@@ -180,7 +180,7 @@ TRIED = {
     "--size": "44", "--tileable": "x", "--guide": "photo.png", "--sample-guide": "second.png",
     "--best-of": "4", "--window": "3,4,20,20", "--period": "300", "--border": "5",
     "--mask": "nothing.png", "--overlap": "3", "--match-tone": "", "--map": "gradient",
-    "--colors": "#c80a00,#000000", "--mixed": "#000000=1+2",
+    "--colors": "#c80a00,#000000", "--mixed": "#000000=1+2", "--boundary": "merged",
     "--belt-width": "6", "--missing": "ao=1", "--maps": "color=sample.png", "--sample-mask":
     "half.png", "--straighten": "8,8,40,8,40,50,8,50", "--even-light": "3", "--turn": "half",
     "--tileable-sample": "", "--map-weights": "height=2", "--seed": "8", "--direction": "0",

@@ -28,9 +28,9 @@ FAST = {"iterations": 2, "window_width": 9}
 
 
 @functools.cache
-def halves():
+def halves(boundary="cut"):
     """What most tests compare with."""
-    return weftex.fuse([A, B], HALVES, seed=1, **FAST)
+    return weftex.fuse([A, B], HALVES, seed=1, boundary=boundary, **FAST)
 
 
 def which(result, count):
@@ -53,11 +53,14 @@ def test_regions_are_of_their_samples(tileable):
     assert len(np.unique(made)) == 3
 
 
-def test_the_boundary_is_not_straight():
-    result = weftex.fuse([A, B], HALVES, seed=1, iterations=4, window_width=21, belt_width=20)
+@pytest.mark.parametrize("boundary", ["cut", "merged"])
+def test_the_boundary_is_merged_and_not_straight(boundary):
+    result = weftex.fuse(
+        [A, B], HALVES, seed=1, boundary=boundary, iterations=4, window_width=21, belt_width=20
+    )
     made = which(result, 2)
     first = (made == 0).sum(axis=1)
-    reach = 10
+    reach = 10 + 5 * (boundary == "merged")  # the paper's belt lies along the cut
     assert first.min() > 40 - reach and first.max() < 40 + reach
     assert len(np.unique(first)) > 4
 
@@ -78,6 +81,12 @@ def test_gray_beside_color():
     assert (np.ptp(result.image[made == 1], axis=1) == 0).all()
     swapped = weftex.fuse([B[..., 0], A], 1 - HALVES, seed=1, **FAST)
     assert swapped.image.shape == (*SIZE, 3)
+
+
+def test_merged_boundaries_are_another_result_of_both():
+    made = [halves(boundary) for boundary in ("cut", "merged")]
+    assert not np.array_equal(made[0].index, made[1].index)
+    assert [m.provenance["boundary"] for m in made] == ["cut", "merged"]
 
 
 def test_the_same_seed_the_same_bytes():
@@ -154,6 +163,7 @@ def test_what_does_not_fit_is_refused():
     refused("with 3 channels and alpha", [A, np.dstack([B, B[..., 0]])], HALVES)
     for single in (A, "sample:pebbles", None):
         refused("give a list of two or more samples", single, HALVES)
+    refused("boundary is 'soft'.*merged", [A, B], HALVES, boundary="soft")
     for wide in (0, 1, -4, 3.5, True):
         refused(f"belt_width is {wide}", [A, B], HALVES, belt_width=wide)
     refused("belt_width is 81; it must be at most 80", [A, B], HALVES, belt_width=81)

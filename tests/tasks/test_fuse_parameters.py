@@ -5,6 +5,7 @@ import pytest
 
 import weftex
 from parameters import idle
+from weftex.methods.refinement import Refinement
 from weftex.registry import METHODS, supporting
 
 SAMPLES = [
@@ -28,23 +29,53 @@ SETTINGS = [
 ]
 
 
-def made(number, slug, given):
+def made(number, slug, boundary, given):
     """What lies where, on one of the maps."""
-    return weftex.fuse(SAMPLES, MAPS[number].astype(int), method=slug, seed=3, **given).index
+    labels = MAPS[number].astype(int)
+    return weftex.fuse(SAMPLES, labels, method=slug, boundary=boundary, seed=3, **given).index
 
 
 def test_all_methods_that_fuse_are_tried():
     assert {slug for slug, _ in SETTINGS} == set(ABLE)
 
 
-@pytest.mark.parametrize(("slug", "given"), SETTINGS)
-def test_a_parameter_has_an_effect_or_is_refused(slug, given):
-    plain = [made(number, slug, given) for number in range(len(MAPS))]
+@pytest.mark.parametrize(
+    ("slug", "given", "boundary"),
+    [
+        (slug, given, boundary)
+        for boundary in ("cut", "merged")
+        for slug, given in SETTINGS
+        # Other methods treat belts as regions, and the nearest of all windows takes long.
+        if boundary == "cut" or (METHODS[slug].belt_parameters and "search" not in given)
+    ],
+)
+def test_a_parameter_has_an_effect_or_is_refused(slug, given, boundary):
+    plain = [made(number, slug, boundary, given) for number in range(len(MAPS))]
 
     def changes(more):
         return any(
-            not np.array_equal(made(number, slug, more), plain[number])
+            not np.array_equal(made(number, slug, boundary, more), plain[number])
             for number in range(len(MAPS))
         )
 
     assert not idle(slug, given, changes)
+
+
+@pytest.mark.parametrize("name", sorted(Refinement.belt_parameters))
+def test_what_only_belts_take(name):
+    """Belts of merged samples start from seeds, also where regions start from quilting."""
+    given = {"window_width": 15, "iterations": 2}
+    value = {"matches": 40, "seed_density": 0.5, "seed_scale": 3.0}[name]
+    result = weftex.fuse(
+        SAMPLES, MAPS[0].astype(int), boundary="merged", seed=3, **given, **{name: value}
+    )
+    assert result.provenance[name] == value
+    refusal = f"{name} has no effect unless init is 'seeds'"
+    for more in ({}, {"init": "graphcut"}):
+        with pytest.raises(weftex.InvalidInputError, match=refusal):
+            weftex.fuse(SAMPLES, MAPS[0].astype(int), **given, **more, **{name: value})
+    for boundary in ("cut", "merged"):
+        with pytest.raises(weftex.InvalidInputError, match=refusal):
+            method = Refinement(init="graphcut", **given)
+            weftex.fuse(SAMPLES, MAPS[0].astype(int), method=method, boundary=boundary,
+                        **{name: value})  # fmt: skip

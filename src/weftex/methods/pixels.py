@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -131,6 +131,10 @@ class WindowedMethod(Method):
     def window_for(self, proposed: int) -> int:
         """See `Method.window_for`."""
         return self.window_width or proposed
+
+    def for_belt(self, width: int, **parameters: Any) -> Self:
+        """See `Method.for_belt`."""
+        return super().for_belt(width, window_width=self.window_for(width), **parameters)
 
     def window_of(self, exemplar: Exemplar) -> int:
         """See `Method.window_of`."""

@@ -210,6 +210,9 @@ TASKS = {
             Option("size", SIZE, "output size in pixels", default_text="the map's",
                    metavar="WxH|N"),
             TILEABLE,
+            Option("boundary", TEXT, "cut: materials meet along the least visible seam; merged: "
+                   "a belt along the seam is filled from both", "cut", choices=("cut", "merged"),
+                   metavar="cut|merged", heading=_QUALITY),
             Option("belt_width", WHOLE, "width of the belt in which boundaries may move", low=2,
                    unit="px", default_text="about three times the largest features", metavar="PX",
                    heading=_QUALITY),

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Self
 
@@ -222,7 +222,7 @@ def _method(
     task: str, name: Any, given: Any, options: Mapping[str, Any]
 ) -> tuple[Method, dict[str, Any]]:
     """Return the method of a task, and those of its parameters that were given."""
-    from weftex.tasks.method_names import AUTO, make_method
+    from weftex.tasks.method_names import AUTO, make_method, method_class
 
     usual = TASKS[task]
     name = usual.method if name is None else name
@@ -235,5 +235,14 @@ def _method(
         name = usual.parameters_of
         if "effort" in own:
             raise InvalidInputError(f"effort has no effect on {task}")
-    method = make_method(name, own)
-    return method, {k: getattr(method, k) for k in own}
+    belts: Iterable[str] = ()
+    if task == "fuse" and options["boundary"] == "merged":
+        from weftex.canvas import as_canvas
+        from weftex.tasks.fuse import parted
+
+        belts = method_class(name).belt_parameters & own.keys()
+        method, alone = parted(make_method(name, {}), own, as_canvas(1, options["tileable"]))
+        method.for_belt(method.window_for(1), **alone)  # refuses what belts do not take
+    else:
+        method = make_method(name, own)
+    return method, {k: own[k] if k in belts else getattr(method, k) for k in own}

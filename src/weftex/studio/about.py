@@ -20,7 +20,7 @@ _FORMS = {
     "synth": ("landmarks",),
     "tile": ("border",),
     "fill": ("overlap", "match_tone"),
-    "fuse": ("belt_width",),
+    "fuse": ("boundary", "belt_width"),
 }
 _KINDS = {int: "int", float: "float", str: "text"}
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import numbers
 from collections.abc import Mapping, Sequence
 from typing import Any
@@ -10,8 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from weftex.analysis.scale import dominant_scale
-from weftex.canvas import as_canvas
-from weftex.errors import InvalidInputError, shown
+from weftex.canvas import Canvas, as_canvas
+from weftex.errors import InvalidInputError, did_you_mean, shown
 from weftex.exemplar import Exemplar, Sample, load_exemplar
 from weftex.label_maps import Gradient, labels_of, map_picture
 from weftex.method import Method
@@ -24,6 +25,8 @@ from weftex.tasks.method_names import is_auto, make_method
 
 #: The method for fusion; what "auto" stands for here.
 DEFAULT = "refinement"
+#: How boundaries are made.
+BOUNDARIES = ("cut", "merged")
 
 
 def fuse(
@@ -34,6 +37,7 @@ def fuse(
     colors: Sequence[Any] | None = None,
     mixed: Mapping[Any, tuple[int, int]] | None = None,
     missing: Mapping[str, float | str] | None = None,
+    boundary: str = "cut",
     belt_width: int | None = None,
     method: str | Method = DEFAULT,
     seed: Seed = None,
@@ -66,6 +70,9 @@ def fuse(
         maps that not all samples have are left out, and `provenance` says so.
     mixed : mapping of color to (int, int), optional
         Further colors, or labels, of regions that merge two samples, with the samples' numbers.
+    boundary : {"cut", "merged"}
+        "cut" only cuts. "merged" also synthesizes a belt along each cut from a sample merged of the
+        two materials, as the paper does. The belt is half as wide as the larger of their windows.
     belt_width : int, optional
         Width in pixels of the belt that a boundary may use. By default 1.5 times the larger window
         of its two materials; less in narrow regions.
@@ -105,7 +112,22 @@ def fuse(
     (80, 90, 3)
     """
     number = seed_number(seed)
-    chosen = make_method(DEFAULT if is_auto(method) else method, parameters)
+    method = DEFAULT if is_auto(method) else method
+    if boundary not in BOUNDARIES:
+        raise InvalidInputError(
+            f"boundary is {shown(boundary)}{did_you_mean(str(boundary), BOUNDARIES)}"
+        )
+    of_belts: dict[str, Any] = {}
+    chosen = make_method(method, {})
+    if boundary == "merged":
+        chosen, of_belts = parted(chosen, parameters, as_canvas(1, tileable))
+    else:
+        chosen = make_method(chosen, parameters)
+
+    def belt_method(width: int) -> Method:
+        return chosen.for_belt(width, **of_belts)
+
+    belt_method(chosen.window_for(1))  # refuses what it does not take
     whole_number = isinstance(belt_width, numbers.Integral) and not isinstance(belt_width, bool)
     if belt_width is not None and (not whole_number or belt_width < 2):
         raise InvalidInputError(
@@ -131,17 +153,31 @@ def fuse(
         canvas,
         number,
         None if belt_width is None else belt_width // 2,
+        belt_method if boundary == "merged" else None,
         {"threads": threads, "progress": progress},
     )
-    about = {"seed": number, "samples": [e.name for e in exemplars]}
+    about = {"seed": number, "samples": [e.name for e in exemplars], "boundary": boundary}
     about |= {"warnings": notes} if notes else {}
     return PixelSynthesis(
         canvas,
         fusion.run(labels, materials),
         sample_shape=whole.shape,
         exemplar=whole,
-        provenance=chosen.describe() | about,
+        provenance=chosen.describe() | of_belts | about,
     )
+
+
+def parted(
+    method: Method, parameters: Mapping[str, Any], canvas: Canvas
+) -> tuple[Method, dict[str, Any]]:
+    """Return the method of the regions, and the parameters that only belts take."""
+    defaults = {f.name: f.default for f in dataclasses.fields(method)}
+    both = {name: getattr(method, name) for name in method.belt_parameters} | {**parameters}
+    of_belts = {name: both[name] for name in method.belt_parameters}
+    regions = make_method(method, both | {name: defaults[name] for name in of_belts})
+    taken = {k: v for k, v in of_belts.items() if regions.takes(k, canvas)}
+    alone = {k: v for k, v in of_belts.items() if k not in taken and v != defaults[k]}
+    return make_method(regions, taken), alone
 
 
 def _load(samples: Any) -> list[Exemplar]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -14,7 +14,7 @@ from weftex.canvas import Canvas
 from weftex.exemplar import Exemplar
 from weftex.method import Method
 from weftex.random import draw
-from weftex.raster.masks import squared_distance_to
+from weftex.raster.masks import grown, squared_distance_to
 from weftex.results.pixels import PixelSynthesis
 from weftex.seams.boundary import HELD, UNIT, cheapest_boundary
 from weftex.seams.merge import islands
@@ -32,7 +32,11 @@ _OPEN = 0.05  # the cost at an edge is 1 / _OPEN times that in the middle
 
 @dataclass(frozen=True)
 class Fusion:
-    """The settings of one fusion, and its steps."""
+    """The settings of one fusion, and its steps.
+
+    With a `belt_method`, which returns the method for a window width, the boundaries are finally
+    synthesized again from merged samples.
+    """
 
     whole: Exemplar  # the samples stacked, see `weftex.prepare.combining.combined`
     exemplars: Sequence[Exemplar]
@@ -41,6 +45,7 @@ class Fusion:
     canvas: Canvas
     seed: int
     reach: int | None  # half the width of all belts; by default by the materials' scales
+    belt_method: Callable[[int], Method] | None
     options: dict[str, Any]  # `threads` and `progress`
 
     def run(self, labels: NDArray[np.int32], materials: Sequence[Material]) -> NDArray[np.int32]:
@@ -54,6 +59,8 @@ class Fusion:
         index = np.empty(labels.shape, np.int32)
         for k in present:
             index[labels == k] = layers[k][labels == k]
+        if self.belt_method is not None:
+            index = self._fill_belts(index, labels, materials, self.belt_method)
         return index
 
     def window(self, *numbers: int) -> int:
@@ -113,6 +120,29 @@ class Fusion:
         result[area] = np.where(free, np.where(taken, b, a), own)
         return result
 
+    def _fill_belts(
+        self,
+        index: NDArray[np.int32],
+        labels: NDArray[np.int32],
+        materials: Sequence[Material],
+        belt_method: Callable[[int], Method],
+    ) -> NDArray[np.int32]:
+        """Synthesize belts along the boundaries from merged samples, with the larger window."""
+        flat = self.whole.pixels.reshape(-1, *self.whole.pixels.shape[2:])
+        for a, b in itertools.combinations(np.unique(labels).tolist(), 2):
+            pair = sorted({*materials[a], *materials[b]})[:2]
+            wide = self.window(*pair)
+            # "one half of the width of the larger window"
+            near = [grown(labels == k, max(1, wide // 4), self.canvas.wrap) for k in (a, b)]
+            belt = near[0] & near[1] & ((labels == a) | (labels == b))
+            if not belt.any() or belt.all():
+                continue
+            exemplar, places = self._merged_sample(*pair)
+            canvas = Canvas(*self.canvas.shape, self.canvas.wrap, known=flat[index], hole=belt)
+            made = self._sample(exemplar, canvas, self._number((a, b)), belt_method(wide))
+            index = np.where(belt, places.ravel()[made.index], index)
+        return index
+
     def _places(self, number: int) -> NDArray[np.int32]:
         """Return the indices of a sample's pixels in the stacked samples."""
         top = sum(e.shape[0] for e in self.exemplars[:number])
@@ -146,9 +176,11 @@ class Fusion:
         """Return a different number for each material, for random draws."""
         return material[0] if len(material) == 1 else (1 << 16) + material[0] * 4096 + material[1]
 
-    def _sample(self, exemplar: Exemplar, canvas: Canvas, number: int) -> PixelSynthesis:
+    def _sample(
+        self, exemplar: Exemplar, canvas: Canvas, number: int, method: Method | None = None
+    ) -> PixelSynthesis:
         seed = int(draw(self.seed, "region", number))
-        made = self.method.fit(exemplar).sample(canvas, seed=seed, **self.options)
+        made = (method or self.method).fit(exemplar).sample(canvas, seed=seed, **self.options)
         assert isinstance(made, PixelSynthesis)
         return made
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import ClassVar, Self
+from typing import Any, ClassVar, Self
 
 import numpy as np
 
@@ -123,6 +123,12 @@ class ExactMatching(WindowedMethod):
         if name == "init" and canvas is not None and "known" in canvas.kinds:
             return self.repeat_distance is None  # which is all that it decides in a hole
         return super().takes(name, canvas)
+
+    def for_belt(self, width: int, **parameters: Any) -> Self:
+        """See `Method.for_belt`: a belt is a hole, which is filled at a single resolution."""
+        if self.repeat_distance is not None:
+            parameters |= {"init": "auto"}
+        return super().for_belt(width, levels=None, **parameters)
 
     def require(self, canvas: Canvas) -> None:
         """See `Method.require`."""

@@ -61,6 +61,7 @@ class Refinement(WindowedMethod):
         "planting, iterative refinement"
     )
     supports: ClassVar[frozenset[str]] = frozenset({"wrap", "known", "guide", "many"})
+    belt_parameters: ClassVar[frozenset[str]] = frozenset({"seed_scale", "seed_density", "matches"})
 
     window_width: int | None = parameter(
         None,
@@ -155,6 +156,16 @@ class Refinement(WindowedMethod):
         if name == "init" and self.init == "auto":
             return "quilting" if self.search == "coherent" or self.joints else "seeds"
         return super().meant(name)
+
+    def for_belt(self, width: int, **parameters: Any) -> Self:
+        """See `Method.for_belt`: seeds lie all over a belt (section 4)."""
+        parameters |= {"joints": None}  # a belt is a joint, all of it
+        if self.init in ("auto", "seeds"):
+            # Patches of another start end along the belt. The sample is merged of two, and has no
+            # scale of its own: seed points lie half a window apart, which is the larger one's.
+            scale = self.seed_scale or max(1, self.window_for(width) // 2)
+            parameters = {"init": "seeds", "seed_scale": scale} | parameters
+        return super().for_belt(width, **parameters)
 
     def fit_exemplar(self, exemplar: Exemplar) -> RefinementModel:
         """Analyze a sample: its dominant scale, and how to find windows like one."""
