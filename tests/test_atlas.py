@@ -111,9 +111,9 @@ def test_the_same_seed_gives_the_same_bytes_with_any_threads():
             "pebbles",
             {"tile_size": 20},
         ),
-        ("192x192, which has no usable 200x200 pixels", "pebbles", {"tile_size": 800}),
+        ("192x192, too small for the corners of tiles", "pebbles", {"tile_size": 800}),
         ("the lattice of .*bricks; the nearest is 126x84", "bricks", {"tile_size": 40}),
-        ("near-regular does not do hole filling", "pebbles", {"method": "near-regular"}),
+        ("near-regular does not support hole filling", "pebbles", {"method": "near-regular"}),
         ("effort has no effect on an atlas", "pebbles", {"effort": "best"}),
     ],
 )

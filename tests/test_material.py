@@ -71,7 +71,7 @@ def test_folders_of_every_convention(tmp_path, which):
     assert set(sample.maps) == set(roles.values()) - {"color"}
     assert sample.roles == {name: ROLES[name] for name in sample.maps}
     told = material.told()
-    assert len([line for line in told if "preview, and ignored" in line]) == sum(
+    assert len([line for line in told if "ignored: it is a preview" in line]) == sum(
         role is None and file.endswith(("g",)) for file, role in FOLDERS[which].items()
     )
     assert sum(line.endswith("is color, the picture") for line in told) == 1
@@ -102,7 +102,7 @@ def test_the_bare_name_is_the_color_where_no_map_is(tmp_path):
     files = ["rock.png", "rock_normal.png", "rock_height.png", "rock_preview.png"]
     material = read_material(folder_of(tmp_path / "rock", files))
     assert material.main == "color" and [*material.roles] == ["color", "height", "normal"]
-    assert [*material.notes] == ["rock_preview.png is a preview, and ignored"]
+    assert [*material.notes] == ["rock_preview.png is ignored: it is a preview"]
     with pytest.raises(weftex.InvalidInputError, match=r"no map \(moss\)"):
         read_material(folder_of(tmp_path / "both", ["rock.png", "moss.png", "rock_ao.png"]))
     alone = read_material(folder_of(tmp_path / "one", ["rock_preview.png"]))

@@ -216,7 +216,7 @@ def atlas(
     ------
     InvalidInputError
         If an argument is out of range, the sample is too small for the tiles, or no tile size near
-        the one asked for has whole periods of the sample's lattice.
+        the one asked for contains whole periods of the sample's lattice.
     UnsupportedError
         If the method does not fill holes.
     FileError
@@ -269,8 +269,8 @@ def atlas(
     notes = [f"landmarks removed from the sample: {found}"] if found else []
     if size != wish:
         notes.append(
-            f"tiles are {size[1]}x{size[0]}, not {wish[1]}x{wish[0]}, to have whole periods of the "
-            "sample's lattice"
+            f"tiles are {size[1]}x{size[0]}, not {wish[1]}x{wish[0]}, to contain whole periods "
+            "of the sample's lattice"
         )
     return Atlas(made, colors, size, gutter, tuple(notes))
 

@@ -148,8 +148,8 @@ def _by_appearance(flat: NDArray[Any], count: int) -> NDArray[np.int32]:
     if len(found) != count:
         listed = ", ".join(map(_text, found[order][:_SHOWN])) + ", ..." * (len(found) > _SHOWN)
         raise InvalidInputError(
-            f"the map has {len(found)} colors ({listed}) for {count} samples; there must be one "
-            "for each sample, or say which to take: colors=[...], or --colors"
+            f"the map has {len(found)} colors ({listed}) for {count} samples; it needs "
+            "one for each sample, or a list of the colors: colors=[...], or --colors"
         )
     return np.argsort(order)[inverse.ravel()].astype(np.int32)
 

@@ -399,7 +399,7 @@ class Method(ABC):
         if kind not in self.supports:
             able = ", ".join(supporting(kind))
             raise UnsupportedError(
-                f"{self.slug} does not do {CANVAS_KINDS[kind]}; these do: {able}"
+                f"{self.slug} does not support {CANVAS_KINDS[kind]}; these methods do: {able}"
             )
 
     def describe(self) -> dict[str, Any]:

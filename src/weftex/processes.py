@@ -20,7 +20,7 @@ _CHILD = "from weftex.processes import serve; serve()"
 
 
 class LostError(WeftexError):
-    """A process ended before its work: it was killed, perhaps for want of memory, or by `end`."""
+    """A process ended before its work: it was killed, perhaps for lack of memory, or by `end`."""
 
 
 class Workers:
@@ -99,7 +99,7 @@ class _Process:
         except (EOFError, OSError, pickle.UnpicklingError):
             self.kill()
             self.close()
-            raise LostError("its process was killed, perhaps for want of memory") from None
+            raise LostError("its process was killed, perhaps because memory ran out") from None
 
     def kill(self) -> None:
         self._running.kill()

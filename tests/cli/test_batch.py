@@ -87,7 +87,7 @@ def test_nothing_is_overwritten_unless_told(here, samples, capsys):
     before = contents(here / "out")
     capsys.readouterr()
     message = fails(capsys, here, "batch", "samples", "-o", "out", *WORDS)
-    assert "exists; give --skip-existing" in message
+    assert "exists; --skip-existing" in message
     (here / "out" / "grass.png").unlink()
     assert weft_run("batch", "samples", "-o", "out", *WORDS, "--skip-existing") == 0
     assert contents(here / "out") == before
@@ -141,7 +141,7 @@ def test_one_bad_sample_does_not_stop_the_others(here, samples, capsys):
     assert weft_run("batch", "samples", "-o", "out", *WORDS) == 2
     err = capsys.readouterr().err
     assert "1 of 4 jobs failed" in err and "broken.png" in err
-    assert err.endswith("; left out, as neither an image nor a map set: empty, readme.txt\n")
+    assert err.endswith("; ignored, neither an image nor a map set: empty, readme.txt\n")
     assert len(records(here / "out")) == 3
 
 
@@ -152,8 +152,8 @@ def test_one_bad_sample_does_not_stop_the_others(here, samples, capsys):
         (["--keep-best", "2"], "--keep-best is 2; it must be from 1 to --count, 1"),
         (["--template", "{other}"], "it may have {name} and {seed}"),
         (["--template", "{name.__class__}"], "it may have {name} and {seed}"),
-        (["--template", "../{name}"], "cannot name an output"),
-        (["--template", ".weftex-{name}"], "cannot name an output"),
+        (["--template", "../{name}"], "is not a file name"),
+        (["--template", ".weftex-{name}"], "is not a file name"),
         (["--template", "{name}" + 252 * "z"], "a name of "),
         (["--count", "2", "--template", "{name}"], "two outputs would be named"),
         (["--skip-existing", "--force"], "not both"),
@@ -164,7 +164,7 @@ def test_bad_words(here, samples, capsys, words, message):
 
 
 def test_folders_that_hold_nothing(here, samples, capsys):
-    assert "has no pictures" in fails(capsys, here, "batch", "samples/empty", "-o", "out")
+    assert "has no images" in fails(capsys, here, "batch", "samples/empty", "-o", "out")
     assert "cannot read the folder" in fails(capsys, here, "batch", "nowhere", "-o", "out")
     write_image(samples / "wall.png", noise((40, 40, 3)))
     assert "would both make wall" in fails(capsys, here, "batch", "samples", "-o", "out")
@@ -231,7 +231,7 @@ def test_whatever_ends_it_leaves_no_process(here, samples, number, code):
     assert len(started) == 2 and run.returncode == code, err
     assert have_ended(started)
     if number != signal.SIGKILL:
-        assert err == "weftex: stopped; --skip-existing goes on in out\n"
+        assert err == "weftex: stopped; --skip-existing continues in out\n"
         assert not list((here / "out").glob(".weftex-*"))
 
 
@@ -263,7 +263,7 @@ class Mortal:
 def test_one_batch_at_a_time_has_a_folder(here, samples, capsys):
     (here / "out").mkdir()
     held = Manifest("out")
-    assert "another batch is at work" in fails(
+    assert "another batch is running" in fails(
         capsys, here, "batch", "samples", "-o", "out", *WORDS
     )
     held.sweep()

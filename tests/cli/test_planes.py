@@ -45,7 +45,7 @@ def test_killed_at_any_moment(here):
         kills += run.returncode != 0
         if number == signal.SIGTERM and run.returncode:
             assert run.returncode == 143
-            assert err.endswith("blocks that are done are kept; the same command continues\n")
+            assert err.endswith("finished blocks are kept; repeat the command to continue\n")
     assert kills
     assert weft_run(*words) == 0
     assert files(here) == files(here, "whole")
@@ -60,7 +60,7 @@ def test_parts_and_check(here, capsys):
     assert weft_run("check", target, "--read") == 0
     assert (
         capsys.readouterr().out
-        == "p.tif is whole, as it was written: 600x600 with best-tile, seed 4\n"
+        == "p.tif is complete, all checksums match: 600x600 with best-tile, seed 4\n"
     )
     whole = files(here)
     with open(target, "r+b") as file:
@@ -86,17 +86,20 @@ def test_large_tiffs_are_planes(here, capsys):
     words = ["synth", "sample.png", *HOW[:-2], "-o", "a.tif", "--size"]
     assert "may take 4.19 TB more" in fails(capsys, here, *words, "1000kx1000k", "--quiet")
     err = fails(capsys, here, *words[:-2], "a.png", "--size", "100000")
-    assert "OUT.tif takes up to 2**20 pixels a side" in err
+    assert "OUT.tif may have 1,048,576 pixels a side" in err
 
 
 def test_bad_input_of_others(here, capsys):
     weft_run(*SYNTH, "p.tif", "--size", 200)
     for words, why in [
-        (["tile", "p.tif", "-o", "t.png"], "only check works on it"),
-        (["synth", "p.tif", "-o", "t.png"], "only check works on it"),
+        (["tile", "p.tif", "-o", "t.png"], "only 'weftex check' reads it"),
+        (["synth", "p.tif", "-o", "t.png"], "only 'weftex check' reads it"),
         (["check", "sample.png"], "there is no plane in sample.png.run beside it"),
-        (["report", "sample.png", "p.tif", "--json"], "only check works on it"),
-        ([*SYNTH, "q.tif", "--size", 200, "--save-source", "q.npz"], "--save-source has no effect"),
+        (["report", "sample.png", "p.tif", "--json"], "only 'weftex check' reads it"),
+        (
+            [*SYNTH, "q.tif", "--size", 200, "--save-source", "q.npz"],
+            "--save-source needs the whole image",
+        ),
         (["synth", "sample.png", *HOW[:-4], "--part", "1/2", "-o", "q.tif"], "--part needs --seed"),
     ]:
         assert why in fails(capsys, here, *words)

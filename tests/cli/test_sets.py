@@ -57,7 +57,7 @@ def test_synth_keeps_names_sizes_and_depths(sets, capsys):
         assert np.array_equal(out[f"Rock01_1K_{stem}"].pixels, made.maps[name])
     err = capsys.readouterr().err
     assert "map: Rock01_1K_Displacement.png is height\n" in err
-    assert "map: Rock01.png is a preview, and ignored\n" in err
+    assert "map: Rock01.png is ignored: it is a preview\n" in err
     message = fails(capsys, sets, "synth", "rock", "-o", "odd", "--size", "61x52")
     assert "map 'roughness' has a pixel for 2x2" in message and "61x52 must be multiples" in message
 
@@ -88,7 +88,7 @@ def test_fuse_pairs_maps_by_role(sets, capsys):
     assert weft_run(*words, "-o", "both", "--save-source", "both.npz") == 0
     err = capsys.readouterr().err
     assert "map of moss: moss_normal_dx.png is normal_dx (y down)\n" in err
-    assert "note: roughness is ignored: moss has none\n" in err
+    assert "note: roughness is ignored: moss has no such map\n" in err
     out = read_maps("both")
     assert {stem: one.pixels.shape[:2] for stem, one in out.items()} == {
         "Rock01_1K_Color": (40, 40), "Rock01_1K_Displacement": (40, 40),
@@ -115,14 +115,14 @@ def test_fuse_gives_missing_maps_a_value(sets, capsys):
         ("roughness=2", "from 0 to 1"),
         ("roughness=a", "must be maps and their values"),
         ("roughness=flat", "must be a number from 0 to 1"),
-        ("height=0", "no sample lacks; all samples have it"),
+        ("height=0", "no sample lacks it; all samples have it"),
         ("rougness=0", "did you mean 'roughness'"),
     ):
         assert says in fails(capsys, sets, *words[:-1], "new", "--missing", given)
     write_image("moss/moss_roughness.png", noise((44, 40)))
     assert "scale one of them" in fails(capsys, sets, *words[:-1], "new")
     write_image("moss/moss_roughness.png", noise((22, 20), np.uint16))
-    assert "save one of them as the other" in fails(capsys, sets, *words[:-1], "new")
+    assert "save both in the same format" in fails(capsys, sets, *words[:-1], "new")
 
 
 def test_fill_of_a_set_from_another(sets, capsys):
@@ -197,8 +197,8 @@ def test_what_has_no_effect_or_cannot_be(sets, capsys):
         (["synth", "rock", "-o", "x", "--maps", "color=Rock01.png,albedo=Rock01.png"], "two"),
         (["synth", "dark", "-o", "x"], "height contains NaN"),
         (["synth", "empty", "-o", "x"], "the file is empty"),
-        (["synth", "lods", "-o", "x"], "two pictures named normal"),
-        (["synth", "rock", "-o", "one.png"], "several files are written; name a folder"),
+        (["synth", "lods", "-o", "x"], "two of its files are normal"),
+        (["synth", "rock", "-o", "one.png"], "the output has several files; name a folder"),
         (["fuse", "rock", "moss", "-o", "x", *gradient, "--missing", "=1"], "each once"),
         (["replay", "rock", "rock", "-o", "x"], "rock"),
         (["report", "rock", "nowhere", "--json"], "nowhere"),

@@ -61,9 +61,9 @@ def test_empty_and_text(tmp_path, name, capfd):
     (tmp_path / name).write_bytes(b"")
     fails(tmp_path / name, "the file is empty")
     (tmp_path / name).write_text("this is no picture\n" * 100)
-    fails(tmp_path / name, r"not a picture that weftex reads \(\.png, ")
+    fails(tmp_path / name, r"not an image that weftex reads \(\.png, ")
     (tmp_path / name).write_bytes(b"P")
-    fails(tmp_path / name, "not a picture")
+    fails(tmp_path / name, "not an image")
     captured = capfd.readouterr()
     assert captured.out + captured.err == ""
 

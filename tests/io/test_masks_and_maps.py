@@ -69,11 +69,11 @@ def test_maps(tmp_path):
     fails(tmp_path / "albedo.2.exr", "4 x 5 pixels are more than max_pixels = 16",
           lambda p: read_maps(tmp_path, max_pixels=16))  # fmt: skip
     (tmp_path / "height.tif").write_text("x")
-    fails(tmp_path / "height.tif", "not a picture", lambda p: read_maps(tmp_path))
+    fails(tmp_path / "height.tif", "not an image", lambda p: read_maps(tmp_path))
 
 
 def test_maps_that_are_not_there(tmp_path):
-    fails(tmp_path, r"has no pictures \(\.png", read_maps)
+    fails(tmp_path, r"has no images \(\.png", read_maps)
     fails(tmp_path / "no", "No such file", read_maps)
     (tmp_path / "file").write_text("x")
     fails(tmp_path / "file", "Not a directory", read_maps)

@@ -240,7 +240,7 @@ def test_without_the_library(monkeypatch, tmp_path, capsys):
     """As on a free-threaded Python, for which there is none."""
     monkeypatch.setitem(sys.modules, "OpenImageIO", None)
     assert weft_run("synth", "sample:pebbles", "-o", tmp_path / "a.png", "--size", 8) == 2
-    line = "picture files need OpenImageIO, which cannot be loaded here"
+    line = "image files need OpenImageIO, which cannot be loaded here"
     assert capsys.readouterr().err.splitlines() == [f"weftex: error: {line}"]
 
 

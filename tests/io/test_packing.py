@@ -92,13 +92,13 @@ def test_what_is_filled_in_converted_or_left_out_is_said(tmp_path):
     assert (found["orm"][..., 0] == 255).all() and (found["orm"][..., 2] == 0).all()
     assert np.array_equal(found["height"], np.rint(maps["height"] / 257))
     assert notes == [
-        "color has values from 0 to 2; those outside 0 to 1 are cut off",
+        "color has values from 0 to 2; values outside 0 to 1 are clipped",
         "color is rounded from floats to 8 bits",
         "normal is read as normals whose y points up; if it points down, name the map normal_dx",
         "ao is missing, so it is 1 everywhere in m_orm",
         "metallic is missing, so it is 0 everywhere in m_orm",
         "height is rounded from 16 to 8 bits",
-        "cavity is left out: preset godot has no place for it",
+        "cavity is left out: preset godot has no file for it",
     ]
     arm = noise((2, 4, 3))
     maps = {"height": maps["height"], "arm": arm, "base": noise((2, 4, 4))}
@@ -113,7 +113,7 @@ def test_what_is_filled_in_converted_or_left_out_is_said(tmp_path):
                            tmp_path / "d", "blender")  # fmt: skip
     assert np.array_equal(found["metallic"], arm[..., 2]) and notes == []
     _, notes = written({"orm": arm, "normal_gl": normals((2, 4))}, tmp_path / "e", "terrain3d")
-    assert "ao, metallic of orm is left out: preset terrain3d has no place for it" in notes
+    assert "ao, metallic of orm is left out: preset terrain3d has no file for it" in notes
     signed = normals((2, 4)) / np.float32(127.5) - 1
     found, _ = written({"normal_gl": signed}, tmp_path / "c", "unreal")
     assert np.array_equal(found["Normal"][..., 1] / 257, 255 - normals((2, 4))[..., 1])
@@ -132,8 +132,8 @@ def test_maps_that_do_not_fit_are_refused_before_anything_is_written(tmp_path):
             "orm has 1 channel, and orm packs ao, rough",
         ),
         ({"roughness": noise((6, 9, 3))}, "gltf", "its 3 channels differ; save it as gray"),
-        ({"roughness": None}, "terrain3d", "roughness or gloss into m_nrm_rgh, and m has none"),
-        ({"roughness": None}, "unity-urp", "gloss or roughness into m_MetallicOcclusion"),
+        ({"roughness": None}, "terrain3d", "roughness or gloss for m_nrm_rgh, but m has only"),
+        ({"roughness": None}, "unity-urp", "gloss or roughness for m_MetallicOcclusion"),
         (dict.fromkeys(good) | {"cavity": noise((6, 9))}, "godot", "m has only cavity"),
         ({"height": floats["height"] + 2}, "godot", "height has values from 2 to 2"),
         ({"height": np.zeros((6, 9), np.int32)}, "godot", "height has dtype int32"),
@@ -230,7 +230,7 @@ def test_commands(tmp_path, monkeypatch, capsys):
     write_image("packed/T_packed_ORM.png", maps["ao"])
     write_image("wall/T_other_ORM.png", maps["color"])
     for bad, says in (
-        (["pack", "wall", "-o", "wall", "--preset", "godot"], "is an input, which is not replaced"),
+        (["pack", "wall", "-o", "wall", "--preset", "godot"], "is an input; name another file"),
         (["pack", "wall", "-o", "new"], "--preset is missing; known: ambientcg, blender"),
         (["unpack", "packed", "-o", "new"], "--preset is missing"),
         (["unpack", "packed", "-o", "new", "--preset", "godot"], "files named {name}_albedo"),

@@ -170,7 +170,7 @@ def test_only_joints_are_refined(init):
     assert not same[seams].all() and same.mean() > 0.2
     with pytest.raises(weftex.InvalidInputError, match="joints has no effect unless init is"):
         weftex.Refinement(init="seeds", joints=10)
-    with pytest.raises(weftex.InvalidInputError, match="joints and a guide exclude each other"):
+    with pytest.raises(weftex.InvalidInputError, match="give joints or a guide, not both"):
         weftex.synthesize(pixels, 72, method=method, guide=pixels)
 
 

@@ -82,7 +82,7 @@ def test_parts_are_the_whole(sample, whole, tmp_path):
     with pytest.raises(FileError, match=r"10 blocks are missing; parts .* 2/3 \(10 blocks\)"):
         check(target)
     assert write_plane(PlaneFile(made_of, target, (2, 3))).made == 10
-    with pytest.raises(FileError, match="only smaller versions are missing"):
+    with pytest.raises(FileError, match="only overviews are missing"):
         check(target)
     assert write_plane(PlaneFile(made_of, target)).made == 9
     assert plain(tmp_path) == whole
@@ -123,7 +123,7 @@ def test_a_disk_that_fills(sample, whole, tmp_path, monkeypatch):
         put(self, place, pixels)
 
     monkeypatch.setattr(TiffStore, "put", fill)
-    with pytest.raises(FileError, match="No space left on device; blocks that are done are kept"):
+    with pytest.raises(FileError, match="No space left on device; finished blocks are kept"):
         weftex.planes.stream(sample, tmp_path / "p.tif", SIZE, threads=1, **HOW)
     monkeypatch.undo()
     assert weftex.planes.stream(sample, tmp_path / "p.tif", SIZE, **HOW).made == 33

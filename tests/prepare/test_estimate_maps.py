@@ -101,7 +101,7 @@ def test_small_photos(shape):
         (hills(), {"maps": ["ao"], "radius": 0.5}, "radius is 0.5; it must be 1 or more"),
         ("sample:stone_wall", {"maps": ["ao"]}, "has ao; leave ao out"),
         ("sample:stone_wall/normal", {"maps": ["roughness"]}, "no color to estimate roughness"),
-        ("sample:stone_wall", {}, "has color, ao, height, normal, roughness; nothing"),
+        ("sample:stone_wall", {}, "already has color, ao, height, normal, roughness"),
     ],
 )
 def test_bad_input(sample, how, message):

@@ -81,7 +81,7 @@ def test_methods_side_by_side(page):
     guide = page.upload(png_bytes(read_image("sample:bricks").pixels[:64, :64]))["id"]
     plain = {"materials": [BRICKS], "size": [64, 64], "seed": 1}
     found = page.job({**plain, "guide": guide}, methods=["quilting", "ashikhmin"])["results"]
-    assert "does not do following a guide" in found[0]["error"]
+    assert "does not support following a guide" in found[0]["error"]
     assert [one["method"] for one in found] == ["quilting", "ashikhmin"]
     assert found[1]["figures"]["score"] > 0 and found[1]["seconds"] > 0
     assert page.refused("jobs", {"recipe": plain, "methods": ["no"]})["error"].startswith("unknown")

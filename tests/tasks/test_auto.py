@@ -29,7 +29,7 @@ def with_(**changes):
 
 
 RULE = [
-    (GRASS, Canvas(1024, 1024), "graphcut", r"structure is fine \(12.5 px of 256\)"),
+    (GRASS, Canvas(1024, 1024), "graphcut", r"features are small \(12.5 px of 256\)"),
     (with_(scale=9.5), Canvas(512, 512), "graphcut", r"fine \(9.5 px of 256\)$"),
     (with_(scale=9.5, sidedness=(0.0, 0.1)), Canvas(512, 512), "graphcut", r"px of 256\)$"),
     (with_(scale=9.5, sidedness=(0.0, 0.0)), Canvas(512, 512), "graphcut", "same from all sides$"),
@@ -334,7 +334,7 @@ def test_a_mask_that_leaves_little_gets_a_method_that_takes_it():
     fine = weftex.Exemplar(grains.astype(np.uint8), mask=mask[:120, :120])
     choice, _ = weftex.Auto().fit(fine).chosen((1100, 1100))
     assert choice.method in ("graphcut", "ashikhmin")
-    assert " cannot be fitted (" in choice.reason
+    assert " cannot use the sample (" in choice.reason
     wide = np.zeros((700, 900), bool)
     wide[640:, 850:] = True
     assert look(weftex.Exemplar(np.zeros((700, 900), np.uint8), mask=wide)).colors == 1

@@ -93,7 +93,7 @@ def test_a_mask_that_covers_nothing_changes_nothing():
 
 def test_a_mask_that_covers_everything_needs_a_sample():
     photo, everything = noise((50, 60, 3)), np.ones((50, 60), bool)
-    with pytest.raises(weftex.InvalidInputError, match="nothing to learn from.*sample"):
+    with pytest.raises(weftex.InvalidInputError, match="no pixels are left to copy from.*sample"):
         weftex.fill(photo, everything)
     sample = noise((64, 64, 3), seed=1)
     result = weftex.fill(photo, everything, sample=sample, seed=1, blend="none")

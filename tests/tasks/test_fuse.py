@@ -176,7 +176,7 @@ def test_what_does_not_fit_is_refused():
     refused("colors of the samples beside", [A, B], HALVES + 5, mixed={2: (0, 1)})
     for method in ("quilting", "patch-sampling", "near-regular"):
         refused(
-            "several samples in one picture; these do: .*refinement", [A, B], HALVES, method=method,
+            "several samples in one picture; .*refinement", [A, B], HALVES, method=method,
             error=weftex.UnsupportedError,
         )  # fmt: skip
     refused("nowhere.png", [A, B], "nowhere.png", error=weftex.FileError)

@@ -295,5 +295,5 @@ def test_distances_wrap_around():
 def test_what_is_refused(spotted):
     with pytest.raises(weftex.InvalidInputError, match="must be one of auto, keep, thin, remove"):
         weftex.synthesize(spotted, 64, landmarks="some")
-    with pytest.raises(weftex.InvalidInputError, match="allow only keep"):
+    with pytest.raises(weftex.InvalidInputError, match="it must be keep"):
         weftex.synthesize(weftex.prepare.turned(spotted, "half"), 64, landmarks="thin")

@@ -85,9 +85,10 @@ def main(argv: list[str] | None = None) -> int:
         say(end.left, "stopped")
         return end.code
     except MemoryError as error:
-        say(f"not enough memory{f' ({error})' if str(error) else ''}; make it smaller", "error")
+        size = f" ({error})" if str(error) else ""
+        say(f"not enough memory{size}; make the image smaller", "error")
     except WeftexError as error:
-        hint = "; --allow-huge takes it anyway" if "max_pixels" in str(error) else ""
+        hint = "; --allow-huge accepts it" if "max_pixels" in str(error) else ""
         say(f"{error}{hint}", "error")
     except BrokenPipeError:  # such as 'weftex methods | head'
         return 141

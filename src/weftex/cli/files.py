@@ -44,8 +44,8 @@ def read_input(path: str, args: argparse.Namespace, maps: dict[str, str] | None 
 
         if Record(path).begun():
             raise InvalidInputError(
-                f"{path} is written block by block, and may be larger than memory: only "
-                "check works on it. Use a window of it: weftex synth --window"
+                f"{path} was written block by block, and may be larger than memory: "
+                "only 'weftex check' reads it; for a part of it, use 'weftex synth --window'"
             )
     return read_material(path, maps, max_pixels=None if args.allow_huge else MAX_PIXELS)
 

@@ -71,7 +71,7 @@ def _in_pixels(text: str, path: str, args: argparse.Namespace, command: str) -> 
     except ValueError:
         return text  # of pixels, or wrong
     if command == "batch":
-        raise InvalidInputError(f"--size is '{text}'; batch takes pixels, as samples may differ")
+        raise InvalidInputError(f"--size is '{text}'; batch needs pixels, as samples may differ")
     from weftex.cli.files import read_input
     from weftex.recipe.opening import measured
 
@@ -146,7 +146,7 @@ def _refuse_parameter(option: str) -> None:
 def check_numbers(args: argparse.Namespace) -> None:
     """Raise `InvalidInputError` unless what all tasks take is in its range."""
     if args.quiet and getattr(args, "verbose", False):
-        raise InvalidInputError("--quiet and --verbose exclude each other")
+        raise InvalidInputError("give --quiet or --verbose, not both")
     if args.threads is not None and args.threads < 1:
         raise InvalidInputError(f"--threads is {args.threads}; it must be 1 or more")
 
@@ -177,5 +177,5 @@ def check_size(size: tuple[int, int], args: argparse.Namespace) -> None:
     if height * width > HUGE and not any_size:
         raise InvalidInputError(
             f"--size is '{SIZE.text(size)}', more than {HUGE // 10**6} megapixels; --allow-huge "
-            "makes it anyway, and OUT.tif takes up to 2**20 pixels a side"
+            "allows it; OUT.tif may have 1,048,576 pixels a side"
         )

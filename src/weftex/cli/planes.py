@@ -20,13 +20,8 @@ from weftex.planes.definition import Definition
 from weftex.planes.tiff import SUFFIXES
 from weftex.recipe import Recipe
 
-#: Options of synth that ask for the whole picture.
-_WHOLE = {
-    "--guide": "a guide is a picture of the whole size",
-    "--sample-guide": "a guide is a picture of the whole size",
-    "debug": "its pictures are of the whole size",
-    "save_source": "its sources are made again with each block",
-}
+#: Options of synth that need the whole image.
+_WHOLE = ("--guide", "--sample-guide", "debug", "save_source")
 
 
 def is_plane(recipe: Recipe, args: argparse.Namespace) -> bool:
@@ -38,8 +33,7 @@ def is_plane(recipe: Recipe, args: argparse.Namespace) -> bool:
         return large or bool(given_blocks(args))
     for name in given_blocks(args):
         raise InvalidInputError(
-            f"--{name} has no effect: only planes are written block by block, to "
-            f"{', '.join(SUFFIXES)}"
+            f"--{name} has no effect: only {', '.join(SUFFIXES)} is written block by block"
         )
     return False
 
@@ -48,12 +42,14 @@ def check_options(args: argparse.Namespace) -> None:
     """Refuse options that make no sense for a plane, before anything is read."""
     from weftex.planes.layout import check_block
 
-    for name, why in _WHOLE.items():
+    for name in _WHOLE:
         if getattr(args, name, None):
             option = name if name.startswith("--") else f"--{name.replace('_', '-')}"
-            raise InvalidInputError(f"{option} has no effect on {args.output}: {why}")
+            raise InvalidInputError(
+                f"{option} needs the whole image, and {args.output} is written block by block"
+            )
     if getattr(args, "--best-of") not in (None, "1"):
-        raise InvalidInputError("--best-of makes whole pictures; name a method and a seed")
+        raise InvalidInputError("--best-of needs the whole image; name a method and a seed")
     given = [name for name in ("part", "workers") if getattr(args, name) is not None]
     if len(given) > 1:
         raise InvalidInputError(f"--{given[0]} and --{given[1]} exclude each other; give one")
@@ -139,7 +135,7 @@ def _write(args: argparse.Namespace, definition: Definition, bar: Bar) -> str:
             f"{part}{args.output} is written block by block: {left} of {plane.count} blocks "
             f"are left, up to {in_words(most_bytes(plane, left))}"
         )
-    bar.left = "blocks that are done are kept; the same command continues"
+    bar.left = "finished blocks are kept; repeat the command to continue"
     how: dict[str, Any] = {"restart": args.restart, "progress": bar}
     how |= {"threads": args.threads, "check_disk": not args.allow_huge}
     with ExitStack() as stack:
@@ -159,5 +155,5 @@ def _write(args: argparse.Namespace, definition: Definition, bar: Bar) -> str:
         f"{took:.2f} s{speed}"
     )
     if args.part:
-        line += "\nwhen all parts are there, the same command without --part makes what is left"
+        line += "\nafter all parts, run the command without --part: it writes the overviews"
     return (f"auto: {definition.reason}\n" if definition.reason else "") + line

@@ -159,7 +159,7 @@ def _make(recipe: Recipe, args: argparse.Namespace, bar: Bar, outputs: Outputs) 
     if debug is not None:
         write_debug(result, debug, outputs)
     if recipe.task == "fill" and not job.hole.any():
-        return f"the mask covers nothing; {args.output} is the photo unchanged"
+        return f"the mask is empty; {args.output} is the unchanged photo"
     return report(args, result, _done(job, result), bar.took - start, plan.told)
 
 
@@ -171,7 +171,7 @@ def _done(job: OpenedRecipe, result: Synthesis) -> str:
         return f"fused {len(job.prepared)} samples in"
     made = f"made {result.shape[1]}x{result.shape[0]}"
     if job.shape != job.asked:
-        made += f", which fits the sample in place of {job.asked[1]}x{job.asked[0]}:"
+        made += f", the nearest size to {job.asked[1]}x{job.asked[0]} that fits:"
     return {"synth": made, "tile": "made tileable:"}[job.recipe.task]
 
 

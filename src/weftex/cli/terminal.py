@@ -128,7 +128,7 @@ def refuse_input(path: str) -> None:
         folder = os.path.isdir(one) and os.path.isfile(path)
         inside = [os.path.join(one, name) for name in os.listdir(one)] if folder else []
         if any(os.path.exists(read) and os.path.samefile(read, path) for read in (one, *inside)):
-            raise InvalidInputError(f"{path} is an input, which is not replaced; name another")
+            raise InvalidInputError(f"{path} is an input; name another file")
 
 
 class Outputs:
@@ -159,7 +159,7 @@ class Outputs:
         if os.path.isdir(path):
             return
         if suffix_of(path) in READABLE:
-            raise FileError(f"{path}: several files are written; name a folder")
+            raise FileError(f"{path}: the output has several files; name a folder")
         try:
             os.mkdir(path)
         except OSError as error:

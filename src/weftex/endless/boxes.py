@@ -109,6 +109,5 @@ def check_period(period: tuple[int, int] | None, least: int) -> None:
     for name, length in zip(("height", "width"), period or (), strict=False):
         if length < least:
             raise InvalidInputError(
-                f"period has the {name} {length}; it must be {least} or more with this method and "
-                "sample, or make a tileable picture of that size"
+                f"period has the {name} {length}; it must be {least} or more with this sample"
             )

@@ -122,8 +122,8 @@ def typical_pieces(
         height, width = exemplar.shape
         what = " in phase with its lattice" if vectors else ""
         raise InvalidInputError(
-            f"{exemplar.name} is {width}x{height}, which has no usable {belt}x{belt} pixels{what} "
-            "for the corners of tiles; give a larger sample, or a smaller tile size"
+            f"{exemplar.name} is {width}x{height}, too small for the corners of tiles: they need "
+            f"{belt}x{belt} usable pixels{what}; give a larger sample, or a smaller tile size"
         )
     some = draw(seed, "corner", np.arange(_CANDIDATES)) % np.uint64(len(places))
     places = places[np.unique(some)]
@@ -163,7 +163,8 @@ def size_with_periods(
 
     Raises `InvalidInputError`, which names them, if they are far away.
     """
-    found, asked = list[int](), f"no tile of about {wish[1]}x{wish[0]} pixels has whole periods of"
+    found: list[int] = []
+    asked = f"no tile of about {wish[1]}x{wish[0]} pixels contains whole periods of"
     for axis, length in enumerate(wish):
         reach = [int(_FAR * length), 1]
         ends = CanvasLattice(vectors).steps(*(reach if axis == 0 else reach[::-1])) / _PARTS

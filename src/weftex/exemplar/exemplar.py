@@ -126,7 +126,7 @@ class Exemplar(Displayable):
             raise InvalidInputError(f"maps is {shown(maps)}; it must map names to arrays")
         for key in maps or ():
             if not isinstance(key, str):
-                raise InvalidInputError(f"maps has the name {shown(key)}; it must be a text")
+                raise InvalidInputError(f"maps has the name {shown(key)}; it must be a string")
         own = {key: as_map(value, key) for key, value in (maps or {}).items()}
         self._maps = {k: one if one.name == k else one.changed(name=k) for k, one in own.items()}
         self.maps = {key: one.pixels for key, one in self._maps.items()}

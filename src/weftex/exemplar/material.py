@@ -242,12 +242,14 @@ def _by_role(
         return dict(paths), {stem: role or COLOR for stem, role in found.items()}
     previews = [stem for stem in paths if is_preview(stem)]
     if len(previews) < len(paths):
-        notes += [f"{os.path.basename(paths[stem])} is a preview, and ignored" for stem in previews]
+        notes += [
+            f"{os.path.basename(paths[stem])} is ignored: it is a preview" for stem in previews
+        ]
         found = {stem: role for stem, role in found.items() if stem not in previews}
     known = {stem: role for stem, role in found.items() if role is not None}
     for stem in [stem for stem in found if is_name_of(stem, [*known])]:
         if COLOR in known.values():  # ambientCG shows the material under its bare name
-            notes.append(f"{os.path.basename(paths[stem])} is a preview, and ignored")
+            notes.append(f"{os.path.basename(paths[stem])} is ignored: it is a preview")
             del found[stem]
         else:
             found[stem] = known[stem] = COLOR
@@ -255,8 +257,7 @@ def _by_role(
     if unknown:
         some = ", ".join(unknown[:4]) + (", ..." if len(unknown) > 4 else "")
         raise InvalidInputError(
-            f"{folder} is read as the maps of one material, but the names of some pictures name "
-            f"no map ({some}); {_FIX}"
+            f"{folder} is read as one material, but some file names match no map ({some}); {_FIX}"
         )
     _refuse_twins(known, folder)
     order = sorted(known)
@@ -284,7 +285,7 @@ def _refuse_twins(roles: Mapping[str, Role], folder: str) -> None:
     for name, role in roles.items():
         if role.name in seen:
             raise InvalidInputError(
-                f"{folder} is read as the maps of one material, but has two pictures named "
+                f"{folder} is read as one material, but two of its files are "
                 f"{role.name} ({seen[role.name]}, {name}); {_FIX}"
             )
         seen[role.name] = name

@@ -80,7 +80,7 @@ def image_library() -> Any:
     try:
         import OpenImageIO  # 20 ms, for those who read or write a picture
     except ImportError:
-        raise FileError("picture files need OpenImageIO, which cannot be loaded here") from None
+        raise FileError("image files need OpenImageIO, which cannot be loaded here") from None
 
     return OpenImageIO
 
@@ -90,7 +90,7 @@ def path_text(path: StrPath) -> str:
     try:
         return os.fsdecode(path)
     except (TypeError, ValueError):
-        raise InvalidInputError(f"path is {shown(path)}; it must be a text or a path") from None
+        raise InvalidInputError(f"path is {shown(path)}; it must be a string or a path") from None
 
 
 def suffix_of(path: str) -> str:
@@ -115,7 +115,7 @@ def kind_of(name: str, given: str) -> str:
     """Return the format that the first bytes of the file show."""
     try:
         if os.path.isdir(name):
-            raise file_error(given, "is a folder; name a picture in it")
+            raise file_error(given, "is a folder; name an image in it")
         if os.path.exists(name) and not os.path.isfile(name):
             raise file_error(given, "is not a regular file")
         name.encode()  # the library takes no other names
@@ -138,9 +138,9 @@ def kind_of(name: str, given: str) -> str:
         return "targa"
     if head[4:12] in (b"ftypheic", b"ftypheix", b"ftypmif1", b"ftypavif"):
         raise file_error(
-            given, "is a HEIC or AVIF picture; convert it to PNG first, as with heif-convert"
+            given, "is a HEIC or AVIF image; convert it to PNG first, as with heif-convert"
         )
-    raise file_error(given, f"is not a picture that weftex reads ({', '.join(READABLE)})")
+    raise file_error(given, f"is not an image that weftex reads ({', '.join(READABLE)})")
 
 
 def check_png(file: IO[bytes], given: str) -> None:

@@ -118,7 +118,7 @@ def _locked(folder: str) -> int | None:
         fcntl.flock(held, fcntl.LOCK_EX | fcntl.LOCK_NB)
     except BlockingIOError:
         os.close(held)
-        raise FileError(f"{folder}: another batch is at work in this folder") from None
+        raise FileError(f"{folder}: another batch is running in this folder") from None
     except OSError as error:  # some network folders know no locks
         if held < 0:
             raise FileError(f"{folder}: cannot read the folder: {error.strerror}") from None

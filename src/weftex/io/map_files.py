@@ -27,7 +27,7 @@ def map_files(folder: StrPath) -> tuple[dict[str, str], list[str]]:
         paths, notes = _listed(inner, given)
         notes.insert(0, f"maps are those in {show(os.path.join(given, _INNER))}")
     if not paths:
-        raise file_error(given, f"has no pictures ({', '.join(READABLE)})")
+        raise file_error(given, f"has no images ({', '.join(READABLE)})")
     return paths, notes
 
 

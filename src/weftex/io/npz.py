@@ -39,10 +39,10 @@ class Arrays:
             raise DamageError("its arrays have no names of their own")
         lengths = {name: self._lengths(name) for name in self._names}
         if max(lengths["about"]) > MOST_FACTS:
-            raise DamageError("its facts are too long")
+            raise DamageError("its description is too long")
         self.facts = json.loads(str(file["about"]))
         if not isinstance(self.facts, dict):
-            raise ValueError("facts are an object")
+            raise ValueError("its description is not an object")
         self.size = sum(map(max, lengths.values()))
         self._whole = all(said == there for said, there in lengths.values())
 

@@ -172,7 +172,7 @@ def fitted_file(name: str, key: str, like: Picture, role: str) -> tuple[PackedFi
         what = bits if dtype == "float32" else f"{8 * kept.dtype.itemsize} bits"
         notes.append(f"{given} became {what}, as {suffix_of(name)} does not hold {given}")
     if kept.alpha and not form.alpha:
-        notes.append(f"alpha is left out, which {suffix_of(name)} does not hold")
+        notes.append(f"alpha is left out, because {suffix_of(name)} cannot store it")
         kept = replace(kept, parts=(kept.parts[0]._replace(strip=True),), alpha=False)
     return kept, notes
 

@@ -63,14 +63,14 @@ def pack_set(
     if not files:
         wanted = ", ".join(role for role in packer.listed if role != UNUSED)
         raise InvalidInputError(
-            f"preset {preset.name} needs one of {wanted}, and {name} has only {packer.have}"
+            f"preset {preset.name} needs one of {wanted}, but {name} has only {packer.have}"
         )
     for key, role in roles.items():
         used = packer.used.get(key, set())
         left = [one for one in role.channels if one not in used and one != UNUSED]
         if not used or left:
             what = f"{', '.join(left)} of {key}" if used else key
-            packer.notes.append(f"{what} is left out: preset {preset.name} has no place for it")
+            packer.notes.append(f"{what} is left out: preset {preset.name} has no file for it")
     return PackedSet(tuple(files), tuple(packer.notes), name, preset.material)
 
 
@@ -126,8 +126,8 @@ class _Packer:
         if role not in self.preset.missing:
             wanted = " or ".join((role, *_MADE_FROM.get(role, ())))
             raise InvalidInputError(
-                f"preset {self.preset.name} packs {wanted} into {stem}, and {self.name} has none "
-                f"(only {self.have}); add a map of it"
+                f"preset {self.preset.name} needs {wanted} for {stem}, but {self.name} has only "
+                f"{self.have}; add a map of it"
             )
         value = self.preset.missing[role]
         self.notes.append(f"{role} is missing, so it is {value:g} everywhere in {stem}")
@@ -204,9 +204,9 @@ class _Packer:
             outside = pixels.dtype.kind == "f" and not -_SLACK <= low <= high <= 1 + _SLACK
             said = f"{part.source} has values from {low:g} to {high:g}"
             if outside and ROLES[part.role].kind == "color":
-                self.notes.append(f"{said}; those outside 0 to 1 are cut off")
+                self.notes.append(f"{said}; values outside 0 to 1 are clipped")
             elif outside and ROLES[part.role].kind != "normal":
-                raise InvalidInputError(f"{said}, and a {suffix} file holds 0 to 1; scale them")
+                raise InvalidInputError(f"{said}, but {suffix} stores 0 to 1; scale them")
         for key, one in types.items():
             if one.itemsize > dtype.itemsize:
                 what = "floats" if one.kind == "f" else "16"

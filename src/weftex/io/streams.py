@@ -63,7 +63,7 @@ def as_files(argv: list[str], before_sending: Callable[[], None]) -> Iterator[li
                 open(written, "wb").close()
             elif word == "-":
                 if read:
-                    raise InvalidInputError("standard input can be read once")
+                    raise InvalidInputError("standard input can be read only once")
                 words[place] = read = _received(None if "--allow-huge" in argv else _MOST_BYTES)
         if not written:
             yield words
@@ -104,7 +104,7 @@ def _received(most: int | None) -> str:
         raise file_error("standard input", "cannot read", error) from None
     suffix = next((suffix for start, suffix in _STARTS.items() if head.startswith(start)), "")
     if not suffix:
-        raise FileError(f"standard input {'has no picture' if head else 'is empty'}")
+        raise FileError(f"standard input {'has no image' if head else 'is empty'}")
     path, count = f"{_folder}standard input{suffix}", 0
     try:
         with open(path, "wb") as file:
@@ -112,8 +112,7 @@ def _received(most: int | None) -> str:
                 count += len(head)
                 if most is not None and count > most:
                     raise FileError(
-                        f"standard input has more than {most / 2**30:.3g} GiB; --allow-huge takes "
-                        "it anyway"
+                        f"standard input is over {most / 2**30:.3g} GiB; --allow-huge accepts it"
                     )
                 file.write(head)
                 head = source.read(2**20)

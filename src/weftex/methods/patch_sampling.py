@@ -54,7 +54,7 @@ class PatchSampling(PatchMethod):
     )
     choice: str = parameter(
         "uniform",
-        "draw from the matching patches: all equally often, or similar ones more often",
+        "how a match is drawn: all equally often, or more similar ones more often",
         choices=("uniform", "similarity"),
     )
 

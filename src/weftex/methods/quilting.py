@@ -42,7 +42,7 @@ class Quilting(PatchMethod):
     boundary_share: ClassVar[float] = 1 / 6  # section 2.2
     boundary_width: int | None = parameter(
         None,
-        "width of the overlap that must match and is cut; wider gives the cut more room",
+        "width of the overlap that must match and is cut; wider hides the cut better",
         low=1,
         unit="px",
         default_text="a sixth of the patch size, at least 4",
@@ -50,7 +50,7 @@ class Quilting(PatchMethod):
     )
     tolerance: float = parameter(
         0.1,
-        "how much worse than the best a match may be, as a share of it; higher is more random",
+        "how much worse than the best match a patch may be, as a share; higher is more random",
         low=0.0,
         control="variety",
     )

@@ -21,7 +21,7 @@ Bytes = NDArray[np.uint8]
 _CAPTIONS = {
     "broken": (
         "Broken things",
-        "Red where windows of a third of the sample's side are unlike all of the sample's.",
+        "Red: windows of a third of the sample's side that look like no window of the sample.",
     ),
     "source": (
         "Source",
@@ -34,9 +34,8 @@ _CAPTIONS = {
 }
 _HEAD = ("Measure", "Result", "Real", "Limit", "", "Judges", "Meaning")
 _LEGEND = (
-    "Real: the halves of the sample, each measured as if it had been made from the other. Judges: "
-    "the share of judged pairs of pictures that the measure alone orders as a judge did; 50% is a "
-    "coin. A dash: cannot be measured."
+    "Real: each half of the sample, measured as a result of the other half. Judges: the share of "
+    "image pairs that the measure alone orders as a judge did; 50 % is chance. A dash: no value."
 )
 
 
@@ -273,4 +272,4 @@ def _another(source: Synthesis, exemplar: Exemplar, pixels: NDArray[Any]) -> lis
     apart = float(abs(np.subtract(*levels)).mean())
     if apart <= _SAME:
         return []
-    return [f"The result differs from the picture of its source by {apart:.1f} levels on average."]
+    return [f"The result differs from the image of its sources by {apart:.1f} levels on average."]

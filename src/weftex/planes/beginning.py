@@ -80,7 +80,7 @@ def _refuse_other(plane: PlaneFile, run: Run) -> None:
         if found != wanted:
             values = f"{shown(found)}, here {shown(wanted)}"
             raise InvalidInputError(
-                f"{plane.path} was started by another run: its {_NAMES.get(name, name)} is "
+                f"{plane.path} was started with other settings: its {_NAMES.get(name, name)} is "
                 f"{'different' if name == 'digest' else values}; --restart starts again, or name "
                 "another file"
             )

@@ -58,7 +58,7 @@ def unpacked(facts: Iterable[Any], arrays: Mapping[str, NDArray[Any]]) -> list[E
         role = Role(one["role"]["name"], one["role"]["kind"], (), tuple(one["role"]["channels"]))
         texts = (one["name"], role.name, role.kind, *role.channels)
         if not all(isinstance(text, str) for text in texts):
-            raise ValueError("a name is no text")
+            raise ValueError("a name is not a string")
         given = {name: one[name] for name in _FLAGS}
         given |= {"role": role, "mask": arrays.get(f"mask{k}")}
         if f"icc{k}" in arrays:
@@ -131,8 +131,8 @@ class Definition:
         whole = all(side.denominator == 1 for side in sides) and block.bit_count() == 1
         if scales[0] != scales[1] or not whole or block < 16:
             raise InvalidInputError(
-                f"map '{name}' does not suit a plane: maps must be 1, 2 or 4 times as large as "
-                "the sample, or 2, 4 or 8 times smaller, and the plane's size must be a "
+                f"map '{name}' cannot be written block by block: maps must be 1, 2 or 4 times as "
+                "large as the sample, or 2, 4 or 8 times smaller, and the size must be a "
                 "multiple of their scale"
             )
         dtype = "float32" if picture.pixels.dtype.kind == "f" else picture.pixels.dtype.name
@@ -281,11 +281,11 @@ def _check_plain(about: Mapping[str, Any], names: Iterable[Any]) -> None:
     """Refuse numbers that are none, and names of files that lead elsewhere."""
     whole = [about[name] for name in ("seed", "height", "width", "block")]
     if {*map(type, whole)} != {int} or not 0 <= about["seed"] < 2**64:
-        raise ValueError("its numbers are none")
+        raise ValueError("its numbers are invalid")
     if [*map(type, about["wrap"])] != [bool, bool]:
-        raise ValueError("it repeats in no known way")
+        raise ValueError("its period is invalid")
     if not (about["density"] is None or 0 < about["density"] < MOST_DENSITY):
-        raise ValueError("its density is none")
+        raise ValueError("its density is invalid")
     for name in names:
         if not isinstance(name, str) or name in ("", ".", "..") or not name.isprintable():
             raise ValueError("a file has no name")

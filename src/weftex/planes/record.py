@@ -60,7 +60,7 @@ class Run:
                 raise ValueError("a file lies elsewhere")
         types = [type(self.name), type(self.begun), type(self.files), type(self.about)]
         if types != [str, bool, list, dict]:
-            raise TypeError("it is no run")
+            raise TypeError("it is not a run of weftex")
 
 
 class Record:

@@ -49,7 +49,7 @@ def in_processes(
             workers.do((record.run, place))
         except LostError:
             raise FileError(
-                f"the block {place} was given up: a worker process was killed, perhaps for lack of "
+                f"the block {place} was not made: a worker process was killed, perhaps for lack of "
                 f"memory; {KEPT}"
             ) from None
         return place

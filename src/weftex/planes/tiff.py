@@ -34,7 +34,7 @@ _SHORT, _LONG, _RATIONAL, _UNDEFINED, _LONG8 = 3, 4, 5, 7, 16
 _CODES = {_SHORT: "<u2", _LONG: "<u4", _RATIONAL: "<u8", _UNDEFINED: "u1", _LONG8: "<u8"}
 MOST_DENSITY = 2**31  # pixels per meter
 _RGB = 3
-KEPT = "blocks that are done are kept, and the same command continues"
+KEPT = "finished blocks are kept; repeat the command to continue"
 REPAIR = "'weftex check --repair' makes it again"
 
 

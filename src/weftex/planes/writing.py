@@ -156,8 +156,8 @@ def _check_free_space(plane: PlaneFile, left: int) -> None:
     free = shutil.disk_usage(os.path.dirname(os.path.abspath(plane.path))).free
     if need > free:
         raise FileError(
-            f"{plane.path}: may take {in_words(need)} more, and {in_words(free)} are free on the "
-            "disk; make room, or --allow-huge tries anyway"
+            f"{plane.path}: may take {in_words(need)} more, but {in_words(free)} are free on the "
+            "disk; free some space, or try with --allow-huge"
         )
 
 
@@ -201,10 +201,10 @@ def check(path: str | os.PathLike[str], *, read: bool = False) -> PlaneFile:
     if flaws := plane.flaws():
         more = f", and {len(flaws) - 1} more files" if flaws[1:] else ""
         raise FileError(
-            f"{plane.path} is not whole: {flaws[0]}{more}: missing or damaged; {_REPAIR}"
+            f"{plane.path} is not complete: {flaws[0]}{more}: missing or damaged; {_REPAIR}"
         )
     if plane.missing(done):
-        raise FileError(f"{plane.path} is not whole: {_what_is_missing(plane, done)}")
+        raise FileError(f"{plane.path} is not complete: {_what_is_missing(plane, done)}")
     if wrong := [*plane.damaged(done)] if read else []:
         raise FileError(
             f"{plane.path}: {len(wrong)} blocks differ from their checksums, the first at "
@@ -240,7 +240,7 @@ def _what_is_missing(plane: PlaneFile, done: Sums) -> str:
     made = [row * columns + column for level, row, column in filter(plane.has, done) if level == 0]
     below = base.count(1) - len(made)
     if not below:
-        return "only smaller versions are missing; the same command without --part makes them"
+        return "only overviews are missing; run the command without --part"
     parts = []
     for count in Record(plane.path).parts():
         numbers = [base.part(k, count) for k in range(1, count + 1)]

@@ -99,7 +99,7 @@ def of_one_kind(exemplars: Sequence[Exemplar], what: str = "sample") -> list[Exe
         if mine != other:
             raise InvalidInputError(
                 f"{what} {number} ({exemplar.name}) is {mine}, {what} 1 ({first.name}) is {other}; "
-                "save one of them as the other is"
+                "save both in the same format"
             )
     return same
 
@@ -121,7 +121,7 @@ def paired(
     for slot, names in wanted.items():
         lacking = [e.name for e, slots in zip(exemplars, owned, strict=True) if slot not in slots]
         if lacking and slot not in values:
-            notes.append(f"{slot} is ignored: {' and '.join(lacking)} has none")
+            notes.append(f"{slot} is ignored: {' and '.join(lacking)} has no such map")
             continue
         value = values.pop(slot) if lacking else 0.0
         for name in names:
@@ -135,15 +135,15 @@ def paired(
                 own = slots[slot][0]
                 if name not in slots[slot] and "normal" in (name, own):
                     notes.append(
-                        f"the {own} of {exemplar.name} is taken for {name}, which its name does "
-                        "not say"
+                        f"the {own} of {exemplar.name} is read as {name}, because its file "
+                        "name does not say where y points"
                     )
             _check_scales(exemplars, found, like, name)
             for one, given in zip(of_one_kind(found, f"the {name} of sample"), maps, strict=True):
                 given[name] = one
     for slot in values:
         near = "; all samples have it" if slot in wanted else did_you_mean(slot, wanted)
-        raise InvalidInputError(f"missing has '{slot}', which no sample lacks{near}")
+        raise InvalidInputError(f"missing has '{slot}', but no sample lacks it{near}")
     return [e.changed(maps=own) for e, own in zip(exemplars, maps, strict=True)], notes
 
 
@@ -192,8 +192,8 @@ def _check_scales(
         if scale_between(one.shape, exemplar.shape) != scale:
             size, own = (f"{e.shape[1]}x{e.shape[0]}" for e in (one, exemplar))
             raise InvalidInputError(
-                f"the {key} of {exemplar.name} is {size} beside {own}, that of {like.name} has "
-                f"{scale} times as many pixels a side as its sample; scale one of them"
+                f"the {key} of {exemplar.name} is {size}, the sample {own}; that of {like.name} "
+                f"has {scale} times as many pixels a side as its sample; scale one of them"
             )
 
 

@@ -135,7 +135,7 @@ def _wanted(exemplar: Exemplar, maps: Sequence[str] | None, known: list[str]) ->
         if not there and not no_color:
             wanted.append(name)
     if not wanted:
-        raise InvalidInputError(f"{exemplar.name} has {', '.join(known)}; nothing to estimate")
+        raise InvalidInputError(f"{exemplar.name} already has {', '.join(known)}")
     return wanted
 
 

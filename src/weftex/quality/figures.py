@@ -54,7 +54,7 @@ class Figure:
 
 
 SCORE = (
-    "0 is the sample itself, and less is better. Only pictures of one size from one sample "
+    "0 is the sample itself, and lower is better. Only results of one size from one sample "
     "compare: where two scores differ by 1, judges prefer the lower in three of four cases."
 )
 """What the score means, in one sentence."""
@@ -77,9 +77,9 @@ FIGURES: dict[str, Figure] = {
     ),
     "broken": Figure(
         "broken things", _HALVES, "low", 1.25,
-        "Whether things are whole: how far windows of a third of the sample's side are from it.",
+        "Whether features are whole: how much large windows differ from the sample.",
         "faults below a twentieth of the sample's side; repetition",
-        "has broken or merged things",
+        "has broken or merged features",
         agrees=0.75,
     ),
     "color": Figure(
@@ -105,7 +105,7 @@ FIGURES: dict[str, Figure] = {
     ),
     "seams": Figure(
         "seams", "1 = as the sample's own", "low", 1.75,
-        "Steps between neighboring lines of pixels that the steps around them do not explain.",
+        "Steps between pixel rows or columns that are larger than the steps around them.",
         "feathered seams; mortar joints that end",
         "has visible seams", 1.0,
         agrees=0.52,

@@ -49,7 +49,7 @@ def check_layout(pixels: NDArray[Any], name: str) -> None:
     shape = as_array(pixels, name).shape
     if len(shape) == 3 and 0 < shape[0] <= 4 and shape[2] > _MOST_CHANNELS:
         raise InvalidInputError(
-            f"{name} has the shape {shape}, which is taken for (channels, height, width); use "
+            f"{name} has the shape {shape}, which looks like (channels, height, width); use "
             "np.moveaxis(pixels, 0, -1), or give alpha=False if it has "
             f"{shape[2]} channels indeed"
         )

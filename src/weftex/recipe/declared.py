@@ -110,13 +110,13 @@ TILEABLE = Option(
     metavar="x|y",
 )  # fmt: skip
 FIT = Option(
-    "fit", FLAG, "with --tileable: make the nearest size that holds whole bricks, tiles or rows",
+    "fit", FLAG, "with --tileable: make the nearest size that contains whole bricks, tiles or rows",
     False, heading="tiling",
 )  # fmt: skip
 LANDMARKS = Option(
     "landmarks", TEXT, "conspicuous features of the sample, such as its only red leaf: keep "
-    "repeats them, thin makes them rare, remove replaces the most conspicuous; auto thins them in "
-    "large outputs if no method is named; no effect on samples with a lattice or rows", "auto",
+    "repeats them, thin makes them rare, remove replaces them; auto "
+    "thins them in large outputs; no effect on samples with a lattice", "auto",
     choices=("auto", "keep", "thin", "remove"), metavar="auto|keep|thin|remove", heading=_QUALITY,
 )  # fmt: skip
 
@@ -192,8 +192,8 @@ TASKS = {
                    default_text="pixels that are not fully opaque", metavar="FILE"),
             Option("tileable", AXES, "the photo is tileable along both axes, or only x or y, so "
                    "holes can cross its border", False, metavar="x|y"),
-            Option("overlap", WHOLE, "width of the margin around the holes that may change, to "
-                   "hide the seam", 0, low=0, unit="px", metavar="PX", heading=_QUALITY),
+            Option("overlap", WHOLE, "width of a margin around the holes that may change; wider "
+                   "hides the seam better", 0, low=0, unit="px", metavar="PX", heading=_QUALITY),
             Option("match_tone", FLAG, "match the tone of the filling to its surroundings",
                    default_text="yes if weftex chooses the method", heading=_QUALITY),
         ),
@@ -216,8 +216,8 @@ TASKS = {
             Option("belt_width", WHOLE, "width of the belt in which boundaries may move", low=2,
                    unit="px", default_text="about three times the largest features", metavar="PX",
                    heading=_QUALITY),
-            Option("missing", LEVELS, "values for maps that some samples lack: 0 to 1, or 'flat' "
-                   "for normals", default_text="omit such maps", metavar="NAME=VALUE,...",
+            Option("missing", LEVELS, "values for missing maps: 0 to 1, or 'flat' for normals",
+                   default_text="omit such maps", metavar="NAME=VALUE,...",
                    heading=_SETS),
         ),
         (), 2, 1000, "refinement", "refinement",

@@ -105,7 +105,7 @@ class Fields:
             if options["window"] is not None:
                 for name in (*_WHOLE, "size"):
                     if options[name] != declared[name].default:
-                        raise InvalidInputError(f"{named(name)} and --window exclude each other")
+                        raise InvalidInputError(f"give {named(name)} or --window, not both")
             elif options["period"] is not None:
                 raise InvalidInputError(
                     "--period has no effect without --window; see also --tileable"
@@ -113,13 +113,11 @@ class Fields:
             if options["fit"] and options["tileable"] is False:
                 raise InvalidInputError(f"{named('fit')} has no effect without {named('tileable')}")
             if options["fit"] and options["guide"] is not None:
-                raise InvalidInputError(f"{named('fit')} and {named('guide')} exclude each other")
+                raise InvalidInputError(f"give {named('fit')} or {named('guide')}, not both")
             if len(self.materials) > 1:
                 self._check_several(named)
             if options["landmarks"] not in ("auto", "keep") and "turn" in self.materials[0]:
-                raise InvalidInputError(
-                    f"{named('landmarks')} and {named('turn')} exclude each other"
-                )
+                raise InvalidInputError(f"give {named('landmarks')} or {named('turn')}, not both")
             if options["sample_guide"] is not None and options["guide"] is None:
                 raise InvalidInputError(f"{named('sample_guide')} has no effect without a guide")
             count = options["best_of"]
@@ -191,7 +189,7 @@ def checked_material(given: Any, *, local: bool = False) -> dict[str, Any]:
         raise InvalidInputError("name has no effect on a sample")
     for name in ("sample", "path", "name"):
         if name in spec and not isinstance(spec[name], str):
-            raise InvalidInputError(f"{name} is {shown(spec[name])}; it must be a text")
+            raise InvalidInputError(f"{name} is {shown(spec[name])}; it must be a string")
     if "sample" in spec:
         from weftex.io.pictures import sample_path
 

@@ -39,16 +39,16 @@ class Facts:
     def __post_init__(self) -> None:
         for name in ("shape", "sample_shape"):
             if not _whole(getattr(self, name)) or min(getattr(self, name)) < 1:
-                raise DamageError("its sizes are no sizes")
+                raise DamageError("its sizes are invalid")
         if math.prod(self.shape) > MAX_PIXELS or math.prod(self.sample_shape) > MAX_PIXELS:
-            raise DamageError("its sizes are larger than any picture of weftex")
+            raise DamageError("its sizes are larger than any image of weftex")
         if not _whole(self.origin) or not (self.known_from is None or _whole(self.known_from)):
-            raise DamageError("its places are no places")
+            raise DamageError("its positions are invalid")
         switches = (*self.wrap, self.match_tone, self.is_window)
         if [*map(type, switches)] != [bool] * 4 or not isinstance(self.provenance, dict):
-            raise DamageError("its facts have other types")
+            raise DamageError("its description has other types")
         if type(self.tone_reach) is not float or not 0 <= self.tone_reach <= MOST_REACH:
-            raise DamageError("its tones are spread no known way")
+            raise DamageError("its reach of tones is invalid")
         if self.turn is not None and gap_of(self.sample_shape, self.turn, self.copy_shape) != 1:
             raise DamageError("its copies do not fit its sample")
 

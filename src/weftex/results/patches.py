@@ -86,9 +86,9 @@ class PatchSynthesis(Synthesis):
         frame, extent = arrays.get("frame"), canvas.shape
         if frame is not None:
             if frame.shape != (4,) or frame.min() < 0 or frame.max() >= MAX_PIXELS:
-                raise DamageError("its frame is none")
+                raise DamageError("its frame is invalid")
             if ((frame[2:] + canvas.shape) > frame[:2]).any():
-                raise DamageError("its canvas lies outside of its frame")
+                raise DamageError("its canvas is outside its frame")
             extent = (int(frame[0]), int(frame[1]))
         if placements.shape[1:] != (5,) or weights.ndim != 3 or cuts.ndim != 2:
             raise DamageError("its arrays have other shapes")

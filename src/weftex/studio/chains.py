@@ -49,10 +49,10 @@ class Chains:
                 raise Refusal(404, "there is no such preset; another page removed it", "name")
             new = _checked_name(name if to is None else to)
             if new in chains and (steps is not None or to not in (None, name)):
-                raise Refusal(409, f"there is a preset {shown(new)}; choose another name", "name")
+                raise Refusal(409, f"the preset {shown(new)} exists; choose another name", "name")
             if steps is not None:
                 if len(chains) >= _MOST:
-                    raise Refusal(413, f"there are {_MOST} presets, the most; remove one")
+                    raise Refusal(413, f"there are {_MOST} presets, the limit; remove one")
                 chains[new] = _checked_steps(steps)
             elif to is not None:
                 chains = {new if k == name else k: chain for k, chain in chains.items()}

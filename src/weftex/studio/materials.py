@@ -74,7 +74,7 @@ def sets_of(uploads: list[dict[str, Any]]) -> tuple[list[dict[str, Any]], list[s
             group[COLOR.name] = own[0]
             singles.remove(own[0])
     previews = [one for one in singles if groups and is_preview(_stem(one))]
-    notes += [f"{one['name']} is a preview, and ignored" for one in previews]
+    notes += [f"{one['name']} is ignored: it is a preview" for one in previews]
     specs = []
     for name, group in groups.items():
         maps = {role: one["id"] for role, one in group.items()}

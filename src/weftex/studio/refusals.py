@@ -29,7 +29,7 @@ def answer_of(error: Exception) -> tuple[int, dict[str, str | None]]:
     if isinstance(error, Refusal):
         status, parameter = error.status, error.parameter
     elif isinstance(error, MemoryError):
-        status, error = 413, Refusal(413, "not enough memory; make it smaller")
+        status, error = 413, Refusal(413, "not enough memory; make the image smaller")
     elif _disk_is_full(error):
         status, error = 507, Refusal(507, "the disk is full; make room on it, and try again")
     elif not isinstance(error, WeftexError):

@@ -243,7 +243,7 @@ class Session:
     def check_room(self) -> None:
         """Raise `Refusal` if the session has as many uploads as it may."""
         if len(self.uploads) >= self.limits.uploads:
-            line = f"this tab has {self.limits.uploads} pictures, the most; continue in a new tab"
+            line = f"this tab has {self.limits.uploads} pictures, the limit; continue in a new tab"
             raise Refusal(413, line)
 
     def take(self, file: Path, about: dict[str, Any]) -> bool:

@@ -168,7 +168,7 @@ def plane_window(name: str, query: Mapping[str, str], session: Session) -> NDArr
     """Return a window of a plane as a screen shows it, or raise `Refusal`."""
     plane: Plane | None = session.recall("plane", name)
     if plane is None:
-        raise Refusal(410, "this plane is no longer in memory; open it again")
+        raise Refusal(410, "this endless texture is no longer in memory; open it again")
     top, left = (whole_number(query, side, 0, -_FAR, _FAR) for side in ("top", "left"))
     height, width = (whole_number(query, side, 256, 1, _LARGEST) for side in ("height", "width"))
     like = map_of(plane.model.exemplar, plane.main, query.get("map"))

@@ -154,8 +154,8 @@ def fill(
         )
     if inside and hole.all():
         raise InvalidInputError(
-            f"the mask{' and the overlap cover' if overlap else ' covers'} all of {whole.name}, so "
-            "there is nothing to learn from; give a sample to fill it from"
+            f"the mask{' and the overlap cover' if overlap else ' covers'} all of {whole.name}; "
+            "no pixels are left to copy from; give another image (--sample)"
         )
     usable = ~hole if inside else np.ones(source.shape, bool)
     if source.mask is not None:
@@ -220,7 +220,7 @@ def hole_of(mask: Mask | Picture | None, photo: Exemplar) -> NDArray[np.bool_]:
     if mask is None:
         if not photo.alpha or not (hole := _clear(photo.pixels)).any():
             raise InvalidInputError(
-                f"{photo.name} has no clear pixels to fill; give a mask (--mask)"
+                f"{photo.name} has no transparent pixels to fill; give a mask (--mask)"
             )
         return hole
     if isinstance(mask, (str, os.PathLike)):

@@ -62,7 +62,7 @@ def plain_sample(exemplar: Exemplar, landmarks: str) -> PlainSample | None:
         raise InvalidInputError(f"landmarks is {shown(landmarks)}; it must be one of {known}")
     if exemplar.pieces:
         raise InvalidInputError(
-            f"landmarks is {landmarks}; several samples and turned copies allow only keep"
+            f"landmarks is {landmarks}; with several samples or rotated copies it must be keep"
         )
     findings = look(exemplar)
     if findings.lattice is not None and is_sure(findings.lattice, findings.shape):

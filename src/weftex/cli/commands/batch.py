@@ -108,7 +108,7 @@ def _stray(folder: str, entries: Sequence[Entry], output: str) -> str:
     left = sorted(one for one in os.listdir(folder) if one not in used and one[0] != ".")
     more = f" and {len(left) - 3} more" if len(left) > 4 else ""
     names = ", ".join(left[: 3 if more else 4])
-    return f"; left out, as neither an image nor a map set: {names}{more}" if left else ""
+    return f"; ignored, neither an image nor a map set: {names}{more}" if left else ""
 
 
 def _write_contact_sheet(folder: str, manifest: Manifest) -> None:
@@ -142,7 +142,7 @@ def _do(
     count = max(1, min(threads, len(jobs)))
     maker = Maker(recipe, threads // count, args)
     failures: list[str] = []
-    bar.left = f"--skip-existing goes on in {args.output}"
+    bar.left = f"--skip-existing continues in {args.output}"
 
     def one(number: int) -> str | None:
         job = jobs[number]
@@ -227,7 +227,7 @@ def entries_of(folder: str, output: str) -> list[Entry]:
             )
         found[entry.name] = entry
     if not found:
-        raise FileError(f"{folder}: has no pictures, and no folders of maps")
+        raise FileError(f"{folder}: has no images, and no folders of maps")
     return list(found.values())
 
 
@@ -266,7 +266,7 @@ def _check_name(stem: str, suffix: str) -> None:
     """Refuse names that files cannot have, hidden ones, and that of the manifest."""
     plain = os.path.basename(stem) == stem and stem.isprintable()
     if not plain or stem.startswith(".") or stem.casefold() in ("", MANIFEST):
-        raise InvalidInputError(f"the template makes {shown(stem)}, which cannot name an output")
+        raise InvalidInputError(f"the template makes {shown(stem)}, which is not a file name")
     if len(os.fsencode(stem + suffix)) > _LONGEST:
         raise InvalidInputError(
             f"the template makes a name of {len(stem + suffix)} letters; systems have room for "
@@ -291,8 +291,7 @@ def left_of(jobs: Sequence[Job], args: argparse.Namespace, manifest: Manifest) -
                 raise FileError(f"{paths[one]} is a folder that batch did not make; move it")
         if there and not args.force and (not args.skip_existing or foreign):
             raise FileError(
-                f"{paths[there[0]]} exists; give --skip-existing to continue, or --force to "
-                "make it anew"
+                f"{paths[there[0]]} exists; --skip-existing continues, --force replaces it"
             )
         left.append(job)
     return left
@@ -324,7 +323,7 @@ class Maker:
             said = str(error)
             return Done(made, said if said.startswith(job.path) else f"{job.path}: {said}")
         except MemoryError:
-            return Done(made, f"{job.path}: not enough memory; make it smaller")
+            return Done(made, f"{job.path}: not enough memory; make the image smaller")
         return Done(made)
 
     def cancel(self) -> None:

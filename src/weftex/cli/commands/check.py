@@ -33,9 +33,9 @@ def run(argv: list[str]) -> None:
     made = planes.repair(args.plane).made if args.repair else 0
     plane = planes.check(args.plane, read=args.read or args.repair)
     used = plane.definition
-    read = ", as it was written" if args.read or args.repair else ""
+    read = ", all checksums match" if args.read or args.repair else ""
     again = f"; {made} blocks were made again" if args.repair else ""
     print(
-        f"{plane.path} is whole{read}: {used.width}x{used.height} with {used.method.slug}, "
+        f"{plane.path} is complete{read}: {used.width}x{used.height} with {used.method.slug}, "
         f"seed {used.seed}{again}"
     )

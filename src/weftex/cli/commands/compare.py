@@ -60,7 +60,7 @@ def run(argv: list[str]) -> None:
             print_json(found.as_dict())
         best = found.entries[0]
         said = f"compared {len(found.entries)} methods in {bar.took:.1f} s"
-        said += f"; the best score has {best.method}" if best.assessment is not None else ""
+        said += f"; {best.method} has the best score" if best.assessment is not None else ""
         said += f"; {args.output} shows all" if args.output is not None else ""
         entries = () if args.output or args.json else found.entries
         lines = [f"{entry.method} {entry.rank:.2f}" for entry in entries]

@@ -92,8 +92,8 @@ def _advice(args: argparse.Namespace) -> list[str]:
     (found, seen), _ = run_work(look, args.quiet)
     tilted = seen.lattice is not None and is_tilted(seen.lattice)
     if tilted:
-        found.append("the lattice or the rows are tilted; level them with --straighten")
+        found.append("the rows are not level; add --straighten")
     options = ["--straighten"] * tilted + ["--even-light"] * seen.evenness.lit_unevenly
     if options:
         found.append(f"weftex prepare {args.sample} -o OUT {' '.join(options)}")
-    return found or ["The light is even, and nothing is slanted: this photo needs no preparation"]
+    return found or ["This photo needs no preparation: its light is even, and its rows are level"]

@@ -70,7 +70,7 @@ def run(argv: list[str]) -> None:
         listener.close()
         raise
     address = address_of(listener, studio.token)
-    say(f"the studio is at {address}   (Ctrl-C ends it)")
+    say(f"the studio is at {address}   (Ctrl-C stops it)")
     if not args.no_browser:  # it starts, and waits for the answer, while the server starts
         threading.Thread(target=_open, args=(address, studio), daemon=True).start()
     from weftex.studio.server import Server
@@ -86,6 +86,6 @@ def _open(address: str, studio: Studio) -> None:
 
     with redirect_file(address, studio.downloads) as file:
         if not webbrowser.open(file.resolve().as_uri()):
-            say("no browser was found; open that address")
+            say("no browser was found; open this address")
         elif not studio.sessions.began.wait(_PATIENCE):
-            say("if the browser cannot show the page, open that address")
+            say("if the page stays empty, open this address")

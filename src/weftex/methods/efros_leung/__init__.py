@@ -64,8 +64,7 @@ class EfrosLeung(WindowedMethod):
     )
     tolerance: float = parameter(
         0.1,
-        "how much larger than the best error a candidate's may be, as a share; higher is "
-        "more random",
+        "how much larger than the smallest error others may be, as a share; higher is more random",
         low=0.0,
         high=1000.0,
         control="variety",

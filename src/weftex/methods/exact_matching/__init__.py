@@ -84,13 +84,12 @@ class ExactMatching(WindowedMethod):
     )
     candidates: int = parameter(
         250,
-        "number of windows compared for each pixel, drawn from longer lists; higher is "
-        "slower, 0 is all",
+        "number of windows compared for each pixel; higher is slower, 0 compares all",
         low=0,
         high=2**31 - 1,
     )
     grouping: float = parameter(
-        0.0, "root mean square difference up to which windows share one entry of a list",
+        0.0, "largest difference (RMS) of windows that share a list entry; higher is faster",
         low=0.0, high=1.0,
     )  # fmt: skip
     repeat_distance: int | None = parameter(
@@ -111,7 +110,7 @@ class ExactMatching(WindowedMethod):
     def __post_init__(self) -> None:
         super().__post_init__()
         if self.tolerance is not None and self.nearest_colors is not None:
-            raise InvalidInputError("tolerance and nearest_colors exclude each other; give one")
+            raise InvalidInputError("give tolerance or nearest_colors, not both")
 
     def fit_exemplar(self, exemplar: Exemplar) -> PixelModel:
         """Propose what was left open; make the lists of colors (section 4.1)."""

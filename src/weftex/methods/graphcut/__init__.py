@@ -61,7 +61,7 @@ class GraphCut(Method):
 
     placement: str = parameter(
         "subpatch",
-        "pieces to place: square patches, the entire sample where it matches, or at random places",
+        "square patches (subpatch), the entire sample where it matches, or at random positions",
         choices=("subpatch", "entire", "random"),
     )
     patch_size: int | None = parameter(
@@ -99,7 +99,7 @@ class GraphCut(Method):
     )
     seam_cost: str = parameter(
         "gradient",
-        "cost of a seam: the color difference, or that divided by gradients, so edges hide seams",
+        "cost of a seam: color difference (difference), or also divided by gradients (gradient)",
         choices=("gradient", "difference"),
     )
     refinements: float | None = parameter(
@@ -136,7 +136,7 @@ class GraphCut(Method):
     )
     lattice: tuple[float, ...] | None = parameter(
         None,
-        "vectors x1,y1,x2,y2; shifts are multiples of these; rows P apart: 0,P,1,0",
+        "lattice vectors x1,y1,x2,y2, whose multiples are the shifts; for rows P apart: 0,P,1,0",
         count=4,
         unit="px",
         default_text="any shift",
@@ -166,7 +166,7 @@ class GraphCut(Method):
         """See `Method.for_hole`; the other placements paste the entire sample."""
         if self.orientations != "upright":
             raise InvalidInputError(
-                f"orientations is {self.orientations!r}; holes are filled from a photo as it is"
+                f"orientations is {self.orientations!r}; holes are filled with upright copies only"
             )
         if self.patch_size is not None or self.placement != "subpatch":
             return self
@@ -206,7 +206,7 @@ class GraphCut(Method):
         """Prepare a sample, and perhaps copies of it that are turned."""
         if self.orientations in _TURNS:
             if self.lattice is not None:
-                raise InvalidInputError("lattice and orientations exclude each other; give one")
+                raise InvalidInputError("give lattice or orientations, not both")
             exemplar = turned(exemplar, _TURNS[self.orientations])
         return GraphCutModel(self, exemplar)
 

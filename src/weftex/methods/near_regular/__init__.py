@@ -86,7 +86,7 @@ class NearRegular(Method):
     )
     blend_width: int | None = parameter(
         None,
-        "width of the feathered area between blocks; wider where blocks show",
+        "width of the feathered area between blocks; wider hides the blocks better",
         low=0,
         unit="px",
         default_text="4, at most that of the borders",

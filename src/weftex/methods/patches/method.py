@@ -46,7 +46,7 @@ class PatchMethod(Method):
     )
     boundary_width: int | None = parameter(
         None,
-        "width of the border that must match the patches around; wider fits more closely",
+        "width of the border that must match the neighboring patches; wider matches better",
         low=1,
         unit="px",
         default_text="a tenth of the patch size, at least 4",
@@ -55,7 +55,7 @@ class PatchMethod(Method):
     )
     search: str = parameter(
         "pca",
-        "index that finds matching patches; exhaustive compares all of them",
+        "how matching patches are found; exhaustive compares all of them",
         choices=SEARCHES,
     )
     candidates: int | None = parameter(

@@ -74,8 +74,7 @@ class Refinement(WindowedMethod):
     )
     search: str = parameter(
         "coherent",
-        "coherent searches coarse to fine along the neighbors' sources; nearest compares "
-        "all windows",
+        "coherent follows the sources of neighbors, coarse to fine; nearest compares all windows",
         choices=("coherent", "nearest"),
     )
     iterations: int = parameter(
@@ -89,8 +88,7 @@ class Refinement(WindowedMethod):
     )
     init: str | Method = parameter(  # noqa: RUF009  (methods are frozen)
         "auto",
-        "what to refine: seeds, a method such as 'graphcut placement=entire', or auto (by "
-        "the lattice)",
+        "initial image: seeds, a method such as 'graphcut placement=entire', or auto (by lattice)",
         choices=Starts("auto", "seeds"),
     )
     joints: int | None = parameter(
@@ -182,7 +180,7 @@ class Refinement(WindowedMethod):
         if canvas.guide is not None and self.search == "nearest":
             raise InvalidInputError("search is 'nearest', which follows no guide; use 'coherent'")
         if canvas.guide is not None and self.joints is not None:
-            raise InvalidInputError("joints and a guide exclude each other; leave one out")
+            raise InvalidInputError("give joints or a guide, not both")
 
     def window_of(self, exemplar: Exemplar) -> int:
         """See `Method.window_of`."""

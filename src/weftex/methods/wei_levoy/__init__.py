@@ -95,7 +95,7 @@ class WeiLevoy(WindowedMethod):
     )
     leaves: int = parameter(
         8,
-        "number of leaves searched; more match better but slower, 1 descends without backtracking",
+        "number of leaves searched; more matches better and is slower; 1 does not backtrack",
         low=1,
         needs=("search", ("tsvq",)),
     )

@@ -114,13 +114,13 @@ class AutoModel(Model):
             for slug in (first.method, *(other for other in _OTHERS if other != first.method)):
                 choice = first
                 if failure is not None:
-                    because = f"{first.because}, but {first.method} cannot be fitted ({failure})"
+                    because = f"{first.because}, but {first.method} cannot use it ({failure})"
                     choice = Choice(slug, {}, because, first.warnings)
                 try:
                     return choice, self._fitted(choice)
                 except InvalidInputError as error:
                     failure = failure or error
-        raise failure or InvalidInputError("no method can be fitted to this sample")
+        raise failure or InvalidInputError("no method can use this sample")
 
     def _fitted(self, choice: Choice) -> Model:
         key = repr((choice.method, choice.parameters))
@@ -194,7 +194,7 @@ class AutoModel(Model):
             choice = replace(choice, warnings=(*choice.warnings, *notes))
         cut = choice.method != "near-regular" and "lattice" in choice.parameters
         if asked.period is not None and (cut or is_strained(model, Around(*asked.period))):
-            because = f"{choice.because}, but the plane wraps around"
+            because = f"{choice.because}, but the endless texture has a period"
             choice = Choice("quilting", {}, because, choice.warnings)
             model = self._fitted(choice)
         made = model.make_window(box, asked, progress)

@@ -76,7 +76,7 @@ def _regular(findings: Findings, canvas: Canvas) -> Choice | None:
     vectors, rows = four_numbers(used), len(used.vectors) == 1
     strain, notes = CanvasLattice(vectors, canvas).strain, strain_notes(vectors, canvas)
     if strain > (_STIFF_ROWS if rows and quick else VISIBLE_STRAIN):
-        because = f"{because}, and its repeats do not fit a tileable {_size(canvas.shape)}"
+        because = f"{because}, which does not fit a tileable {_size(canvas.shape)}"
         if rows:  # entire samples keep their distance, as they are cut seldom
             return replace(_whole(findings, canvas, because), warnings=notes)
         return Choice("quilting", {}, because, notes)
@@ -92,7 +92,7 @@ def _fine(findings: Findings, canvas: Canvas) -> Choice | None:
     scale, shorter = findings.scale, min(findings.shape)
     if scale > _FINE * shorter:
         return None
-    because = f"the structure is fine ({scale:.3g} px of {shorter})"
+    because = f"the features are small ({scale:.3g} px of {shorter})"
     if findings.colors <= _FEW_COLORS:
         because = f"{because} and its few colors ({findings.colors}) must not be blended"
         return Choice("quilting", {}, because)
@@ -158,7 +158,7 @@ def choose_for_hole(exemplar: Exemplar, canvas: Canvas) -> Choice:
         because = f"the structure around the hole is irregular (features of {scale * step:.3g} px)"
         return Choice("graphcut", dict(WHOLE), because)
     if lattice is None or not is_sure(lattice, small.shape):
-        return Choice("patch-sampling", {}, "there is no sure lattice around the hole")
+        return Choice("patch-sampling", {}, "no clear lattice was found around the hole")
     found = Lattice(tuple((x * step, y * step) for x, y in lattice.vectors), lattice.confidence)
     because = f"the photo around the hole has {words(found)}"
     if not _is_small(exemplar.shape):  # the smaller copy's vectors are not exact enough
@@ -184,8 +184,8 @@ def _warnings(findings: Findings) -> list[str]:
     even, found = findings.evenness, []
     if even.large_forms > FORMS:
         found.append(
-            f"{100 * even.large_forms:.0f} % of the contrast is in forms larger than an eighth of "
-            "the sample: one object, or too few features; show more of the material"
+            "the sample shows one object, or too few features (large forms have "
+            f"{100 * even.large_forms:.0f} % of the contrast); show more of the material"
         )
     elif even.lit_unevenly:
         found.append(
@@ -196,8 +196,8 @@ def _warnings(findings: Findings) -> list[str]:
         times = max(max(growth, 1 / growth) for growth in even.perspective)
         if times > 1:
             found.append(
-                f"features are {times:.2g} times as large at one side as at the other: the photo "
-                "was taken at an angle; rectify it by four corners first (--straighten)"
+                f"the photo was taken at an angle: features are {times:.2g} times as large at one "
+                "side; straighten it by four corners first (--straighten)"
             )
     return found
 
@@ -218,8 +218,8 @@ def strain_notes(vectors: tuple[float, ...], canvas: Canvas | Around) -> tuple[s
     if strain <= _STIFF:
         return ()
     sizes = " or ".join(map(_size, fitting_sizes(vectors, canvas)))
-    better = f"{sizes} would do (--fit takes the nearest)"
+    better = f"{sizes} would fit better (--fit uses the nearest)"
     if not sizes:  # such as where it lies at a slant
-        better = "no size near it would do; straighten the sample (--straighten)"
+        better = "no similar size fits; straighten the sample (--straighten)"
     size = _size(canvas.shape)
     return (f"the lattice has to be stretched by {100 * strain:.1f} % to fit {size}; {better}",)
