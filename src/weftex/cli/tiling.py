@@ -96,7 +96,7 @@ def each_job(
             continue
         for flag in ("--save-source", "--maps"):
             if vars(args).get(flag, vars(args).get(flag[2:].replace("-", "_"))) is not None:
-                raise InvalidInputError(f"{flag} takes one photo, and {args.output} is for several")
+                raise InvalidInputError(f"{flag} works for one photo, not for several")
         spec = {k: v for k, v in spec.items() if k != "sample"} | {"path": path}
         yield recipe.changed(materials=[spec]), own
 
