@@ -13,8 +13,7 @@ from weftex.analysis.correlation import correlate, correlation_and_power, whiten
 from weftex.analysis.relief import Relief, relief
 from weftex.exemplar import Exemplar
 from weftex.progress import counted
-
-Floats = NDArray[np.float64]
+from weftex.raster.arrays import Floats
 
 _SIGMAS = 3.0  # standard errors of one multiple that count as chance
 _CLOSE = 10.0  # pixels; shorter vectors are rated by single pixels

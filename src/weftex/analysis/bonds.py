@@ -8,11 +8,9 @@ the same everywhere along a row is taken off, and what is left comes back piece 
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from weftex.analysis.pairs import PHASES
-
-Floats = NDArray[np.float64]
+from weftex.raster.arrays import Floats
 
 _ROWS = 3  # rows away that are compared
 _ACROSS = 0.08  # of the distance of rows, that courses may be off

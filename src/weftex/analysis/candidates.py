@@ -38,8 +38,7 @@ from weftex.analysis.pairs import (
 from weftex.analysis.prediction import predicting
 from weftex.analysis.rows import find_rows, ridges
 from weftex.analysis.tiles import alternating, made_of, settled, stand_out
-
-Floats = NDArray[np.float64]
+from weftex.raster.arrays import Floats
 
 LEAST = 0.5  # confidence of a lattice that is reported
 CLEAR = 0.945  # confidence of a pair that needs no further check

@@ -17,9 +17,7 @@ from numpy.typing import NDArray
 
 from weftex.analysis import kernels
 from weftex.analysis.relief import Relief
-from weftex.raster.arrays import fast_size, median
-
-Floats = NDArray[np.float64]
+from weftex.raster.arrays import Floats, fast_size, median
 
 #: An overlap that varies less than this beside the whole picture passes for constant: its own
 #: correlation is lost in the rounding of the transform.

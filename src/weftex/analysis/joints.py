@@ -17,9 +17,7 @@ from numpy.typing import NDArray
 from weftex.analysis import kernels
 from weftex.analysis.pairs import PHASES
 from weftex.analysis.relief import Relief, means, mixed
-from weftex.raster.arrays import fast_size, median
-
-Floats = NDArray[np.float64]
+from weftex.raster.arrays import Floats, fast_size, median
 
 _STRIPS = 4
 _STRONGEST = 3.0  # times the median edge; more counts as that

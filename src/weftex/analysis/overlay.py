@@ -14,8 +14,7 @@ from weftex.analysis.lattice import Lattice, Rated, rate_lattices
 from weftex.analysis.relief import smaller_copy
 from weftex.exemplar import Exemplar
 from weftex.parameters import numbers_of
-
-Floats = NDArray[np.float64]
+from weftex.raster.arrays import Floats
 
 __all__ = ["DrawnLattice", "Lattice", "LatticeRating", "Rated", "draw", "is_tilted"]
 

@@ -19,8 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from weftex.analysis.autocorrelations import Field, Peaks, fit_vectors
-
-Floats = NDArray[np.float64]
+from weftex.raster.arrays import Floats
 
 SHORTEST = 3.0  # pixels; a shorter vector is grain
 MOST_MULTIPLES = 24  # multiples of each vector that are rated

@@ -10,15 +10,12 @@ from __future__ import annotations
 from functools import lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
 
 from weftex.analysis.autocorrelations import Autocorrelations
 from weftex.analysis.joints import Joints, joints_of
 from weftex.analysis.pairs import fitted, multiples, reduced
 from weftex.analysis.relief import Relief, means
-from weftex.raster.arrays import fast_size, median
-
-Floats = NDArray[np.float64]
+from weftex.raster.arrays import Floats, fast_size, median
 
 _COARSE = 20.0  # pixels of the shorter vector, from which 2x2 pixels are averaged against grain
 _CLOSE = 9.0  # pixels of the shorter vector, below which nothing is tested

@@ -14,9 +14,7 @@ from numpy.typing import NDArray
 
 from weftex.analysis.relief import relief
 from weftex.exemplar import Exemplar
-from weftex.raster.arrays import median
-
-Floats = NDArray[np.float64]
+from weftex.raster.arrays import Floats, median
 
 _STRIP = 256  # lines that are read at a time, for little memory
 #: Rows and columns between the two pixels; the other half of all directions has the other sign.

@@ -8,14 +8,12 @@ are highest above the places half and a third of the way between them.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from weftex.analysis import kernels
 from weftex.analysis.correlation import correlate
 from weftex.analysis.pairs import PHASES
 from weftex.analysis.relief import Relief, mixed
-
-Floats = NDArray[np.float64]
+from weftex.raster.arrays import Floats
 
 _CLOSEST = 5.0  # pixels from row to row, at least
 _STEP = 0.25  # pixels between distances that are tried

@@ -42,8 +42,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from weftex.analysis.lattice import Lattice
-
-    Floats = NDArray[np.float64]
+    from weftex.raster.arrays import Floats
 
 THICKNESS = 0.1  # of a ring: the paper's d
 _FEWEST = 2.5  # repetitions that a sample must show of a structure

@@ -27,8 +27,7 @@ from weftex.analysis.pairs import (
     reduced,
 )
 from weftex.analysis.relief import Relief
-
-Floats = NDArray[np.float64]
+from weftex.raster.arrays import Floats
 
 _INDEX = 7  # smaller tiles that a tile is divided into, at most
 # A gap is the share by which a larger tile's multiples are above the smaller tile's others.

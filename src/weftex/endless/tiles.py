@@ -12,7 +12,6 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
 from weftex.analysis.canvas_lattice import CanvasLattice
 from weftex.endless.boxes import Box, PlaneRequest
@@ -21,8 +20,7 @@ from weftex.endless.plane import Filler, Plane, usable_corners
 from weftex.errors import InvalidInputError
 from weftex.exemplar import Exemplar
 from weftex.random import draw
-
-Ints = NDArray[np.int64]
+from weftex.raster.arrays import Ints
 
 _SHARE, _LEAST = 8, 8  # half of the belt is an eighth of the tile's shorter side; at least, pixels
 _KEPT = 8  # pixels on both sides of a border that insides leave, or an eighth of the belt

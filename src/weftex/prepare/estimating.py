@@ -19,9 +19,8 @@ from weftex.prepare.surfaces import (
     occlusion_from_height,
 )
 from weftex.progress import counted
+from weftex.raster.arrays import Floats
 from weftex.raster.levels import tamed
-
-Floats = NDArray[np.float64]
 
 #: The maps that can be estimated.
 MAPS = ("height", "normal_gl", "normal_dx", "ao", "roughness")

@@ -11,10 +11,9 @@ from numpy.typing import NDArray
 from weftex.errors import InvalidInputError, shown
 from weftex.exemplar import Exemplar, Sample, load_exemplar
 from weftex.prepare.estimating import blurred
+from weftex.raster.arrays import Floats
 from weftex.raster.boxes import cell_sums
 from weftex.raster.levels import to_light, to_stored
-
-Floats = NDArray[np.float64]
 
 _CELLS = 32  # along the longer side, whose means the light is fitted to
 _HIGHEST = 8  # degree of the light

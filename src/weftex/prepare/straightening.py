@@ -16,10 +16,9 @@ from weftex.errors import InvalidInputError
 from weftex.exemplar import Exemplar, Sample, load_exemplar
 from weftex.io.formats import image_library
 from weftex.parameters import numbers_of
+from weftex.raster.arrays import Floats
 from weftex.raster.levels import tamed
 from weftex.raster.mixing import Kind, stored, vectors_of
-
-Floats = NDArray[np.float64]
 
 _UPRIGHT = math.radians(20)  # rotation beyond which another orientation is preferred
 _SQUARE = math.sin(math.radians(10))  # tolerance of the right angle of a piece

@@ -9,10 +9,8 @@ import numpy as np
 from numpy.typing import DTypeLike, NDArray
 
 from weftex.errors import InvalidInputError, shown
-from weftex.raster.arrays import check_pixels
+from weftex.raster.arrays import Floats, check_pixels
 from weftex.raster.mixing import middle_of, stored, vectors_of
-
-Floats = NDArray[np.float64]
 
 _STEEPEST = 0.05  # the least z of a normal; below it, slopes are 20
 _MOST = 1000  # pixels of relief

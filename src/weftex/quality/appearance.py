@@ -11,8 +11,7 @@ from weftex.analysis.lattice import Lattice
 from weftex.quality import kernels
 from weftex.quality.view import View, over_halves, some, window_corners
 from weftex.random import draw
-
-Floats = NDArray[np.float64]
+from weftex.raster.arrays import Floats
 
 _WIDTH = 7  # pixels of a patch
 _SCALES = 4

@@ -17,10 +17,9 @@ from weftex.quality.figures import FIGURES
 from weftex.quality.score import Scorer
 from weftex.quality.seams import StepModel
 from weftex.quality.view import middle, view_of
+from weftex.raster.arrays import Bytes
 from weftex.results.drawing import draw_sources
 from weftex.results.synthesis import Synthesis
-
-Bytes = NDArray[np.uint8]
 
 _BROKEN = 0.6  # of the distance between the sample's halves, from which windows are marked
 _STEPS = 2.0  # more than this many usual steps are a seam, even if no place stands out

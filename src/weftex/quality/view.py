@@ -14,11 +14,9 @@ from weftex.analysis.correlation import correlate
 from weftex.errors import InvalidInputError
 from weftex.exemplar import Exemplar
 from weftex.random import draw
-from weftex.raster.arrays import check_pixels
+from weftex.raster.arrays import Floats, check_pixels
 from weftex.raster.boxes import centered_sums, whole_windows
 from weftex.raster.pyramids import gaussian_pyramid, mask_pyramid
-
-Floats = NDArray[np.float64]
 
 Kind = TypeVar("Kind", bound=np.generic)
 

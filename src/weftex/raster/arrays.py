@@ -10,6 +10,10 @@ from numpy.typing import NDArray
 
 from weftex.errors import InvalidInputError, shown
 
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+Bytes = NDArray[np.uint8]
+
 _DTYPES = ("uint8", "uint16", "float32", "float64")
 _MOST_CHANNELS = 32  # of a picture of four rows or fewer
 

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-Floats = NDArray[np.float64]
+from weftex.raster.arrays import Floats
 
 
 def box_sums(values: NDArray[Any], height: int, width: int) -> NDArray[np.int64]:

@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    Floats = NDArray[np.float64]
+    from weftex.raster.arrays import Floats
 
 _KNEE = 0.04045  # below which the curve of sRGB is a line
 _ORDINARY = 100  # powers of two: float32, too, subtracts and divides such numbers

@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-Floats = NDArray[np.float64]
+from weftex.raster.arrays import Floats
 
 _STRIP = 256  # rows that are halved at once
 _SEEN = 4096  # pixels that say whether a picture stores vectors

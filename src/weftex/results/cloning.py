@@ -14,10 +14,9 @@ from numpy.typing import NDArray
 
 from weftex.canvas import Canvas
 from weftex.exemplar import Exemplar
+from weftex.raster.arrays import Floats
 from weftex.results import height_kernels as kernels
 from weftex.results.joining import ends_of, finer, has_squares
-
-Floats = NDArray[np.float64]
 
 #: Pixels within which the tones of a filling are joined to those around it.
 TONE_REACH = 24.0

@@ -17,11 +17,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from weftex.exemplar import Exemplar
+from weftex.raster.arrays import Floats
 from weftex.raster.mixing import Kind
 from weftex.results import height_kernels as kernels
 from weftex.threads import thread_map
 
-Floats = NDArray[np.float64]
 #: (top, left, height, width) in output pixels.
 Window = tuple[int, int, int, int]
 

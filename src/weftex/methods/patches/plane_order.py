@@ -31,8 +31,7 @@ from weftex.endless.grid import Axis
 from weftex.methods.patches.analysis import Zones
 from weftex.methods.patches.orders import Order, Run, Step
 from weftex.random import draw
-
-Ints = NDArray[np.int64]
+from weftex.raster.arrays import Ints
 
 CORNER, ACROSS, DOWN, INSIDE = range(4)
 _PITCH, _FEWEST, _MOST = 144, 3, 8  # pixels, or so many patches, from one node to the next
