@@ -26,14 +26,7 @@ if TYPE_CHECKING:
 
     OpenPicture = Callable[[str], Picture]
 
-__all__ = [
-    "OpenedRecipe",
-    "PreparedMaterial",
-    "open_recipe",
-    "prepare_material",
-    "read_described",
-    "times_of",
-]
+__all__ = ["OpenedRecipe", "PreparedMaterial", "open_recipe", "prepare_material", "read_described"]
 
 
 class PreparedMaterial(NamedTuple):

@@ -30,7 +30,7 @@ _PAUSE = 0.004  # seconds between two imports, in which files of the page are se
 _MODULES = (
     *("weftex.exemplar", "weftex.recipe.opening", "weftex.quality", "weftex.analysis.overlay"),
     "weftex.studio.routes",
-    "weftex.studio.export_routes",
+    "weftex.studio.exports",
 )
 _PAGE = "index.html"
 _log = logging.getLogger(__name__)

@@ -1,13 +1,14 @@
-"""Results, materials and atlases as files, in any format that holds their pixels."""
+"""Results, materials and atlases as files, in any format; their routes, and those of checks."""
 
 from __future__ import annotations
 
 import json
+import math
 import os
 import tempfile
 import zipfile
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -24,20 +25,23 @@ from weftex.io.pictures import Picture, write_text
 from weftex.io.presets import presets, read_preset
 from weftex.prepare import estimate_maps, light_joints
 from weftex.recipe import ATLAS, CROP, MATERIAL, PAD
-from weftex.recipe.opening import PreparedMaterial, prepare_material, times_of
+from weftex.recipe.opening import PreparedMaterial, prepare_material
 from weftex.studio.downloads import Downloads
 from weftex.studio.jobs import Job
 from weftex.studio.materials import id_of
 from weftex.studio.pictures import formats_of
 from weftex.studio.pictures import shown as shown_pixels
 from weftex.studio.refusals import Refusal
-from weftex.studio.results import preview_of
+from weftex.studio.requests import Call, route
+from weftex.studio.results import borders_of_maps, drawn_borders, preview_of
+from weftex.studio.routes import loaded_of, queued, reduced, result_of
 from weftex.studio.sessions import Session
 from weftex.studio.synthesis import Result
 from weftex.studio.uploads import file_in, label_of
+from weftex.studio.work import found
 
-#: What may stand beside the pictures of a result.
-BESIDE = ("source", "report", "recipe")
+#: What may stand beside the pictures of a result, and how its file ends.
+BESIDE = {"source": ".npz", "report": ".html", "recipe": ".weftex.json"}
 #: What changes the pictures that are saved.
 CHANGES = {"density": MATERIAL["density"], "pad": PAD, "crop": CROP}
 FIELDS = ("maps", "format", "preset", "name", *BESIDE, *CHANGES)
@@ -68,57 +72,63 @@ class Source(NamedTuple):
         return cls(*own, given.exemplar.tileable, None)
 
 
-@dataclass(frozen=True)
-class ExportOptions:
-    """What is to be taken of a result."""
+def export(
+    source: Source, given: Mapping[str, Any], downloads: Downloads, session: Session
+) -> dict[str, Any]:
+    """Write what the page wants of a result or a material; return its description of it."""
+    maps, form, preset = (given.get(key) for key in ("maps", "format", "preset"))
+    known = [*source.material.pictures]
+    maps = maps or known
+    if not isinstance(maps, list) or not all(one in known for one in maps):
+        raise InvalidInputError(f"maps is {shown(maps)}; it must list some of {', '.join(known)}")
+    if preset is not None and preset not in [*presets()]:
+        raise InvalidInputError(f"preset is {shown(preset)}{did_you_mean(str(preset), presets())}")
+    renames = preset is None or bool(read_preset(preset).others)
+    if form is not None and not renames:
+        raise InvalidInputError(f"format has no effect beside the preset {preset}")
+    changes = {k: one.checked(given[k]) for k, one in CHANGES.items() if given.get(k) is not None}
+    if {"pad", "crop"} <= changes.keys():
+        raise InvalidInputError("pad and crop exclude each other")
+    made, beside = source.made, [one for one in BESIDE if given.get(one)]
+    if made is None and beside:
+        raise InvalidInputError(f"{beside[0]} needs a result, and this is a material")
+    name, notes = _stem(given, source.stem), list[str]()
+    with downloads.new_folder() as folder:
+        changed = _changed(source, changes, session.limits.output_pixels)
+        pictures = {one: changed.pictures[one] for one in maps}
+        if renames:
+            for one, like in pictures.items():
+                pictures[one] = replace(like, path=name + _suffix(like, form, one))
+        if len(known) == 1 and preset is None:
+            files = [folder / one.path for one in pictures.values()]
+            _write_picture(pictures[known[0]], files[0])
+        else:
+            roles = {one: changed.roles[one] for one in maps}
+            roles = {k: replace(one, name=label_of(one.name)) for k, one in roles.items()}
+            how: dict[str, Any] = {"roles": roles, "name": name}
+            written, notes = write_preset(pictures, folder, preset or "weftex", **how)
+            files = [folder / one for one in written]
+        if made is not None:
+            files += [_write_beside(made, one, folder / name) for one in beside]
+        return _ready(files, name, folder, downloads, session) | {"notes": notes}
 
-    maps: tuple[str, ...]  # all of them if empty
-    format: str | None  # a suffix; as the files of each map have it if None
-    preset: str | None  # a name of `weftex.io.presets.presets`
-    name: str  # what files are called after
-    beside: frozenset[str]  # of `BESIDE`
-    changes: dict[str, Any]  # of `CHANGES`
 
-    @classmethod
-    def of(cls, given: Mapping[str, Any], usual_name: str) -> ExportOptions:
-        """Read what the page sent."""
-        maps, form, preset = (given.get(key) for key in ("maps", "format", "preset"))
-        if not isinstance(maps or [], list) or not all(isinstance(m, str) for m in maps or ()):
-            raise InvalidInputError(f"maps is {shown(maps)}; it must be a list of names")
-        if not isinstance(form, (str, type(None))):
-            raise InvalidInputError(f"format is {shown(form)}; it must be a suffix")
-        if preset is not None:
-            if preset not in presets():
-                known = did_you_mean(str(preset), presets())
-                raise InvalidInputError(f"preset is {shown(preset)}{known}")
-            if form is not None and not read_preset(preset).others:
-                raise InvalidInputError(f"format has no effect beside the preset {preset}")
-        changes = {
-            key: one.checked(given[key])
-            for key, one in CHANGES.items()
-            if given.get(key) is not None
-        }
-        if {"pad", "crop"} <= changes.keys():
-            raise InvalidInputError("pad and crop exclude each other")
-        beside = frozenset(name for name in BESIDE if given.get(name))
-        return cls(tuple(maps or ()), form, preset, _stem(given, usual_name), beside, changes)
+def _write_beside(made: Result, what: str, stem: Path) -> Path:
+    """Write one of `BESIDE`; return the file."""
+    file = stem.with_name(stem.name + BESIDE[what])
+    if what == "source":
+        made.result.save(file)
+    elif what == "report":
+        weftex.pages.report(made.result.sample, made.result).save(file)
+    else:
+        write_text(file, json.dumps(made.recipe.as_json(), indent=1) + "\n")
+    return file
 
 
 def _stem(given: Mapping[str, Any], usual: str) -> str:
     """Return what files are called after, by the name that the page sent."""
     name = label_of(str(given.get("name") or usual).replace("%", "_"))
     return os.path.splitext(name)[0][:_NAME] or "result"
-
-
-def export(
-    source: Source, wanted: ExportOptions, downloads: Downloads, session: Session
-) -> dict[str, Any]:
-    """Write what is wanted of a result or a material; return the page's description of it."""
-    if source.made is None and wanted.beside:
-        raise InvalidInputError(f"{min(wanted.beside)} needs a result, and this is a material")
-    with downloads.new_folder() as folder:
-        files, notes = _write(source, wanted, folder, session.limits.output_pixels)
-        return _ready(files, wanted.name, folder, downloads, session) | {"notes": notes}
 
 
 def _ready(
@@ -135,44 +145,14 @@ def _ready(
     return downloads.add(target, f"{name}.zip", session.key)
 
 
-def _write(
-    source: Source, wanted: ExportOptions, folder: Path, most: int
-) -> tuple[list[Path], list[str]]:
-    """Write what is wanted into a folder; return the files, and a line a note."""
-    changed = _changed(source, wanted.changes, most)
-    names, notes = _files(changed, wanted), list[str]()
-    if wanted.preset is not None and not read_preset(wanted.preset).others:
-        maps = {one: changed.pictures[one] for one in names}
-        written, notes = write_preset(
-            maps, folder, wanted.preset, roles=changed.roles, name=wanted.name
-        )
-        files = [folder / one for one in written]
-    else:
-        files = [folder / one for one in names.values()]
-        for name, file in zip(names, files, strict=True):
-            _write_picture(changed.pictures[name], file)
-    made = source.made
-    if made is None:
-        return files, notes  # `export` refuses what stands beside results
-    if "source" in wanted.beside:
-        files.append(folder / f"{wanted.name}.npz")
-        made.result.save(files[-1])
-    if "report" in wanted.beside:
-        files.append(folder / f"{wanted.name}.html")
-        weftex.pages.report(made.result.sample, made.result).save(files[-1])
-    if "recipe" in wanted.beside:
-        files.append(folder / f"{wanted.name}.weftex.json")
-        write_text(files[-1], json.dumps(made.recipe.as_json(), indent=1) + "\n")
-    return files, notes
-
-
 def _changed(source: Source, changes: Mapping[str, Any], most: int) -> Material:
     """Return the pictures to save: at another density, with a border or without one."""
     material = source.material
     if "density" in changes:
         spec = {"density": changes["density"], "repeats": source.tileable}
-        pixels = material.pictures[material.main].pixels
-        if pixels.shape[0] * pixels.shape[1] * times_of(material, spec) ** 2 > most:
+        main = material.pictures[material.main]
+        times = changes["density"] / (main.density or math.inf)  # without one it is refused below
+        if math.prod(main.pixels.shape[:2]) * times**2 > most:
             raise Refusal(
                 413, f"density: the studio saves at most {most / 2**20:g} megapixels", "density"
             )
@@ -227,15 +207,14 @@ def save_tiles(
     tiles: Tiles, given: Mapping[str, Any], downloads: Downloads, session: Session
 ) -> dict[str, Any]:
     """Write a grid for each map, the index and tilesets; return the page's description."""
-    (made, material), maps, name = tiles, {}, _stem(given, "atlas")
+    (made, material), maps, image, name = tiles, {}, "", _stem(given, "atlas")
     with downloads.new_folder() as folder:
         for one, like in material.pictures.items():
             stem = name if len(material.pictures) == 1 else f"{name}_{one}"
-            file = label_of(stem) + _lossless(like)
-            maps[file] = [one]
-            pixels = made.image if one == material.main else made.maps[one]
+            file, is_main = label_of(stem) + _lossless(like), one == material.main
+            maps[file], image = [one], file if is_main else image
+            pixels = made.image if is_main else made.maps[one]
             _write_picture(replace(like, pixels=pixels), folder / file)
-        image = next(file for file, (one,) in maps.items() if one == material.main)
         texts = made.documents(name, image, maps if len(maps) > 1 else None)
         for suffix, text in texts.items():
             write_text(folder / f"{name}{suffix}", text)
@@ -255,23 +234,22 @@ def _lossless(like: Picture) -> str:
 
 
 def _store(
-    pictures: Mapping[str, Picture], name: str, downloads: Downloads, session: Session
+    pictures: Mapping[str, Picture],
+    name: str,
+    tileable: bool,
+    downloads: Downloads,
+    session: Session,
 ) -> dict[str, Any]:
     """Store pictures as uploads, without loss; return the material that they make."""
-    maps = {}
+    maps: dict[str, str] = {}
     with tempfile.TemporaryDirectory(dir=downloads.folder) as folder:
         for one, picture in pictures.items():
             stem = name if len(pictures) == 1 else one
             file = Path(folder) / f"{stem}{_lossless(picture)}"
             _write_picture(picture, file)
             maps[one] = file_in(file, session)["id"]
-    return {"maps": maps} if len(maps) == 1 else {"name": name, "maps": maps}
-
-
-def as_sample(made: Result, downloads: Downloads, session: Session) -> dict[str, Any]:
-    """Store the maps of a result; return the material that they make."""
-    spec = _store(made.material.pictures, made.stem, downloads, session)
-    return spec | ({"repeats": True} if made.tileable else {})
+    spec: dict[str, Any] = {"maps": maps} if len(maps) == 1 else {"name": name, "maps": maps}
+    return spec | ({"repeats": True} if tileable else {})
 
 
 def with_estimates(
@@ -282,47 +260,23 @@ def with_estimates(
     found = estimate_maps(loaded.exemplar, invert=invert)
     own, name = loaded.stored.pictures, os.path.splitext(label_of(loaded.material.name))[0]
     main = own[loaded.material.main]
-    pictures = {loaded.material.main: main}
+    pictures, like = {loaded.material.main: main}, replace(main, icc=None, half=False)
     for key in found.maps:
         one = found.map(key)
-        pictures[key] = own.get(key) or replace(main, pixels=one.pixels, alpha=one.alpha, icc=None)
-    spec = _store(pictures, name, downloads, session)
-    return spec | ({"repeats": True} if found.tileable else {})
+        pictures[key] = own.get(key) or replace(like, pixels=one.pixels, alpha=one.alpha)
+    return _store(pictures, name, found.tileable, downloads, session)
 
 
-def _files(material: Material, wanted: ExportOptions) -> dict[str, str]:
-    """Names of files by maps, each of them once."""
-    pictures = material.pictures
-    maps = wanted.maps or tuple(pictures)
-    files: dict[str, str] = {}
-    for name in maps:
-        if name not in pictures:
-            raise InvalidInputError(f"maps has {shown(name)}{did_you_mean(name, pictures)}")
-        suffix = _suffix(pictures[name], wanted, name)
-        if wanted.preset is not None and read_preset(wanted.preset).others:
-            stem = read_preset(wanted.preset).stem(wanted.name, material.roles[name])
-        else:
-            stem = wanted.name if len(pictures) == 1 else f"{wanted.name}_{name}"
-        files[name] = label_of(stem) + suffix
-    for file in files.values():
-        twins = [other for other in files if files[other] == file]
-        if len(twins) > 1:
-            raise InvalidInputError(f"maps {' and '.join(twins)} would both be named {file}")
-    return files
-
-
-def _suffix(like: Picture, wanted: ExportOptions, name: str) -> str:
+def _suffix(like: Picture, form: Any, name: str) -> str:
     """The suffix that is asked for, or that of the material's file, if the pixels fit."""
     able, floats = formats_of(like), like.pixels.dtype.kind == "f"
-    if wanted.format is None:
+    if form is None:
         own = written_as(like.path, floats).lower().replace(".jpeg", ".jpg").replace("tiff", "tif")
         return own if own in able else ".exr" if floats else ".png"
-    if wanted.format not in able:
+    if form not in able:
         able_text = ", ".join(able)
-        raise InvalidInputError(
-            f"format of {name} is {shown(wanted.format)}; these hold it: {able_text}"
-        )
-    return wanted.format
+        raise InvalidInputError(f"format of {name} is {shown(form)}; these hold it: {able_text}")
+    return str(form)
 
 
 def _pack(packed: zipfile.ZipFile, file: Path) -> None:
@@ -332,3 +286,74 @@ def _pack(packed: zipfile.ZipFile, file: Path) -> None:
     with file.open("rb") as source, packed.open(about, "w", force_zip64=True) as target:
         while chunk := source.read(2**20):
             target.write(chunk)
+
+
+async def _source(call: Call) -> Source:
+    """The result, or the material as it is, of an address."""
+    is_material = call.request.url.path.startswith("/api/materials/")
+    return await call.work(Source.of, await loaded_of(call) if is_material else result_of(call))
+
+
+@route("POST", "/materials/{id}/exports")
+@route("POST", "/results/{id}/exports")
+async def add_export(call: Call) -> Any:
+    """Write files of a result or a material, ready to be downloaded."""
+    given = await call.object(*FIELDS)
+    return await call.work(export, await _source(call), given, call.studio.downloads, call.session)
+
+
+@route("GET", "/materials/{id}/borders")
+@route("GET", "/results/{id}/borders")
+async def borders(call: Call) -> Any:
+    """Tell how each map of a result or a material wraps around."""
+    return await call.work(borders_of_maps, (await _source(call)).material)
+
+
+@route("GET", "/materials/{id}/borders/picture")
+@route("GET", "/results/{id}/borders/picture")
+async def borders_picture(call: Call) -> Any:
+    """Show the borders of a map, in the middle of the picture."""
+    material = (await _source(call)).material
+    name = call.query.get("map", material.main)
+    return await reduced(call, await call.work(drawn_borders, material, name))
+
+
+@route("POST", "/materials/{id}/atlases")
+@route("POST", "/results/{id}/atlases")
+async def add_atlas(call: Call) -> Any:
+    """Queue a job that makes an atlas of the sample; it ends the one before it."""
+    given, found = await call.object(*ATLAS), await _source(call)
+    return await queued(call, Job(call.session, None, tiles_of(found, given), "atlas", "cancel"))
+
+
+@route("GET", "/atlases/{id}/picture")
+async def atlas_picture(call: Call) -> Any:
+    """Show an atlas, or with `plane` a plane of its tiles."""
+    tiles = tiles_for(call.id, call.session)
+    plane = "plane" in call.query
+    return await reduced(call, await call.work(tiles_picture, tiles, plane))
+
+
+@route("POST", "/atlases/{id}/exports")
+async def export_atlas(call: Call) -> Any:
+    """Write the files of an atlas, ready to be downloaded."""
+    given, tiles = await call.object("name"), tiles_for(call.id, call.session)
+    return await call.work(save_tiles, tiles, given, call.studio.downloads, call.session)
+
+
+@route("POST", "/results/{id}/sample")
+async def use_as_sample(call: Call) -> Any:
+    """Make a result a material."""
+    made = result_of(call)
+    pictures = (await call.work(Source.of, made)).material.pictures
+    own = pictures, made.stem, made.tileable, call.studio.downloads, call.session
+    return await call.work(_store, *own)
+
+
+@route("POST", "/materials/{id}/estimates")
+async def estimate(call: Call) -> Any:
+    """Queue a job that makes a material with estimates of the maps that this one lacks."""
+    invert = bool((await call.object("invert")).get("invert"))
+    wanted = await loaded_of(call), invert, call.studio.downloads, call.session
+    work = found(with_estimates, *wanted)
+    return await queued(call, Job(call.session, None, work, None, "cancel"))

@@ -88,28 +88,20 @@ def figures_of(made: Result, session: Session) -> dict[str, Any]:
     return session.find(measure, lambda _: 4096, "figures", made.id)
 
 
-def borders_of_maps(material: Material, name: str, session: Session) -> dict[str, Any]:
+def borders_of_maps(material: Material) -> dict[str, Any]:
     """Return how each map wraps around, downwards and to the right, as JSON for the page."""
-    found = _borders(material, name, session)
-    told = {
-        key: [{"steps": one.steps, "seam": one.seam, "good": one.badness <= 1} for one in both]
-        for key, both in found.items()
-    }
-    return {"maps": told, "most": next(iter(found.values()))[0].most}
+    maps = {}
+    for name, one in material.maps.items():
+        both = borders_of(one)
+        maps[name] = [{"steps": b.steps, "seam": b.seam, "good": b.badness <= 1} for b in both]
+    return {"maps": maps, "most": both[0].most}
 
 
-def drawn_borders(material: Material, name: str, key: str, session: Session) -> Bytes:
+def drawn_borders(material: Material, name: str) -> Bytes:
     """Return a map shifted by half, with its offending borders marked."""
-    if key not in material.pictures:
+    if name not in material.maps:
         raise Refusal(404, "there is no such map", "map")
-    return draw_borders(material.maps[key], _borders(material, name, session)[key])
-
-
-def _borders(material: Material, name: str, session: Session) -> dict[str, Any]:
-    def measure() -> dict[str, Any]:
-        return {key: borders_of(one) for key, one in material.maps.items()}
-
-    return session.find(measure, lambda _: 2**16, "borders", name)
+    return draw_borders(material.maps[name], borders_of(material.maps[name]))
 
 
 def broken_of(made: Result, session: Session) -> Bytes:

@@ -18,7 +18,7 @@ from weftex.errors import InvalidInputError, shown
 from weftex.io.pictures import sample_names
 from weftex.recipe import Recipe
 from weftex.recipe.opening import PreparedMaterial
-from weftex.studio import exports, materials, results, works
+from weftex.studio import materials, results, works
 from weftex.studio.about import about
 from weftex.studio.jobs import ENDED, Job
 from weftex.studio.materials import id_of, map_of
@@ -156,15 +156,6 @@ async def look(call: Call) -> Any:
     return await queued(call, Job(call.session, None, work, "look", "cancel"))
 
 
-@route("POST", "/materials/{id}/estimates")
-async def estimate(call: Call) -> Any:
-    """Queue a job that makes a material with estimates of the maps that this one lacks."""
-    invert = bool((await call.object("invert")).get("invert"))
-    wanted = await loaded_of(call), invert, call.studio.downloads, call.session
-    work = found(exports.with_estimates, *wanted)
-    return await queued(call, Job(call.session, None, work, None, "cancel"))
-
-
 @route("GET", "/materials/{id}/lattice")
 async def lattice(call: Call) -> Any:
     """Say how good a lattice is that somebody drew."""
@@ -298,6 +289,13 @@ async def source(call: Call) -> Any:
     """Tell where a pixel comes from."""
     row, column = source_of(result_of(call).result, call.query)
     return {"x": column, "y": row} if row >= 0 else {"x": None, "y": None}
+
+
+@route("GET", "/downloads/{id}")
+async def download(call: Call) -> Any:
+    """Send a file that is ready."""
+    found = call.studio.downloads.get(call.id)
+    return FileResponse(found.path, media_type="application/octet-stream", filename=found.name)
 
 
 @route("POST", "/steps")
