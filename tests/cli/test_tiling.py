@@ -45,6 +45,8 @@ def test_the_worst_border_is_drawn(folder, capsys):
     capsys.readouterr()
     assert weft_run("tile", "--check", "--tileable", "x", folder / "gray.png") == 1
     assert "top to bottom" not in capsys.readouterr().out
+    write_image(folder / "gray.tif", read_image(folder / "gray.png").pixels)  # nothing is written
+    assert weft_run("tile", "--check", folder) == 1 and "gray.tif" in capsys.readouterr().out
 
 
 def test_padding_and_cropping_are_inverse_for_all_kinds(folder, capsys):

@@ -235,6 +235,7 @@ def test_commands(tmp_path, monkeypatch, capsys):
         (["unpack", "packed", "-o", "new"], "--preset is missing"),
         (["unpack", "packed", "-o", "new", "--preset", "godot"], "files named {name}_albedo"),
         (["unpack", "packed", "-o", "new", "--preset", "ambientcg"], "only renames"),
+        (["unpack", "pakced", "-o", "new", "--preset", "unreal"], "pakced: cannot read: No such"),
         (["unpack", "packed", "-o", "new", "--preset", "unreal"], "has 1 channels, and T_{name}_"),
         (["unpack", "a/T_a_ORM.png", "b/T_a_ORM.png", "-o", "new", "--preset", "unreal"],
          "two files have the same name"),

@@ -43,8 +43,8 @@ def materials_of(
 ) -> list[tuple[str, str]]:
     """Return the materials in paths, and where the output of each goes.
 
-    A folder of separate pictures stands for all of them, and `output` is then a folder; all
-    outputs are folders if `folders`.
+    A folder of separate pictures stands for all of them, and `output`, if any, is then a folder;
+    all outputs are folders if `folders`.
     """
     from weftex.cli.commands.batch import Entry, entries_of
     from weftex.io.formats import written_as
@@ -63,7 +63,7 @@ def materials_of(
             entries.append(Entry(path, name, suffix))
     taken: dict[str, str] = {}
     for path, name, _ in entries:
-        if taken.setdefault(name, path) != path:
+        if output and taken.setdefault(name, path) != path:
             raise InvalidInputError(f"{taken[name]} and {path} would both make {name}; rename one")
     return [(e.path, os.path.join(output, e.name + ("" if folders else e.suffix))) for e in entries]
 

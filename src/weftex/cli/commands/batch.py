@@ -196,7 +196,10 @@ class Done(NamedTuple):
 
 
 def entries_of(folder: str, output: str) -> list[Entry]:
-    """Return the pictures of a folder, and the folders in it that have pictures, but `output`."""
+    """Return the pictures of a folder, and the folders in it that have pictures, but `output`.
+
+    Two that would make one output are refused, if there is an output.
+    """
     try:
         names = sorted(os.listdir(folder))
     except OSError as error:
@@ -221,11 +224,10 @@ def entries_of(folder: str, output: str) -> list[Entry]:
             entry = Entry(path, stem, written_as(path))
         else:
             continue
-        if entry.name in found:
-            raise InvalidInputError(
-                f"{found[entry.name].path} and {path} would both make {entry.name}; rename one"
-            )
-        found[entry.name] = entry
+        key = entry.name if output else path
+        if key in found:
+            raise InvalidInputError(f"{found[key].path} and {path} would both make {key}; rename one")
+        found[key] = entry
     if not found:
         raise FileError(f"{folder}: has no images, and no folders of maps")
     return list(found.values())

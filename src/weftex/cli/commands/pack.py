@@ -7,7 +7,7 @@ from dataclasses import replace
 
 from weftex.cli.parser import Parser
 from weftex.cli.terminal import Bar, Outputs, finish
-from weftex.errors import InvalidInputError
+from weftex.errors import FileError, InvalidInputError
 from weftex.recipe import MATERIAL
 from weftex.recipe.command_line import described_material
 
@@ -76,7 +76,7 @@ def run_unpack(argv: list[str]) -> None:
         from weftex.io.map_files import map_files
         from weftex.io.packed import PackedSet, kept_file, write_set
         from weftex.io.packing import unpack_set
-        from weftex.io.pictures import MAX_PIXELS, is_folder
+        from weftex.io.pictures import MAX_PIXELS, is_folder, locate
         from weftex.io.presets import read_preset
 
         notes: list[str] = []
@@ -86,6 +86,9 @@ def run_unpack(argv: list[str]) -> None:
             paths = {os.path.splitext(os.path.basename(one))[0]: one for one in args.files}
             if len(paths) < len(args.files):
                 raise InvalidInputError("two files have the same name; give the files of one set")
+            for one in args.files:
+                if not os.path.exists(locate(one)[0]):
+                    raise FileError(f"{one}: cannot read: No such file or directory")
         limits = {"max_pixels": None if args.allow_huge else MAX_PIXELS}
         maps, more = unpack_set(read_preset(args.preset), paths, **limits)
         maps = {role: replace(one, path="") for role, one in maps.items()}  # as PNG, or EXR
