@@ -226,7 +226,8 @@ def entries_of(folder: str, output: str) -> list[Entry]:
             continue
         key = entry.name if output else path
         if key in found:
-            raise InvalidInputError(f"{found[key].path} and {path} would both make {key}; rename one")
+            both = f"{found[key].path} and {path}"
+            raise InvalidInputError(f"{both} would both make {key}; rename one")
         found[key] = entry
     if not found:
         raise FileError(f"{folder}: has no images, and no folders of maps")
