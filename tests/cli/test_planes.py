@@ -96,10 +96,7 @@ def test_bad_input_of_others(here, capsys):
         (["synth", "p.tif", "-o", "t.png"], "only 'weftex check' reads it"),
         (["check", "sample.png"], "there is no plane in sample.png.run beside it"),
         (["report", "sample.png", "p.tif", "--json"], "only 'weftex check' reads it"),
-        (
-            [*SYNTH, "q.tif", "--size", 200, "--save-source", "q.npz"],
-            "--save-source needs the whole image",
-        ),
+        ([*SYNTH, "q.tif", "--size", 200, "--save-source", "q.npz"], "needs the whole image"),
         (["synth", "sample.png", *HOW[:-4], "--part", "1/2", "-o", "q.tif"], "--part needs --seed"),
     ]:
         assert why in fails(capsys, here, *words)

@@ -109,9 +109,7 @@ def test_guides_for_synthesize():
         weftex.synthesize(exemplar, canvas, method="ashikhmin", guide=guide)
     with pytest.raises(weftex.InvalidInputError, match="guide is 64x60, the canvas is 64x50"):
         weftex.synthesize(exemplar, (50, 64), method="ashikhmin", guide=guide)
-    with pytest.raises(
-        weftex.UnsupportedError, match="quilting does not support following a guide"
-    ):
+    with pytest.raises(weftex.UnsupportedError, match="not support following a guide"):
         weftex.synthesize(exemplar, (60, 64), method="quilting", guide=guide)
     with pytest.raises(weftex.InvalidInputError, match="guide is uint8"):
         weftex.synthesize(exemplar, (60, 64), method="ashikhmin", guide=guide[..., 0])

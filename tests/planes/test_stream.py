@@ -68,7 +68,7 @@ def test_a_run_that_was_cut_off_goes_on(sample, whole, tmp_path):
         )
     plane = open_plane(tmp_path / "p.tif")
     assert plane.missing() == 32
-    with pytest.raises(FileError, match="is not whole: .* blocks are missing"):
+    with pytest.raises(FileError, match="is not complete: .* blocks are missing"):
         check(plane.path)
     assert weftex.planes.stream(sample, tmp_path / "p.tif", SIZE, **HOW).made == 32
     assert plain(tmp_path) == whole
