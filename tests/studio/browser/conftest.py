@@ -9,6 +9,7 @@ import signal
 import subprocess
 import sys
 from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -25,12 +26,11 @@ BETWEEN = Path(__file__).with_name("firefox.py")
 PROBES = Path(__file__).with_name("probes.js").read_text(encoding="utf-8")
 
 
-@pytest.fixture(scope="session")
-def address(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
-    """Where a studio that runs for the tests is to be opened."""
+@contextmanager
+def running(folder: Path) -> Iterator[str]:
+    """A studio that stores its work in a folder; the address where it is to be opened."""
     pytest.importorskip("starlette")
     pytest.importorskip("uvicorn")
-    folder = tmp_path_factory.mktemp("studio")
     command = [sys.executable, "-m", "weftex", "studio", "--no-browser", "--port", "0"]
     with subprocess.Popen(
         [*command, "--data", str(folder)], stderr=subprocess.PIPE, text=True
@@ -38,9 +38,24 @@ def address(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
         assert process.stderr is not None
         found = re.search(r"http://\S+", process.stderr.readline())
         assert found, "the studio printed no address"
-        yield found[0]
-        process.send_signal(signal.SIGINT)
-        process.stderr.read()
+        try:
+            yield found[0]
+        finally:
+            process.send_signal(signal.SIGINT)
+            process.stderr.read()
+
+
+@pytest.fixture(name="running", scope="session")
+def running_studio() -> Any:
+    """`running`, for tests that start and end studios."""
+    return running
+
+
+@pytest.fixture(scope="session")
+def address(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
+    """Where a studio that runs for the tests is to be opened."""
+    with running(tmp_path_factory.mktemp("studio")) as found:
+        yield found
 
 
 @pytest.fixture(scope="session")

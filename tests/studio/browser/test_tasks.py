@@ -107,6 +107,70 @@ def test_the_picture_says_what_it_is(tab: Any, address: str, photo: Path) -> Non
     assert [line for line in one.faults if "422" not in line] == []  # a size that was refused
 
 
+def test_three_sliders_change_the_recipe_and_the_picture(tab: Any, address: str) -> None:
+    """In an artist's words; each shows in the picture and in the command."""
+    one = tab()
+    page = one.open(address)
+    page.click(".samples button:has-text('pebbles')")
+    page.click("[data-screen=make]")
+    page.select_option("select", "graphcut")
+    for side in ("Width", "Height"):
+        one.write(side, "160")
+    page.click("text=Make it")
+    page.wait_for_selector(".panel >> text=Made by graphcut")
+    one.settle()
+    found, values = [], []
+    for words, key in (("Feature size", "Home"), ("Variety", "End"), ("Seam softness", "End")):
+        found.append(page.locator(".viewer").first.screenshot())
+        page.focus(f"input[type=range][aria-label='{words}']")
+        page.keyboard.press(key)
+        box = f".parameter:has(label:text('{words}')) input[type=number]"
+        values.append(page.input_value(box))
+        page.click("text=Make it")
+        page.wait_for_selector(".panel >> text=Made by graphcut")
+        one.settle()
+    found.append(page.locator(".viewer").first.screenshot())
+    assert len(set(found)) == 4
+    page.click("[data-screen=take]")
+    command = page.inner_text(".copyable pre >> nth=0")
+    options = ("--patch-size", "--variety", "--tone-reach")
+    for option, value in zip(options, values, strict=True):
+        assert f"{option}={value}" in command
+    assert one.faults == []
+
+
+def test_stopped_work_leaves_a_page_that_works(tab: Any, address: str, photo: Path) -> None:
+    """An analysis, an estimate and a picture in the making are stopped; nothing of them is left."""
+    large = photo.with_name("large.png")
+    weftex.write_image(large, np.tile(weftex.read_image(photo).pixels, (11, 9, 1)))
+    one = tab()
+    page = one.open(address)
+    page.set_input_files("input[type=file]", large)
+    page.click(".panel >> text=Cancel")
+    page.wait_for_selector(".panel >> text=The analysis was stopped.")
+    page.click("[data-screen=make]")
+    page.click("[data-task=maps]")
+    page.click("text=Estimate maps")
+    page.click(".progress >> text=Cancel")
+    one.settle()
+    page.click("[data-task=bigger]")
+    page.select_option("select", "efros-leung")
+    page.click("text=Make it")
+    page.wait_for_selector(".badge >> text=Not finished yet")
+    page.click(".progress >> text=Cancel")
+    one.settle()
+    assert page.is_hidden(".badge") and len(page.query_selector_all(".strip button")) == 1
+    page.select_option("select", "quilting")
+    for side in ("Width", "Height"):
+        one.write(side, "128")
+    page.click("text=Make it")
+    page.wait_for_selector(".panel >> text=Made by quilting")
+    page.click("[data-screen=sample]")
+    page.click("text=Analyze the sample")
+    page.wait_for_selector(".facts")
+    assert one.faults == []
+
+
 @pytest.mark.parametrize(
     ("width", "locale", "make"),
     [(390, "fr-CA", "Créer"), (1280, "ja", "作成"), (1280, "de-AT", "Erzeugen"),

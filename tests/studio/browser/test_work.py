@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import zipfile
 from pathlib import Path
 from typing import Any
 
@@ -124,3 +125,57 @@ def test_steps_are_repeated_on_another_photo(tab: Any, address: str, photo: Path
     assert page.input_value(".field input[type=text]") == "pebbles_200x200"
     assert page.query_selector(".panel >> text=normal_gl")
     assert one.faults == []
+
+
+@pytest.mark.parametrize("browser", ["chromium", "firefox"], indirect=True)
+def test_a_whole_day(tab: Any, running: Any, photo: Path, tmp_path: Path) -> None:
+    """From a photo to a tileable set for an engine, through F5, a new server, undo and a phone."""
+    with running(tmp_path) as morning:
+        one, page = at_make(tab, morning, photo)
+        page.click("[data-task=tile]")
+        make(one, "Made")
+        page.reload()
+        page.wait_for_selector("[data-ready]")
+        one.settle()
+        page.click("[data-screen=make]")
+        page.click("text=Use as sample")
+        page.wait_for_selector(".panel h2 >> text=wall_tileable")
+        page.click("[data-screen=make]")
+        page.click("[data-task=maps]")
+        page.click("text=Estimate maps")
+        page.wait_for_selector(".panel >> text=maps: color, ao, height, normal_gl, roughness")
+        count = steps(page)
+    with running(tmp_path) as evening:
+        page.keyboard.press("Control+Enter")  # asks the server that has gone
+        page.fill("dialog input", evening)
+        page.click("dialog >> text=Continue")
+        page.wait_for_selector("dialog", state="detached")
+        page.wait_for_selector("[data-ready]")
+        page.wait_for_selector(".strip [aria-current] >> text=Maps estimated")
+        one.settle()
+        assert steps(page) == count
+        page.set_viewport_size({"width": 390, "height": 800})
+        page.click("[data-screen=make]")
+        page.select_option("select", "quilting")
+        page.check("input[value=xy]")
+        for side in ("Width", "Height"):
+            one.write(side, "128")
+        page.click("text=Make it")
+        for key, words in ((None, "Made"), ("Undo", "Maps estimated"), ("Redo", "Made")):
+            if key:
+                page.click(f"[aria-label^={key}]")
+            page.wait_for_selector(f".strip [aria-current]:has-text('{words}')")
+            one.settle()
+        assert one.probe("wide") == []
+        page.click("[data-screen=take]")
+        page.select_option("select", "unreal")
+        with page.expect_download() as saved:
+            page.click("text=Save >> nth=0")
+        names = zipfile.ZipFile(saved.value.path()).namelist()
+        assert {name.rsplit("_", 1)[1] for name in names} >= {
+            "BaseColor.png",
+            "Normal.png",
+            "ORM.png",
+        }
+        lost = re.compile("ERR_|NetworkError|refused|Loading failed")
+        assert [line for line in one.faults if not lost.search(line)] == []

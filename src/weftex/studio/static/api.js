@@ -13,10 +13,11 @@ export class StudioError extends Error {
 /** Calls of the server. The token of this start and the session of this tab go with each. */
 export class Api {
   constructor() {
-    const given = /[#&]token=([^&]+)/.exec(location.hash);
-    if (given) {
-      sessionStorage.setItem("weftex-token", given[1]);
-      const rest = location.hash.slice(1).split("&").filter((part) => !part.startsWith("token=")).join("&");
+    const parts = location.hash.slice(1).split("&");
+    const secret = parts.filter((part) => /^(token|session)=/.test(part));
+    for (const [name, value] of secret.map((part) => part.split("="))) sessionStorage.setItem(`weftex-${name}`, value);
+    if (secret.length) {
+      const rest = parts.filter((part) => !secret.includes(part)).join("&");
       history.replaceState(null, "", rest ? `#${rest}` : location.pathname);
     }
     this.token = sessionStorage.getItem("weftex-token") ?? "";

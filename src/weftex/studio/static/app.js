@@ -41,7 +41,7 @@ export class App extends Shelf {
       this.api.post("leave", {}, { keepalive: true }).catch(() => {});
     });
     window.addEventListener("hashchange", () => this.openAddress(location.hash));
-    await this.first(found);
+    await this.guard(() => this.first(found)); // what an address names may be gone
     await this.know();
   }
 
@@ -236,6 +236,12 @@ export class App extends Shelf {
     this.tell("job");
   }
 
+  /** Cancel what is running, and show what was there before it. */
+  stopWork() {
+    this.cancel();
+    if (this.preview?.grows) this.showPreview(null);
+  }
+
   /** Run a job and show how it goes; resolves to the job, or to null if it was cancelled. */
   async run(body, { path = "jobs", quiet = false, onresults = () => {} } = {}) {
     this.cancel();
@@ -280,9 +286,8 @@ export class App extends Shelf {
     if (job.results.length > 0 || this.growing) return;
     this.growing = true;
     try {
-      const { bitmap } = await this.api.picture(`jobs/${job.id}/preview`, {}, signal);
-      const [height, width] = recipe.size ?? [bitmap.height, bitmap.width];
-      if (!signal.aborted && this.job?.id === job.id) this.showPreview({ bitmap, size: [width, height], recipe, grows: true });
+      const { bitmap, size } = await this.api.picture(`jobs/${job.id}/preview`, {}, signal);
+      if (!signal.aborted && this.job?.id === job.id) this.showPreview({ bitmap, size: recipe.size?.toReversed() ?? size, recipe, grows: true });
     } catch {
       // a preview that has gone is no fault: the picture itself comes
     } finally {

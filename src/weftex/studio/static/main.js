@@ -168,7 +168,7 @@ function tellLost(why) {
     const found = /[#&]token=([^&\s]+)/.exec(text.value);
     if (found) sessionStorage.setItem("weftex-token", found[1]);
     const other = /^https?:\/\/[^#\s]+/.exec(text.value)?.[0];
-    if (other && !other.startsWith(location.origin)) location.href = text.value + (location.hash ? `&${location.hash.slice(1)}` : "");
+    if (other && !other.startsWith(location.origin)) location.href = [text.value, `session=${app.api.session}`, location.hash.slice(1)].filter(Boolean).join("&");
     else location.reload();
   };
   const box = dialog(t("lost.title"), h("div", { class: "parameters" }, h("p", {}, t(`lost.${why}`)), text, h("div", { class: "row" }, h("button", { type: "button", class: "main", onclick: again }, t("lost.again")))));
@@ -198,7 +198,7 @@ function addKeys() {
     else if (command && key === "enter" && present === "paint") run(event, () => screens.paint.go());
     else if (command && key === "enter") run(event, () => (present === "make" ? screens.make.make() : go("make", { now: true })));
     else if (event.altKey && /^[1-6]$/.test(key)) run(event, () => go(names[key - 1]));
-    else if (key === "escape" && app.job) run(event, () => app.cancel());
+    else if (key === "escape" && app.job) run(event, () => app.stopWork());
     else if (key === "escape" && app.lookJob) run(event, () => app.looking.abort());
     else if (typing || command || event.altKey || event.defaultPrevented) return;
     else if (present === "paint" && "[]".includes(key)) run(event, () => screens.paint.painter?.keys(event));

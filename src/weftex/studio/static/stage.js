@@ -307,7 +307,7 @@ export class Stage {
       this.chip.append(
         h("div", { class: "progress-line" }, h("span")),
         h("span", { class: "progress-text" }),
-        h("button", { type: "button", onclick: () => this.app.cancel() }, t("job.cancel")),
+        h("button", { type: "button", onclick: () => this.app.stopWork() }, t("job.cancel")),
       );
     }
     this.chip.querySelector(".progress-line span").style.width = `${100 * share}%`;

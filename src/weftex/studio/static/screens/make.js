@@ -191,7 +191,7 @@ export class MakeScreen {
     const { app } = this;
     const { result, preview, job } = app;
     if (job && !job.quiet) return null;
-    if (preview) return h("p", { class: "hint" }, t("make.preview", { method: preview.result?.method ?? "" }));
+    if (preview) return preview.result ? h("p", { class: "hint" }, t("make.preview", { method: preview.result.method })) : null;
     if (!result) return null;
     if (!sameJson(result.recipe, app.recipe)) return h("p", { class: "hint" }, t("make.stale"));
     return [

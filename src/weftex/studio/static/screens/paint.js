@@ -135,7 +135,7 @@ export class PaintScreen {
       segments(t("paint.purpose"), PURPOSES.map((one) => [one, t(`paint.${one}`)]), this.purpose, (purpose) => { this.purpose = purpose; this.error = null; this.begin(); }),
       h("p", { class: "hint" }, t(`paint.${this.purpose}.help`)),
       this.error,
-      this.app.result ? segments(t("paint.on"), [["result", t("paint.on.result")], ["sample", t("paint.on.sample")]], this.onResult ? "result" : "sample", (one) => { this.onResult = one === "result"; this.begin(); }) : null,
+      this.app.result ? segments(t(this.purpose === "guide" ? "step.sample" : "paint.on"), [["result", t("paint.on.result")], ["sample", t("paint.on.sample")]], this.onResult ? "result" : "sample", (one) => { this.onResult = one === "result"; this.begin(); }) : null,
       this.purpose === "fuse" ? this.materials() : null,
       this.purpose === "guide" ? this.guideChoice() : null,
       h("div", { class: "tool-row", role: "group", "aria-label": t("paint.tools") }, tools),
