@@ -67,7 +67,7 @@ def test_a_border_is_added_and_removed(page, tmp_path):
         assert line in page.refused(f"{path}/exports", wrong)["error"], wrong
     bricks = page.post("materials", BRICKS)["id"]
     line = page.refused(f"materials/{bricks}/exports", {"preset": "terrain3d"})["error"]
-    assert "packs height into bricks_alb_ht, and bricks has none" in line
+    assert "needs height for bricks_alb_ht" in line
     line = page.refused(f"{path}/exports", {"report": True})["error"]
     assert line == "report needs a result, and this is a material"
 
@@ -78,7 +78,9 @@ def test_borders_are_checked(page, tmp_path):
         (f"results/{made['id']}", {1}),
         (f"materials/{page.post('materials', PEBBLES)['id']}", set()),
     ]:
-        found = page.get(f"{path}/borders")
+        job = page.wait(page.post(f"{path}/borders"))
+        assert (job["done"], job["total"], job["stage"]) == (100, 100, "borders")
+        (found,) = job["results"]
         (both,) = found["maps"].values()
         assert {axis for axis in (0, 1) if both[axis]["good"]} == good, both
         assert all(one["good"] == (one["steps"] <= found["most"][0] and

@@ -125,7 +125,7 @@ def run_tool(argv: list[str]) -> None:
 def _check(args: argparse.Namespace, axes: tuple[int, ...]) -> None:
     """Print a line for each image; exit code 1 if one is not tileable."""
     from weftex.io.pictures import check_output, write_image
-    from weftex.quality import borders_of, draw_borders
+    from weftex.quality import borders_of_each, draw_borders
 
     if args.picture is not None:
         check_output(args.picture)
@@ -134,12 +134,11 @@ def _check(args: argparse.Namespace, axes: tuple[int, ...]) -> None:
         lines, worst, picture = list[str](), -1.0, None
         for path, _ in materials_of(args.materials):
             material = read_input(path, args)
-            for name, image in material.maps.items():
-                borders = borders_of(image)
+            for name, borders in borders_of_each(material.maps).items():
                 bad = [axis for axis in axes if borders[axis].badness > 1]
                 badness = max(borders[axis].badness for axis in axes)
                 if badness > worst and args.picture is not None:
-                    picture = draw_borders(image, borders)
+                    picture = draw_borders(material.maps[name], borders)
                 worst = max(worst, badness)
                 said = "; ".join(f"{_DIRECTIONS[axis]}, {borders[axis]}" for axis in bad)
                 line = f"not tileable: {said}" if bad else "tileable"

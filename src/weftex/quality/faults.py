@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
@@ -12,6 +13,7 @@ from weftex.analysis.properties import border_steps
 from weftex.errors import InvalidInputError
 from weftex.exemplar import Exemplar
 from weftex.exemplar.turns import as_it_was, as_made_from
+from weftex.progress import counted
 from weftex.quality.assess import LARGEST_MEASURED
 from weftex.quality.figures import FIGURES
 from weftex.quality.score import Scorer
@@ -130,6 +132,16 @@ def borders_of(picture: Exemplar) -> tuple[Border, Border]:
                 places = np.pad(surprising, trimmed, "edge")
         found.append(Border(steps, seam, places))
     return found[0], found[1]
+
+
+def borders_of_each(maps: Mapping[str, Exemplar]) -> dict[str, tuple[Border, Border]]:
+    """Return the `borders_of` each map, and count them."""
+    found = {}
+    with counted(len(maps), "borders") as advance:
+        for name, one in maps.items():
+            found[name] = borders_of(one)
+            advance(1)
+    return found
 
 
 def draw_borders(picture: Exemplar, borders: tuple[Border, Border]) -> NDArray[np.uint8]:

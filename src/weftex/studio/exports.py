@@ -302,11 +302,12 @@ async def add_export(call: Call) -> Any:
     return await call.work(export, await _source(call), given, call.studio.downloads, call.session)
 
 
-@route("GET", "/materials/{id}/borders")
-@route("GET", "/results/{id}/borders")
+@route("POST", "/materials/{id}/borders")
+@route("POST", "/results/{id}/borders")
 async def borders(call: Call) -> Any:
-    """Tell how each map of a result or a material wraps around."""
-    return await call.work(borders_of_maps, (await _source(call)).material)
+    """Queue a job that says how each map wraps around; it ends one that is under way."""
+    work = found(borders_of_maps, (await _source(call)).material)
+    return await queued(call, Job(call.session, None, work, "borders", "cancel"))
 
 
 @route("GET", "/materials/{id}/borders/picture")

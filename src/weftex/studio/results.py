@@ -11,7 +11,7 @@ import numpy as np
 import weftex
 from weftex import Exemplar
 from weftex.exemplar.material import Material
-from weftex.quality import FIGURES, borders_of, draw_borders, fault_maps
+from weftex.quality import FIGURES, borders_of, borders_of_each, draw_borders, fault_maps
 from weftex.results.drawing import DRAWINGS
 from weftex.studio.materials import maps_of
 from weftex.studio.pictures import formats_of, shown
@@ -90,11 +90,12 @@ def figures_of(made: Result, session: Session) -> dict[str, Any]:
 
 def borders_of_maps(material: Material) -> dict[str, Any]:
     """Return how each map wraps around, downwards and to the right, as JSON for the page."""
-    maps = {}
-    for name, one in material.maps.items():
-        both = borders_of(one)
-        maps[name] = [{"steps": b.steps, "seam": b.seam, "good": b.badness <= 1} for b in both]
-    return {"maps": maps, "most": both[0].most}
+    found = borders_of_each(material.maps)
+    maps = {
+        name: [{"steps": one.steps, "seam": one.seam, "good": one.badness <= 1} for one in both]
+        for name, both in found.items()
+    }
+    return {"maps": maps, "most": found[material.main][0].most}
 
 
 def drawn_borders(material: Material, name: str) -> Bytes:

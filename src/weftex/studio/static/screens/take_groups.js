@@ -68,6 +68,7 @@ export class BordersGroup {
 
   forget() {
     this.found = this.picture = null;
+    this.stop?.abort();
   }
 
   draw() {
@@ -76,7 +77,7 @@ export class BordersGroup {
     const maps = Object.entries(found?.maps ?? {});
     const bad = maps.filter(([, both]) => !good(both));
     return [
-      h("button", { type: "button", onclick: () => this.check() }, icon("repeat"), t("borders.check")),
+      this.stop ? this.progress.parts : h("button", { type: "button", onclick: () => this.check() }, icon("repeat"), t("borders.check")),
       maps.map(([name, both]) =>
         h(
           "div",
@@ -100,7 +101,11 @@ export class BordersGroup {
     const { screen } = this;
     return screen.attempt(async () => {
       const of = screen.source.id;
-      const found = await screen.ask((path) => screen.app.api.get(`${path}/borders`));
+      this.forget();
+      const control = (this.stop = new AbortController());
+      this.progress = meter(() => control.abort());
+      screen.draw();
+      const found = await screen.ask((path) => screen.app.api.found(`${path}/borders`, {}, this.progress.tell, control.signal)).finally(() => (this.stop = null));
       const badness = ([, both]) => Math.max(...both.map(({ steps, seam }) => Math.max(steps / found.most[0], (seam ?? 0) / found.most[1])));
       const [worst] = Object.entries(found.maps).sort((one, other) => badness(other) - badness(one));
       const isBad = worst[1].some((one) => !one.good);
@@ -108,8 +113,7 @@ export class BordersGroup {
       if (screen.source.id !== of) return;
       this.found = found;
       this.picture = shown && { bitmap: shown.bitmap, map: worst[0] };
-      screen.draw();
-    }, "borders");
+    }, "borders").finally(() => screen.draw());
   }
 
   repair() {
