@@ -150,18 +150,6 @@ def test_maps_take_part_and_weigh_as_much_as_the_picture(rng):
     assert np.array_equal(two[..., 3], np.minimum(np.rint(height * (3 / 2) ** 0.5), 255))
 
 
-def test_edges_are_where_the_brightness_changes():
-    pixels = np.zeros((9, 10, 3), np.uint8)
-    pixels[:, 5:] = 100
-    edges = Exemplar(pixels).matching(1.0)
-    assert edges.shape == (9, 10, 4)
-    assert np.array_equal(edges[..., :3], pixels)
-    assert edges[:, [4, 5], 3].tolist() == [[50, 50]] * 9  # central differences
-    assert edges[:, [0, 1, 2, 3, 6, 7, 8, 9], 3].max() == 0
-    assert np.array_equal(Exemplar(pixels).matching(2.0)[..., 3], 2 * edges[..., 3])
-    assert Exemplar(pixels[:1]).matching(1.0).shape == (1, 10, 4)
-
-
 def test_known_pixels_are_mapped_as_the_samples_own(rng):
     for pixels in (wide(rng), wide(rng, 4), rng.random((12, 12)) * 3):
         exemplar = Exemplar(pixels)

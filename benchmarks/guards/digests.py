@@ -39,7 +39,6 @@ SIZES = {"bricks": (157, 132), "tiles": (186, 161)}
 MORE: dict[str, dict[str, tuple[str, dict[str, Any]]]] = {
     "patch-sampling": {
         "similarity": ("pebbles", {"choice": "similarity", "epsilon": 0.4, "patch_size": 24}),
-        "edges": ("leaves", {"edge_weight": 2.0, "repeat_distance": 0.0}),
         "paper": ("weave", {"search": "quadtree", "repeat_distance": 0.0, "epsilon": 0.2}),
     },
     "quilting": {"wide": ("bricks", {"boundary_width": 12, "patch_size": 40, "tolerance": 0.3})},

@@ -3,7 +3,7 @@
 python examples/papers/patch_sampling.py EXPERIMENT -o FOLDER
 
 Experiments that draw a picture: fig1 fig4 fig6 fig7 fig8 fig10 fig11 fig12 fig13 fig14 fig15 fig16
-fig17; that print a table and write it as Markdown: copying edges table1; `all` runs every one.
+fig17; that print a table and write it as Markdown: copying table1; `all` runs every one.
 L. Liang, C. Liu, Y.-Q. Xu, B. Guo and H.-Y. Shum, Real-time texture synthesis by patch-based
 sampling, ACM Transactions on Graphics, 2001. `--small` makes all of them small.
 Needs Pillow and SciPy beside weftex: pip install '.[test]'.
@@ -17,7 +17,6 @@ from typing import Any
 
 import numpy as np
 from _common import Table, clouds, load, pieces, run, sheet, shrunk, sized, some
-from _outlines import continuity, own_continuity
 from PIL import Image, ImageDraw, ImageFont
 
 import weftex
@@ -207,16 +206,14 @@ def fig16(folder: Path, suffix: str) -> None:
 
 
 def fig17(folder: Path, suffix: str) -> None:
-    """Failures: objects, perspective, interrupted outlines; the last with the edge metric too."""
-    top, bottom, edges = [], [], []
+    """Failures: objects, perspective, interrupted outlines."""
+    top, bottom = [], []
     cases = (("(a) objects", "leaves"), ("(b) perspective", "perspective"))
     for label, name in (*cases, ("(c) outlines", "fishscale"), ("(c) outlines", "stone_wall")):
         sample = load(name, 192)
         top.append((label, sample))
         bottom.append(("patch-based sampling", make(sample, 256, **PAPER)))
-        picture = make(sample, 256, edge_weight=4.0, **PAPER)
-        edges.append(("with edge_weight 4", picture))
-    sheet(folder / f"fig17{suffix}", [top, bottom, edges])
+    sheet(folder / f"fig17{suffix}", [top, bottom])
 
 
 # --------------------------------------------------------------------------------------- tables
@@ -256,51 +253,6 @@ mean half of the sample. The paper names no share and found 93 % without.
         shares = [f"{100 * (at <= limit).mean():.0f} %" for limit in limits]
         rows.append([label, *shares, f"{100 * np.median(at):.0f} %"])
     head = ["settings", *(f"none above {100 * k:.0f} %" for k in limits), "largest, median"]
-    return notes, head, rows
-
-
-def edges() -> Table:
-    """The edge metric, the paper's future work for Fig. 17 c, measured."""
-    zone, seeds = 4, len(some(range(12), least=2))
-    weights = (0.0, 0.5, 1.0, 2.0, 4.0)
-    notes = f"""
-Interrupted outlines at seams by edge_weight: 0 is as continuous as the sample, 1 as broken as
-patches pasted at random. An outline is a local maximum of the slightly smoothed gradient, in the
-sample's strongest tenth. Of those that run into a seam the share is counted that go on at its other
-side, {zone + 5} px further and past the blended zone, within 2 px of where their direction leads,
-with the same sign and half the strength. The same share is taken all over the sample (S) and at the
-seams of patches pasted at random (R); the table gives (S - share) / (S - R) and its standard error
-over {seeds} outputs of 320x320 from 192x192, patches of 40 px. In brackets: how many outlines a
-pixel of seam meets, over the sample's own; less than 1 is a metric that shuns outlines. Samples
-whose S and R are close (weave, leaves, pebbles, grass) cannot be measured so.
-"""
-    rows = []
-    names = ("bricks", "tiles", "fishscale", "cobbles", "perspective", "stone_wall")
-    for epsilon in some((0.2, 0.05)):
-        mean = []
-        for name in some(names):
-            exemplar = weftex.Exemplar(load(name, 192))
-            own, density, limits = own_continuity(exemplar.pixels, zone)
-
-            def shares(**parameters: Any) -> np.ndarray:
-                settings = {"repeat_distance": 0, "patch_size": 40, "boundary_width": zone}
-                model = weftex.PatchSampling(**settings | parameters).fit(exemplar)  # noqa: B023
-                made = (model.sample(sized(320), seed=k) for k in range(seeds))
-                return np.array([continuity(result, zone, limits) for result in made])  # noqa: B023
-
-            random = shares(epsilon=float("inf"))[:, 0].mean()
-            cells = []
-            mean.append([])
-            for weight in weights:
-                each, met = shares(epsilon=epsilon, edge_weight=weight).T
-                broken = (own - each) / (own - random)
-                mean[-1].append(broken.mean())
-                spread = broken.std(ddof=1) / seeds**0.5
-                cells.append(f"{broken.mean():.2f} ± {spread:.2f} ({met.mean() / density:.1f})")
-            rows.append([f"{epsilon:g}", name, f"{own:.2f}", f"{random:.2f}", *cells])
-        means = [f"**{m:.2f}**" for m in np.mean(mean, axis=0)]
-        rows.append([f"{epsilon:g}", "**mean**", "", "", *means])
-    head = ["epsilon", "sample", "S", "R", *(f"edge_weight {w:g}" for w in weights)]
     return notes, head, rows
 
 
@@ -353,7 +305,7 @@ and means of 500 trials. "x" is how many times shorter synthesis is than with th
 FIGURES = (
     fig1, fig4, fig6, fig7, fig8, fig10, fig11, fig12, fig13, fig14, fig15, fig16, fig17
 )  # fmt: skip
-TABLES = (copying, edges, table1)
+TABLES = (copying, table1)
 
 if __name__ == "__main__":
     run(__doc__, FIGURES, TABLES)

@@ -109,7 +109,6 @@ def test_each_patch_is_searched_drawn_cut_and_pasted(rng):
         "search": "exhaustive",
         "blend": str(rng.choice(["cut", "cut", "feather", "feather-at-end", "none"])),
         "repeat_distance": float(rng.choice([0.0, 0.5, 1.5])),
-        "edge_weight": float(rng.choice([0, 0, 1])),
     }
     tolerance = float(rng.choice([0, 0.02, 0.1, 0.2, 1, np.inf]))
     if tolerance == np.inf:  # everything matches: the chaos mosaic
@@ -129,7 +128,7 @@ def test_each_patch_is_searched_drawn_cut_and_pasted(rng):
     window = np.minimum(size, canvas.shape)
     width = min([width, *(window[list(canvas.wrap)] // 4)]) or 1
     around, view = [(0, n) for n in window], np.lib.stride_tricks.sliding_window_view
-    sample = exemplar.matching(method.edge_weight)
+    sample = exemplar.matching()
     pixels = np.pad(sample, [*around, (0, 0)], "wrap").astype(int)
     mask = np.pad(exemplar.mask, around, "wrap" if exemplar.tileable else "constant")
     windows = np.moveaxis(view(pixels, window, (0, 1)), 2, -1)
@@ -141,7 +140,7 @@ def test_each_patch_is_searched_drawn_cut_and_pasted(rng):
     done = ~canvas.hole if holes else np.zeros(canvas.shape, bool)
     fixed, picture = done.copy(), np.zeros((*canvas.shape, sample.shape[2]), int)
     if holes:
-        picture[done] = exemplar.as_matching(canvas.known, method.edge_weight)[done]
+        picture[done] = exemplar.as_matching(canvas.known)[done]
     unblended = picture.copy()  # which is matched, until all is blended at the end
     starts = [sorted({*result.placements[:, axis].tolist()}) for axis in (0, 1)]
     laid, matched = {}, unblended if method.blend == "feather-at-end" else picture

@@ -18,7 +18,7 @@ from weftex.raster.arrays import (
     owned,
     without_mask,
 )
-from weftex.raster.levels import edges_of, resized, scale_between, scale_to_bytes, to_bytes
+from weftex.raster.levels import resized, scale_between, scale_to_bytes, to_bytes
 from weftex.raster.mixing import Mixing, mixing_of
 from weftex.roles import COLOR, Role, as_role, checked_weights, role_of
 
@@ -149,7 +149,7 @@ class Exemplar(Displayable):
                 f"the guide of {name} is {_size(self.guide)}, {name} is {_size(self.pixels)}; "
                 "they must be equal"
             )
-        self._matching: dict[float, NDArray[np.uint8]] = {}
+        self._matching: NDArray[np.uint8] | None = None
 
     def __repr__(self) -> str:
         maps = f", maps: {', '.join(self.maps)}" if self.maps else ""
@@ -205,18 +205,18 @@ class Exemplar(Displayable):
         """How its pixels are mixed where two patches show."""
         return mixing_of(self.pixels, self.role.kind, self.alpha)
 
-    def matching(self, edge_weight: float = 0.0) -> NDArray[np.uint8]:
+    def matching(self) -> NDArray[np.uint8]:
         """Return what distances are taken on: bytes (H, W, K), so that they are exact integers.
 
-        Plain 8-bit pixels without maps are themselves; see `as_matching` for `edge_weight`.
+        Plain 8-bit pixels without maps are themselves.
         """
-        if edge_weight not in self._matching:
-            self._matching[edge_weight] = self.matching_of(self, edge_weight)
-        return self._matching[edge_weight]
+        if self._matching is None:
+            self._matching = self.matching_of(self)
+        return self._matching
 
-    def matching_of(self, other: Exemplar, edge_weight: float = 0.0) -> NDArray[np.uint8]:
+    def matching_of(self, other: Exemplar) -> NDArray[np.uint8]:
         """Return another picture, with maps of the same names, in bytes as the sample's own are."""
-        own = [self.as_matching(other.pixels, edge_weight)]
+        own = [self.as_matching(other.pixels)]
         # All maps of weight 1 together weigh as much as the picture.
         factors = {
             name: (len(self.maps) / w) ** -0.5 * (self.channels / self._maps[name].channels) ** 0.5
@@ -233,13 +233,12 @@ class Exemplar(Displayable):
         whole = own[0] if len(own) == 1 else np.concatenate(own, axis=2)
         return np.ascontiguousarray(whole)
 
-    def as_matching(self, pixels: NDArray[Any], edge_weight: float = 0.0) -> NDArray[np.uint8]:
+    def as_matching(self, pixels: NDArray[Any]) -> NDArray[np.uint8]:
         """Map pixels of this sample's dtype and channels to bytes as the sample's own are.
 
         Brightness ratios survive (a tolerance relative to the canvas means the same at any bit
         depth) unless the values lie in a narrow band, which is then stretched. Alpha is multiplied
-        in and kept beside the colors, so that the color of clear pixels does not count. The
-        gradient's magnitude times `edge_weight` is appended.
+        in and kept beside the colors, so that the color of clear pixels does not count.
         """
         pixels = pixels.reshape(*pixels.shape[:2], -1)
         if self.alpha:
@@ -252,8 +251,6 @@ class Exemplar(Displayable):
             result = pixels
         else:
             result = np.rint(to_bytes(pixels, scale_to_bytes(self.pixels))).astype(np.uint8)
-        if edge_weight > 0:
-            result = np.concatenate([result, edges_of(result, edge_weight)], axis=2)
         return np.ascontiguousarray(result)
 
     @cached_property

@@ -60,14 +60,6 @@ def _exponent(largest: float) -> int:
     return 0 if abs(exponent) < _ORDINARY or largest == math.inf else exponent
 
 
-def edges_of(values: NDArray[np.uint8], weight: float) -> NDArray[np.uint8]:
-    """Return how steep the brightness is: an interrupted outline differs in it."""
-    gray = values.mean(axis=2)
-    dy, dx = (np.gradient(gray, axis=a) if gray.shape[a] > 1 else 0 * gray for a in (0, 1))
-    edges: NDArray[np.uint8] = np.rint(np.minimum(weight * np.hypot(dy, dx), 255)).astype(np.uint8)
-    return edges[..., None]
-
-
 def scale_between(shape: tuple[int, ...], other: tuple[int, ...]) -> Fraction | int | None:
     """Pixels of one picture per pixel of another: an integer or 1 / integer, else None."""
     height, width, times = *shape[:2], shape[0] // other[0]

@@ -27,7 +27,7 @@ class PatchAnalysis:
 
     def __init__(self, method: PatchMethod, exemplar: Exemplar, *, ahead: bool = True) -> None:
         self.method, self.exemplar = method, exemplar
-        self.pixels = exemplar.matching(method.edge_weight)
+        self.pixels = exemplar.matching()
         self.mask = np.ones(exemplar.shape, bool) if exemplar.mask is None else exemplar.mask
         side = method.window_side
         if exemplar.tileable:  # edge handling of section 2.4

@@ -67,12 +67,6 @@ class PatchMethod(Method):
         hole_text=f"{_HOLE_CANDIDATES}",
         needs=("search", ("quadtree", "pca", "kdtree", "kdtree-pca")),
     )
-    edge_weight: float = parameter(
-        0.0,
-        "weight of edges against color in matching; higher lines up edges (0 in the paper)",
-        low=0.0,
-        high=10.0,
-    )
     repeat_distance: float = parameter(
         0.5,
         "minimum distance between sources of neighboring patches, in patch sizes (0 in the papers)",

@@ -194,7 +194,7 @@ class Output:
         if exemplar.maps:
             raise InvalidInputError("a hole's surroundings lack the sample's maps; use weftex.fill")
         assert canvas.known is not None
-        return exemplar.as_matching(canvas.known, self.method.edge_weight)
+        return exemplar.as_matching(canvas.known)
 
     def paste_in_order(self, paste: Callable[[Run], None]) -> None:
         """Call `paste` with every run of the order, in threads where runs are independent."""
