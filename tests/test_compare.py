@@ -15,6 +15,7 @@ from weftex.errors import CancelledError, FileError, InvalidInputError
 from weftex.io.pictures import read_image, write_image
 from weftex.pages.comparisons import compare
 
+NAMES = sorted(["auto", *weftex.METHODS])
 WEAVE = weftex.load_exemplar("sample:weave").pixels[:64, :70]
 
 
@@ -25,7 +26,7 @@ def found():
 
 
 def test_every_method_is_there_best_first(found):
-    assert sorted(e.method for e in found.entries) == sorted(weftex.METHODS)
+    assert sorted(e.method for e in found.entries) == NAMES
     ranks = [entry.rank for entry in found.entries]
     assert ranks == sorted(ranks) and found.shape == (56, 60) and found.seed == 5
     for entry in found.entries:
@@ -41,9 +42,9 @@ def test_the_page_needs_nothing_but_itself(found, tmp_path):
     found.save(tmp_path / "c.html")
     page = Page((tmp_path / "c.html").read_text("utf-8"))
     assert "a <b> & 'c'.png" in page.text and "<b>" not in found.html()
-    assert sorted(page.ids) == sorted(weftex.METHODS)
-    assert sorted(page.links) == sorted(f"#{slug}" for slug in weftex.METHODS)
-    assert len(page.pictures) == 1 + 2 * len(weftex.METHODS)
+    assert sorted(page.ids) == NAMES
+    assert sorted(page.links) == [f"#{name}" for name in NAMES]
+    assert len(page.pictures) == 1 + 2 * len(NAMES)
     for number, picture in enumerate(page.pictures):
         assert picture["alt"] and picture["src"].startswith("data:image/png;base64,")
         (tmp_path / f"{number}.png").write_bytes(base64.b64decode(picture["src"][22:]))

@@ -110,9 +110,9 @@ class Comparison(Page):
         if best in mine or not mine or best.rank == mine[0].rank:
             return ""
         return (
-            f"{best.method} has a better score than {auto} ({best.rank:.2f}, {mine[0].rank:.2f}), "
-            f"but auto chooses from an analysis of the sample, before it makes anything; another "
-            f"method that it tries wins only if its score is lower by {MARGIN:g}"
+            f"{best.method} has a better score than auto's {auto} ({best.rank:.2f}, "
+            f"{mine[0].rank:.2f}), but auto chooses by analyzing the sample, before it makes "
+            f"anything; another method that it tries wins only if its score is lower by {MARGIN:g}"
         )
 
     def as_dict(self) -> dict[str, Any]:
@@ -151,7 +151,9 @@ class Comparison(Page):
     def _row(self, entry: Entry, names: list[str]) -> str:
         """A method and its figures, those beyond their limits marked."""
         link = f'<a href="#{entry.method}">{entry.method}</a>'
-        link += " (auto)" if entry.method == self.choice.method else ""
+        made_it = any(one.method == AUTO for one in self.entries)  # with parameters of its own
+        mark = {AUTO: self.choice.method} if made_it else {self.choice.method: AUTO}
+        link += f" ({mark[entry.method]})" if entry.method in mark else ""
         row, found = f'<th scope="row">{link}</th>', entry.assessment
         if found is None:
             return f'{row}<td colspan="{2 + len(names)}">{escape(entry.note)}</td>'
@@ -203,7 +205,7 @@ def compare(
     size : int or (int, int), optional
         Height and width of the outputs; twice the sample by default, at most 512.
     methods : sequence of str, optional
-        Names in `weftex.METHODS`, or "auto"; all methods by default.
+        Names in `weftex.METHODS`, or "auto"; all of them by default.
     seed, tileable, threads
         As for `weftex.synthesize`.
     progress : callable, optional
@@ -227,7 +229,7 @@ def compare(
     """
     if methods is not None and not isinstance(methods, (list, tuple)):
         raise InvalidInputError(f"methods is {shown(methods)}; it must be a list of names")
-    names = list(METHODS) if methods is None else list(methods)
+    names = [AUTO, *METHODS] if methods is None else list(methods)
     made = {name: make_method(name, {}) for name in names}  # raises for an unknown one
     if not names or len(made) < len(names):
         raise InvalidInputError(f"methods is {', '.join(names)!r}; name each once, at least one")
