@@ -103,6 +103,10 @@ def test_borders_are_checked_and_repaired(tab: Any, address: str) -> None:
     page.click("text=Check the borders")
     page.wait_for_selector("[data-tileable=true]")
     assert page.locator("[data-group=borders] canvas.shown").count() == 0
+    for name in ("size", "wrap", "atlas", "more"):
+        group(page, name)
+    for probe in ("contrasts", "unnamed", "wide", "wrapped"):
+        assert one.probe(probe) == [], probe
     assert one.faults == []
 
 
