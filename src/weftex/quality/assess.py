@@ -153,7 +153,7 @@ def assess(
     (True, True)
     """
     exemplar = load_exemplar(sample)
-    with counted(6, "measures") as step:
+    with counted(5, "measures") as step:
         pixels, wrap = _checked(exemplar, result, tileable)
         scorer = Scorer(as_it_was(exemplar))
         own, whole = scorer.own, scorer.view(pixels)

@@ -165,7 +165,6 @@ class Scorer:
         found["autocorrelation"] = autocorrelation_distance(self.own, made)
         step(1)
         found["seams"] = seams(self.steps, made)
-        step(1)
         return found
 
     def rate(self, picture: NDArray[Any]) -> Rating:

@@ -204,10 +204,6 @@ def _mending(
 ) -> list[dict[str, Any]]:
     """What would help, each with what is to be added to the material's description."""
     tilted = lattice is not None and is_tilted(lattice)
-    needed = {"even_light": lit_unevenly, "straighten": tilted}
-    values = {"even_light": _DEGREE, "straighten": ""}
-    return [
-        {"what": what, "spec": {what: values[what]}}
-        for what in values
-        if needed[what] and what not in spec
-    ]
+    needed: dict[str, Any] = {"even_light": _DEGREE} if lit_unevenly else {}
+    needed |= {"straighten": ""} if tilted else {}
+    return [{"what": one, "spec": {one: needed[one]}} for one in needed if one not in spec]
