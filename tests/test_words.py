@@ -47,15 +47,15 @@ def test_rules_find_words():
 
 
 def help_of(module):
-    """Texts that a module prints as help, and the first lines of its docstrings, with lines."""
+    """Texts that a module prints, and the first lines of its docstrings, with lines."""
     for node in ast.walk(ast.parse(module.read_text("utf-8"))):
         if isinstance(node, ast.Module | ast.ClassDef | ast.FunctionDef):
             docstring = ast.get_docstring(node) or ""
             yield getattr(node, "lineno", 1), docstring.partition("\n")[0]
-        if isinstance(node, ast.keyword) and node.arg == "help":
-            for part in ast.walk(node.value):
-                if isinstance(part, ast.Constant) and isinstance(part.value, str):
-                    yield part.lineno, part.value
+        if isinstance(node, ast.Call):  # help, refusals, notes: sentences have spaces
+            for part in [p for one in (*node.args, *node.keywords) for p in ast.walk(one)]:
+                if isinstance(part, ast.Constant) and str(part.value).count(" ") > 2:
+                    yield part.lineno, str(part.value)
 
 
 def src():

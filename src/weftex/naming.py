@@ -30,7 +30,7 @@ def method_of(text: str) -> Method:
         slug, *words = shlex.split(text)
     except ValueError:  # nothing, or a quotation without an end
         raise InvalidInputError(
-            f"{shown(text)} is no method; write it as 'NAME name=value'"
+            f"{shown(text)} is not a method; write it as 'NAME name=value'"
         ) from None
     given: dict[str, Any] = {}
     kinds = {field.name: kind_of(field) for field in dataclasses.fields(METHODS[slug])}

@@ -50,7 +50,7 @@ class Registry(Mapping[str, type[Any]]):
             raise InvalidInputError(f"method is {shown(slug)}; it must be a name")
         if slug == "auto":
             raise InvalidInputError(
-                "'auto' is no method, it chooses one of them: synthesize(..., method='auto')"
+                "'auto' is not a method, it chooses one: synthesize(..., method='auto')"
             )
         raise InvalidInputError(f"unknown method '{slug}'{did_you_mean(slug, ['auto', *self])}")
 

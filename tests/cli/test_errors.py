@@ -71,7 +71,7 @@ WRONG = [
     ("S --window 1,2,3,4 --size 50", "give --size or --window, not both"),
     ("S --period 50", "--period has no effect without --window"),
     ("S --part 1/2", "--part has no effect"),
-    ("P p.tif --part 1/2 --workers 2", "exclude each other"),
+    ("P p.tif --part 1/2 --workers 2", "give --part or --workers"),
     ("P p.tif --workers 2 --threads 2", "--threads has no effect"),
     ("P p.tif --restart --part 1/2", "--restart has no effect"),
     ("P p.tif --block 64 --guide photo.png", "--guide needs the whole image"),

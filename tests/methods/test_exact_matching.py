@@ -98,7 +98,7 @@ def test_a_tolerance_is_proposed_where_colors_hardly_occur_twice():
     "parameters, message",
     [
         ({"tolerance": 0.1, "nearest_colors": 2}, "give tolerance or nearest_colors, not both"),
-        ({"window_width": 41}, "window_width is 41; sample is 40x30, which has room for 29"),
+        ({"window_width": 41}, "window_width is 41; sample is 40x30, so it must be at most 29"),
         ({"levels": 9}, "levels is 9; sample is 40x30, which is enough for 3"),
     ],
 )

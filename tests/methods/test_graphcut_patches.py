@@ -58,7 +58,7 @@ def test_in_a_photo_only_what_is_around_a_hole_counts(monkeypatch):
 @pytest.mark.parametrize(
     "wrong, message",
     [
-        ({"patch_size": 31}, "patch_size is 31; .* room for 30"),
+        ({"patch_size": 31}, "patch_size is 31; .* at most 30"),
         ({"patch_size": 10, "boundary_width": 5}, "boundary_width is 5; .* 4"),
         ({"halvings": 9}, "halvings is 9"),
     ],

@@ -88,13 +88,13 @@ def test_strain_is_refused_and_a_good_size_named():
         ({"lattice": (90, 0, 0, 8)}, "smaller"),
         ({"lattice": (50, 0, 0, 40)}, "two tiles"),
         ({"block_size": 20, "border_width": 20}, "less than the block"),
-        ({"block_size": 40, "border_width": 22}, "room for 60 together"),
+        ({"block_size": 40, "border_width": 22}, "together they must be at most 60"),
         ({"blend_width": 4}, "blend_width has no effect unless blend is 'feather'; here it is"),
         ({"border_width": 0, "match": "gncc"}, "match has no effect without borders"),
         ({"defaults": "paper", "blend_width": 20}, "blend_width is 20; it must be less than"),
         (
             {"defaults": "paper", "block_size": 40, "blend_width": 21},
-            "block_size is 40 and blend_width 22; .* room for 60 together",
+            "block_size is 40 and blend_width 22; .* together they must be at most 60",
         ),
     ],
 )

@@ -89,13 +89,13 @@ def test_settled_parameters():
 @pytest.mark.parametrize(
     "parameters, message",
     [
-        ({"levels": 4}, "levels is 4; sample is 40x30, which has room for 2 with windows of 9"),
-        ({"window_width": 31}, "window_width is 31; sample is 40x30, which has room for 29"),
+        ({"levels": 4}, "levels is 4; sample is 40x30, so it must be at most 2 with windows of 9"),
+        ({"window_width": 31}, "window_width is 31; sample is 40x30, so it must be at most 29"),
         ({"parent_width": 5, "window_width": 5}, "must be below window_width, which is 5"),
         ({"parent_width": 9, "levels": 2}, "must be below window_width, which is 9"),
         ({"parent_width": 3, "levels": 1}, "parent_width has no effect"),
-        ({"parent_width": 3, "window_width": 29}, "room for one level only"),
-        ({"levels": 2, "window_width": 1}, "room for 1 with windows of 1"),
+        ({"parent_width": 3, "window_width": 29}, "too small for two levels"),
+        ({"levels": 2, "window_width": 1}, "at most 1 with windows of 1"),
     ],
 )
 def test_parameters_that_do_not_fit(parameters, message):

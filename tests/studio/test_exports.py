@@ -61,7 +61,7 @@ def test_a_border_is_added_and_removed(page, tmp_path):
         ({"pad": 66}, "so it can be at most 60"),
         ({"crop": 30}, "so it can be at most 29"),
         ({"pad": 3}, "3 pixels of color are 1.5 of height"),
-        ({"pad": 2, "crop": 2}, "pad and crop exclude each other"),
+        ({"pad": 2, "crop": 2}, "give pad or crop, not both"),
         ({"preset": "terrain3d"}, "packs maps of unequal size"),
     ]:
         assert line in page.refused(f"{path}/exports", wrong)["error"], wrong

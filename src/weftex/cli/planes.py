@@ -52,7 +52,7 @@ def check_options(args: argparse.Namespace) -> None:
         raise InvalidInputError("--best-of needs the whole image; name a method and a seed")
     given = [name for name in ("part", "workers") if getattr(args, name) is not None]
     if len(given) > 1:
-        raise InvalidInputError(f"--{given[0]} and --{given[1]} exclude each other; give one")
+        raise InvalidInputError(f"give --{given[0]} or --{given[1]}, not both")
     if args.part is not None:
         args.part = parse_part(args.part)
         if args.restart:

@@ -148,7 +148,7 @@ def width_for(given: int | None, exemplar: Exemplar, proposed: int) -> int:
     if given is not None and given > largest:
         raise InvalidInputError(
             f"window_width is {given}; {exemplar.name} is {exemplar.shape[1]}x"
-            f"{exemplar.shape[0]}, which has room for {largest}"
+            f"{exemplar.shape[0]}, so it must be at most {largest}"
         )
     return given or max(1, min(proposed - 1 + proposed % 2, largest))
 

@@ -88,7 +88,7 @@ def export(
         raise InvalidInputError(f"format has no effect beside the preset {preset}")
     changes = {k: one.checked(given[k]) for k, one in CHANGES.items() if given.get(k) is not None}
     if {"pad", "crop"} <= changes.keys():
-        raise InvalidInputError("pad and crop exclude each other")
+        raise InvalidInputError("give pad or crop, not both")
     made, beside = source.made, [one for one in BESIDE if given.get(one)]
     if made is None and beside:
         raise InvalidInputError(f"{beside[0]} needs a result, and this is a material")

@@ -31,7 +31,7 @@ def answer_of(error: Exception) -> tuple[int, dict[str, str | None]]:
     elif isinstance(error, MemoryError):
         status, error = 413, Refusal(413, "not enough memory; make the image smaller")
     elif _disk_is_full(error):
-        status, error = 507, Refusal(507, "the disk is full; make room on it, and try again")
+        status, error = 507, Refusal(507, "the disk is full; free some space, and try again")
     elif not isinstance(error, WeftexError):
         status, error = 500, Refusal(500, f"internal error of the studio: {type(error).__name__}")
     line = " ".join(str(error).split())

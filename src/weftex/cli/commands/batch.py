@@ -272,7 +272,7 @@ def _check_name(stem: str, suffix: str) -> None:
         raise InvalidInputError(f"the template makes {shown(stem)}, which is not a file name")
     if len(os.fsencode(stem + suffix)) > _LONGEST:
         raise InvalidInputError(
-            f"the template makes a name of {len(stem + suffix)} letters; systems have room for "
+            f"the template makes a name of {len(stem + suffix)} letters; it must be at most "
             f"{_LONGEST} bytes"
         )
 

@@ -45,7 +45,7 @@ def run(argv: list[str]) -> None:
     if args.port is not None and not 0 <= args.port < 2**16:
         raise InvalidInputError(f"--port is {args.port}; it must be from 0 to 65535")
     if args.memory is not None and not 64 <= args.memory <= 2**20:
-        raise InvalidInputError(f"--memory is {args.memory}; it must be from 64 to 1048576")
+        raise InvalidInputError(f"--memory is {args.memory}; it must be from 64 to 2**20")
     if args.data == "":
         raise InvalidInputError("--data is ''; it must name a folder")
     if any(find_spec(name) is None for name in ("starlette", "uvicorn", "anyio")):

@@ -60,7 +60,7 @@ class BestTile(Method):
         low=1,
         high=1024,
         unit="px",
-        default_text="10, less where the sample has no room for it",
+        default_text="10, less for a small sample",
     )
 
     def fit_exemplar(self, exemplar: Exemplar) -> BestTileModel:

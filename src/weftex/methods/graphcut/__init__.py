@@ -76,7 +76,7 @@ class GraphCut(Method):
     )
     boundary_width: int | None = parameter(
         None,
-        "width of the overlap with patches placed before; wider gives the seam more room",
+        "width of the overlap with patches placed before; wider hides the seam better",
         low=0,
         unit="px",
         default_text="a third of the patch size",

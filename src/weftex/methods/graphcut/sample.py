@@ -117,8 +117,8 @@ def patch_shape_for(exemplar: Exemplar, given: int | None) -> tuple[int, int]:
     if given is not None:
         if given > min(height, width):
             raise InvalidInputError(
-                f"patch_size is {given}; {exemplar.name} is {width}x{height}, which has room for "
-                f"{min(height, width)}"
+                f"patch_size is {given}; {exemplar.name} is {width}x{height}, so it may be "
+                f"at most {min(height, width)}"
             )
         if not _fits(exemplar, given, given):
             raise InvalidInputError(

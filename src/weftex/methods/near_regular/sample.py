@@ -141,7 +141,7 @@ def _block(
         wide = "border_width" if around == border else "blend_width"
         raise InvalidInputError(
             f"block_size is {size} and {wide} {around}; {exemplar.name} is "
-            f"{exemplar.shape[1]}x{exemplar.shape[0]}, which has room for {shorter} together"
+            f"{exemplar.shape[1]}x{exemplar.shape[0]}, so together they must be at most {shorter}"
         )
     if not _fits(exemplar, size + around):
         raise InvalidInputError(

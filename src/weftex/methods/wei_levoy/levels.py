@@ -36,12 +36,12 @@ def levels_and_widths(
     elif levels < given:
         raise InvalidInputError(
             f"levels is {given}; {exemplar.name} is {exemplar.shape[1]}x"
-            f"{exemplar.shape[0]}, which has room for {levels} with windows of {width} pixels"
+            f"{exemplar.shape[0]}, so it must be at most {levels} with windows of {width} pixels"
         )
     if levels == 1:
         if given_parent_width:
             raise InvalidInputError(
-                f"parent_width has no effect: {exemplar.name} has room for one level only"
+                f"parent_width has no effect: {exemplar.name} is too small for two levels"
             )
         parent_width = 0
     elif parent_width >= width:

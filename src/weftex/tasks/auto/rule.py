@@ -76,7 +76,7 @@ def _regular(findings: Findings, canvas: Canvas) -> Choice | None:
     vectors, rows = four_numbers(used), len(used.vectors) == 1
     strain, notes = CanvasLattice(vectors, canvas).strain, strain_notes(vectors, canvas)
     if strain > (_STIFF_ROWS if rows and quick else VISIBLE_STRAIN):
-        because = f"{because}, which does not fit a tileable {_size(canvas.shape)}"
+        because = f"{because}; this pattern does not fit a tileable {_size(canvas.shape)}"
         if rows:  # entire samples keep their distance, as they are cut seldom
             return replace(_whole(findings, canvas, because), warnings=notes)
         return Choice("quilting", {}, because, notes)
