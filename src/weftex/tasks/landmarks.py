@@ -41,8 +41,8 @@ _TRIED = 4  # parts that are compared in full size
 _AVOID = 8  # weight of landmarks, and of parts used before, in the cost of a part
 _BESIDE = np.mgrid[-1:2, -1:2].reshape(2, -1).T
 _NEVER = np.iinfo(np.int64).max
-_FINE = 1 / 8  # scale over the side up to which `auto` thins landmarks
-_COARSE = 1 / 5  # scale over the side above which only rare landmarks are filled
+_FINE = 1 / 8  # scale over the side up to which `auto` thins landmarks, of most materials
+_COARSE = 1 / 5  # of ground; and above which only rare landmarks are filled
 _AREAS = 4  # sample areas of the output for each time that a rare landmark is shown
 #: Distances in shorter sides of the sample: of a landmark from itself, rare or not; up to which
 #: landmarks are neighbors; of two neighbors from the same two.
@@ -81,8 +81,11 @@ def thinned(model: Model, canvas: Canvas) -> PlainSample | None:
     """
     assert isinstance(model, AutoModel)
     findings = model.findings
-    small = findings.scale <= _FINE * min(findings.shape)
-    if findings.lattice or not small or model.choose(canvas).method != "graphcut":
+    choice = model.choose(canvas)
+    # What looks the same from all sides is ground, such as leaves: no landmark is part of a whole.
+    most = _COARSE if choice.parameters.get("orientations") == "all" else _FINE
+    small = findings.scale <= most * min(findings.shape)
+    if findings.lattice or not small or choice.method != "graphcut":
         return None
     if has_joint_network(model.exemplar):
         return None
