@@ -11,7 +11,8 @@ import pytest
 import weftex
 from families import noise
 from weftex.analysis.relief import relief
-from weftex.analysis.scale import THICKNESS, _over_squares, _ring_power, dominant_scale
+from weftex.analysis.scale import THICKNESS, _ring_power, dominant_scale
+from weftex.analysis.widths import between_joints, over_squares
 from weftex.exemplar import Exemplar
 
 #: What the estimate is for the samples that ship with weftex: pixels, confidence and source.
@@ -135,6 +136,25 @@ def test_strewn_things(size, rng):
     assert size <= scale.scale <= 2 * size  # they are plainer than stones, which have grain
 
 
+@pytest.mark.parametrize("size", [30, 40, 50])
+def test_stones_are_told_by_their_joints(size, rng):
+    """Grain of any size hides the stones, and is as large without joints; grooves are no stones."""
+    y, x = np.mgrid[:256, :256]
+    corners = np.mgrid[-size : 256 + size : size, -size : 256 + size : size].reshape(2, -1, 1, 1)
+    middles = corners + rng.uniform(0, 0.6 * size, corners.shape)
+    near = np.sort(np.hypot(y - middles[0], x - middles[1]), axis=0)
+    joint = (near[1] - near[0])[..., None] < 4
+    grain = 128 + 30 * rng.standard_normal((64, 64, 1)).repeat(4, 0).repeat(4, 1)
+    for tone in (-60, 60):
+        drawn = np.clip(grain + tone * joint, 0, 255).astype(np.uint8)
+        assert found(drawn).scale == pytest.approx(size, rel=0.25)
+    assert between_joints(relief(Exemplar(grain.astype(np.uint8)))) == 0
+    grooves = np.clip(
+        grain - 60 * (np.cumsum(rng.uniform(0, 0.06, 256)) % 1 < 0.1)[:, None, None], 0, 255
+    )
+    assert between_joints(relief(Exemplar(grooves.astype(np.uint8)))) == 0
+
+
 def test_things_of_many_sizes_are_less_sure(rng):
     one = strewn(256, 12, rng)
     many = 0.5 * one + 0.4 * strewn(256, 100, rng) + 0.1 * rng.standard_normal((256, 256))
@@ -151,8 +171,8 @@ def test_openings_are_their_definition(rng):
         for y, x in np.ndindex(lowest.shape):
             part = expected[y : y + size, x : x + size]
             np.maximum(part, lowest[y, x], out=part)
-        around = np.pad(_over_squares(pixels, size, np.minimum), size - 1)
-        np.testing.assert_array_equal(_over_squares(around, size, np.maximum), expected)
+        around = np.pad(over_squares(pixels, size, np.minimum), size - 1)
+        np.testing.assert_array_equal(over_squares(around, size, np.maximum), expected)
 
 
 def test_a_pattern_in_noise_is_less_certain():

@@ -6,8 +6,7 @@ ring is d = 0.1 thick), and calls the ring with the most power dominant: the sca
 right for stripes. A joint's overtones have more power than its period, strewn things have no period
 at all, and slow lighting has the most power of all. So the scale is the first of these:
 
-* Where the sample comes back to itself under some shift, its lattice is looked for, and the scale
-  is the distance of those of its lines that hold the most power.
+* The distance of those lines of its lattice that hold the most power, or of its rows.
 * The strongest ring, if it stands out, or is surer than the things are. Slow lighting is taken off
   and the borders are faded out; what repeats less than 2.5 times is not looked at. Faded borders
   spread each wave over its neighbors, so rings are averaged over a distance of 1.
@@ -21,28 +20,26 @@ The size of things is the geometric mean of two measures, which fail on differen
   than the square, closings what is dark and narrower. What each square takes off beyond the one
   before it is the share of things of that width; joints and pits do not hide the stones between
   them. Those shares count by their fourth power, which makes the highest of them decide.
+
+Stones whose texture hides both are told by the joints around them; see `widths.between_joints`.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 from weakref import WeakKeyDictionary
 
 import numpy as np
+from numpy.typing import NDArray
 
-from weftex.analysis.properties import highest_return
-from weftex.analysis.relief import Relief, mixed, relief
+from weftex.analysis.relief import Relief, relief
+from weftex.analysis.widths import between_joints, distance_at, feature_width
 from weftex.exemplar import Exemplar
-from weftex.raster.arrays import median
+from weftex.raster.arrays import Floats, median
 
 if TYPE_CHECKING:
-    from typing import Literal
-
-    from numpy.typing import NDArray
-
     from weftex.analysis.lattice import Lattice
-    from weftex.raster.arrays import Floats
 
 THICKNESS = 0.1  # of a ring: the paper's d
 _FEWEST = 2.5  # repetitions that a sample must show of a structure
@@ -51,11 +48,9 @@ _SIGMAS = 5.0  # how far a peak may stand out by chance
 _PERIOD = 0.3  # confidence from which a period says more than the size of things
 _SAME = 0.06  # to which a period is that of the lattice
 _MORE = 1.01  # times the power, that finer lines must have
-_RETURN = 0.25  # of a sample that a lattice is looked for in
 #: What each measure is to be multiplied by, so that it is the size that a person reads: medians
 #: over 14 surfaces; docs/lab/scale-of-features.md has the errors on 12 others.
 _LENGTHS, _WIDTHS = 6.07, 1.04
-_CONTRAST = 40.0  # levels of 255 to a standard deviation
 #: The distance at which the correlation is 1/2, over that at which it is 1/4: where it falls
 #: straight, as for things of one size, and where the size is right in one sample of ten.
 _ONE_SIZE, _MANY = 0.633, 0.27
@@ -116,7 +111,9 @@ def _estimated(exemplar: Exemplar, lattice: Lattice | Literal["find"] | None) ->
     curve = radii[looked_at] / side / flat.step, power[looked_at], background[looked_at]
     correlation = np.fft.fftshift(np.fft.irfft2(spectrum, s=_padded(flat)))
     if lattice == "find":
-        lattice = _found(exemplar) if _returns(correlation, flat.usable.shape) else None
+        from weftex.analysis.lattice import find_lattice  # only where methods ask
+
+        lattice = find_lattice(exemplar)
     radius, peaked = _strongest(power, background, places, looked_at)
     if lattice is not None:
         scale, confidence = _period(lattice, spectrum, flat), lattice.confidence
@@ -128,30 +125,6 @@ def _estimated(exemplar: Exemplar, lattice: Lattice | Literal["find"] | None) ->
     if peaked > min(confidence, _PERIOD):
         scale, confidence, source = side / radius, peaked, "period"
     return DominantScale(round(scale * flat.step, 2), round(confidence, 2), source, *curve)
-
-
-def _found(exemplar: Exemplar) -> Lattice | None:
-    """Return the lattice; imported late, as most samples have none."""
-    from weftex.analysis.lattice import find_lattice
-
-    return find_lattice(exemplar)
-
-
-def _returns(correlation: Floats, shape: tuple[int, ...]) -> bool:
-    """Return whether the sample matches itself at some shift (see `regularity`).
-
-    The correlation of the faded sample is divided by that of its fading.
-    """
-    fading = [np.sin(np.pi * (np.arange(n) + 0.5) / n) ** 2 for n in shape]
-    falls = [
-        np.fft.fftshift(np.fft.irfft(abs(np.fft.rfft(fade, n)) ** 2, n))
-        for fade, n in zip(fading, correlation.shape, strict=True)
-    ]
-    middle, center = (n // 2 for n in correlation.shape)
-    down, along = (min(n // 2, m) for n, m in zip(shape, (middle, center), strict=True))
-    part = np.s_[middle - down : middle + down + 1, center - along : center + along + 1]
-    even = correlation[part] / np.outer(falls[0], falls[1])[part]
-    return highest_return(even / even[down, along]) >= _RETURN
 
 
 def _period(lattice: Lattice, spectrum: Floats, flat: Relief) -> float:
@@ -253,65 +226,11 @@ def _octave_medians(power: NDArray[np.float64]) -> NDArray[np.float64]:
 
 def size_of_things(flat: Relief, fall: Floats) -> tuple[float, float]:
     """Return the size of the features in a sample in pixels of the relief, and its confidence."""
-    length, width = distance_at(fall, float(np.exp(-1))), _width(_bytes(flat))
+    apart = between_joints(flat)
+    if apart:
+        return apart, _SUREST
+    length, width = distance_at(fall, float(np.exp(-1))), feature_width(flat)
     straight = distance_at(fall, 0.5) / max(distance_at(fall, 0.25), 1e-9)
     sure = (straight - _MANY) / (0.8 * _ONE_SIZE - _MANY)
     size = (max(_LENGTHS * length, 1.0) * max(_WIDTHS * width, 1.0)) ** 0.5
     return size, min(max(sure, 0.0), _SUREST)
-
-
-def distance_at(fall: Floats, value: float) -> float:
-    """Return the distance at which a curve first falls below a value, or its end.
-
-    >>> distance_at(np.array([1.0, 0.8, 0.4, 0.0]), 0.6)
-    1.5
-    """
-    below = np.flatnonzero(fall < value)
-    if not len(below):
-        return float(len(fall))
-    k = int(below[0])
-    return k - 1 + float((fall[k - 1] - value) / (fall[k - 1] - fall[k])) if k else 0.0
-
-
-def _bytes(flat: Relief) -> NDArray[np.uint8]:
-    """Return the mixture of channels that varies most, at one contrast for all samples."""
-    levels = mixed(flat.levels)
-    levels *= _CONTRAST / max(float(levels.std()), 1e-12)
-    return np.clip(np.rint(levels + 127.5), 0, 255).astype(np.uint8)
-
-
-def _width(levels: NDArray[np.uint8]) -> float:
-    """Return the width of the bright or of the dark features, the greater; 0 without any."""
-    widest = min(levels.shape) // 2
-    sizes = sorted(size for k in range(16) for size in (2 << k, 3 << k) if size <= widest)
-    octaves = np.log2([1, *sizes])
-    steps = np.diff(octaves)
-    greater = 0.0
-    for lowest, highest, end in ((np.minimum, np.maximum, 0), (np.maximum, np.minimum, 255)):
-        left, eroded = [float(levels.mean())], {1: levels}
-        for size in sizes:
-            before = 2 if size == 3 else size // 2
-            eroded[size] = _extremes(eroded[before], size - before, lowest)
-            around = np.pad(eroded[size], size - 1, constant_values=end)
-            left.append(float(_over_squares(around, size, highest).mean()))
-        share = (abs(np.diff(left)) / steps) ** 4 * steps
-        if share.sum() > 0:
-            middle = (share * (octaves[1:] - steps / 2)).sum() / share.sum()
-            greater = max(greater, float(2**middle))
-    return greater
-
-
-def _over_squares(levels: NDArray[np.uint8], size: int, pick: np.ufunc) -> NDArray[np.uint8]:
-    """Return extremes over all squares of `size` pixels a side."""
-    reach = 1
-    while reach < size:
-        by = min(reach, size - reach)
-        levels, reach = _extremes(levels, by, pick), reach + by
-    return levels
-
-
-def _extremes(levels: NDArray[np.uint8], by: int, pick: np.ufunc) -> NDArray[np.uint8]:
-    """Return the extreme of each pixel and those `by` to the right, below, and both."""
-    across: NDArray[np.uint8] = pick(levels[:, :-by], levels[:, by:])
-    found: NDArray[np.uint8] = pick(across[:-by], across[by:])
-    return found
