@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import math
 import numbers
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -38,7 +37,7 @@ from weftex.threads import thread_count
 
 __all__ = ["Atlas", "atlas", "corner_colors"]
 
-_USUAL, _LEAST, _FINEST = 256, 32, 24  # pixels a side of a tile; of a belt at the coarsest level
+_USUAL, _LEAST = 256, 32  # pixels a side of a tile
 #: Colors by which editors show corner colors.
 _SHOWN = ((0xD0, 0x43, 0x3B), (0x3B, 0x7D, 0xD0), (0x4C, 0xA8, 0x4C))
 _SHADER = Path(__file__).parent / "presets" / "corner_tiles.gdshader"
@@ -247,9 +246,7 @@ def atlas(
     if not vectors and not has_joint_network(exemplar):
         exemplar, found = _without_landmarks(exemplar, belt_of(size))
     if is_auto(chosen):
-        halvings = int(math.log2(max(1, belt_of(size) / _FINEST)))
-        fine = {"halvings": halvings, "refinements": 1.0}
-        chosen = make_method("graphcut", WHOLE | ({"lattice": vectors} if vectors else fine))
+        chosen = make_method("graphcut", WHOLE | ({"lattice": vectors} if vectors else {}))
     else:
         hole = np.pad(np.ones([side - belt_of(size) for side in size], bool), belt_of(size))
         usable = np.ones(exemplar.shape, bool) if exemplar.mask is None else exemplar.mask
