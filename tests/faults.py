@@ -1,4 +1,4 @@
-"""Faults that tests of parts do not show: many processes at once, kills, full disks.
+"""Faults that tests of parts do not show: kills, full disks.
 
     python tests/faults.py              # at most five minutes
     python tests/faults.py --long       # each fault many times, for nights
@@ -10,22 +10,15 @@ Every fault must end with one line or none, and the bytes of an undisturbed run.
 from __future__ import annotations
 
 import argparse
-import contextlib
-import importlib.util
 import os
 import random
-import signal
 import subprocess
-import sys
 import tempfile
-import threading
 import time
-from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 from processes import weftex_process
 
-sys.path.append(str(Path(__file__).parent / "studio"))
 PLANE = ["synth", "sample:bricks", "--method", "best-tile", "--lattice", "64,0,0,32", "--quiet"]
 PLANE += ["--size", 1000, "--block", 64]
 PICTURE = ["synth", "sample:bricks", "--method", "quilting", "--size", 600, "--quiet"]
@@ -63,26 +56,8 @@ def check(target, folder, seed):
     assert target.read_bytes() == whole_plane(folder, seed)
 
 
-def blocks(target):
-    """The number of blocks that journals name."""
-    with contextlib.suppress(OSError):
-        return sum(p.read_bytes().count(b"\n") for p in Path(f"{target}.run").rglob("*.txt"))
-    return 0
-
-
 def hidden(folder):
     return [path.name for path in folder.rglob(".weftex-*")]
-
-
-def parts(folder, long):
-    """Eight parts of one plane that start at the same moment."""
-    for turn in range(20 if long else 2):
-        target = folder / f"parts{turn}.tif"
-        words = [*PLANE, "--seed", 1, "-o", target]
-        runs = [weftex_process(*words, "--part", f"{k}/8") for k in range(1, 9)]
-        assert [ended(run) for run in runs] == [(0, "")] * 8
-        done(*words)
-        check(target, folder, 1)
 
 
 def kills(folder, long):
@@ -144,59 +119,7 @@ def disk(folder, long):
         subprocess.run(["umount", str(small)], check=True)
 
 
-def writers(folder, long):
-    """Two commands that write the same file: a picture is one of theirs, a plane is refused one."""
-    for turn in range(20 if long else 3):
-        picture = folder / f"two{turn}.png"
-        pictures = []
-        for seed in (1, 2):
-            done(*PICTURE, "--seed", seed, "-o", folder / f"one{seed}.png")
-            pictures.append((folder / f"one{seed}.png").read_bytes())
-        runs = [weftex_process(*PICTURE, "--seed", seed, "-o", picture) for seed in (1, 2)]
-        assert [ended(run) for run in runs] == [(0, "")] * 2
-        assert picture.read_bytes() in pictures
-        target = folder / f"two{turn}.tif"
-        words = [*PLANE, "--seed", 1, "-o", target]
-        runs = [weftex_process(*words) for _ in range(2)]
-        assert 0 in [ended(run)[0] for run in runs]
-        check(target, folder, 1)
-    assert not hidden(folder)
-
-
-def studio(folder, long):
-    """Steps that are stored at the same moment are all there after the server is killed."""
-    if importlib.util.find_spec("uvicorn") is None:
-        raise Skipped("the studio's extra is not installed")
-    from pages import Page
-    from processes_of_studio import Process
-
-    for turn in range(10 if long else 1):
-        data = folder / f"studio{turn}"
-        first = Process(data, "sample:bricks")
-        try:
-            page = Page(first.client, first.token)
-            recipe = {"materials": [page.start["opened"]], "size": [64, 64], "method": "quilting"}
-            results = [page.made({**recipe, "seed": seed}) for seed in range(6)]
-            ready = threading.Barrier(len(results))
-
-            def keep(result, page=page, ready=ready):
-                ready.wait()
-                step = {"id": result["id"][:12], "recipe": result["recipe"]}
-                page.post("steps", {**step, "result": result["id"]})
-
-            with ThreadPoolExecutor(len(results)) as pool:
-                list(pool.map(keep, results))
-        finally:
-            first.end(signal.SIGKILL)
-        second = Process(data)
-        try:
-            again = Page(second.client, second.token, session=page.start["session"])
-            assert len(again.start["steps"]) == len(results), again.start["steps"]
-        finally:
-            second.end(signal.SIGTERM)
-
-
-FAULTS = {act.__name__: act for act in (parts, kills, disk, writers, studio)}
+FAULTS = {act.__name__: act for act in (kills, disk)}
 
 
 def main():

@@ -292,13 +292,6 @@ def test_all_uploads_together_are_bounded(client, page, other):
     assert client.studio.store.bytes == stored(client) <= client.studio.limits.stored_bytes
 
 
-@pytest.mark.parametrize("field", ["lane", "recipe", "leave"])
-def test_half_a_character_is_refused(page, field):
-    """JSON can name a surrogate by itself, which no answer can hold."""
-    line = page.refused("jobs", {"recipe": QUICK, field: "\ud800"}, 400)["error"]
-    assert line.startswith("the request is not JSON")
-
-
 def test_an_upload_whose_file_is_gone_is_not_there(client, page):
     upload = page.upload(png(0))["id"]
     (path,) = client.studio.store.folder.glob(f"*/{upload}.png")

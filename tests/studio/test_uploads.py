@@ -71,7 +71,8 @@ def test_what_is_no_picture(client, page, content):
 
 
 @pytest.mark.parametrize(
-    "body", [b"{", b"[1,", b"\xff", b"[" * 5000, b"NaN", b'"text"', b"[]", b"7"]
+    "body",
+    [b"{", b"[1,", b"\xff", b"[" * 5000, b"NaN", b'"text"', b"[]", b"7", rb'{"lane": "\ud800"}'],
 )
 def test_what_is_no_request(page, body):
     for path in ("session", "jobs", "sets", "planes"):
