@@ -148,7 +148,6 @@ TRIALS = {
         "pixel",
         {"lattice": (1, 0, 0, 1), "block_size": 5, "border_width": 2},
         {
-            "cut": {"blend": "cut"},
             "feather": {"blend": "feather", "blend_width": 2},
             "none": {"blend": "none", "match": "gncc"},
         },

@@ -238,12 +238,12 @@ def fig411(folder: Path, suffix: str) -> None:
 
 
 def fig413(folder: Path, suffix: str) -> None:
-    """Without and with blending; and cut."""
+    """Without and with blending, and blended wider."""
     samples = [small(name) for name in some(REGULAR)]
     ways = [{"defaults": "paper", "blend": "none"}, {"defaults": "paper"}, {}]
     rows(
         folder / f"fig413{suffix}",
-        "sample, pasted, blended, cut",
+        "sample, pasted, blended, wider",
         [[s, *(make(s, **way) for way in ways)] for s in samples],
     )
 
@@ -287,12 +287,12 @@ def fig52(folder: Path, suffix: str) -> None:
 
 
 def fig510(folder: Path, suffix: str) -> None:
-    """Joints that do not meet: as in the thesis, and cut."""
+    """Joints that do not meet: as in the thesis, and blended wider."""
     s = load("bricks")[:256, :256]
     ways = [{"defaults": "paper", "block_size": 80}, {}]
     rows(
         folder / f"fig510{suffix}",
-        "sample, thesis, cut",
+        "sample, thesis, weftex",
         [[s, *(make(s, 384, **way) for way in ways)]],
     )
 

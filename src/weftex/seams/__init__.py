@@ -5,7 +5,6 @@ Each cut along a path is a dynamic program, and each has its own costs and steps
 | function | path | used by |
 |---|---|---|
 | `methods.patches.patch_kernels.cut_bands` | over pixels, 8 neighbors, free ends | quilting |
-| `methods.near_regular.edge_kernels.least_boundary` | between pixels, given ends | near-regular |
 | `methods.ashikhmin.choice.least_path` | over pixels, open or closed | ashikhmin, wrapped output |
 
 Cuts of any shape are by `maxflow`: graphcut, `boundary` (fuse and fill), `merge` (fuse).

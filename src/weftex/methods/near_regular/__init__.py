@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import ClassVar
 
 from weftex.canvas import Canvas
 from weftex.exemplar import Exemplar
@@ -12,13 +12,12 @@ from weftex.methods.lattices import LatticeModel
 from weftex.methods.near_regular.blocks import Plan, draw_constrained_blocks, fill_gaps
 from weftex.methods.near_regular.layout import divide
 from weftex.methods.near_regular.sample import (
-    blend_of,
     check_block,
     margin_of,
     prepare,
     resolve,
 )
-from weftex.methods.near_regular.seams import blend_linearly, cut_seams, paste_blocks
+from weftex.methods.near_regular.seams import blend_linearly, paste_blocks
 from weftex.parameters import parameter
 from weftex.progress import ProgressCallback
 from weftex.results.patches import PatchSynthesis
@@ -80,16 +79,16 @@ class NearRegular(Method):
         default_text="two thirds of the block; 10 in the paper",
     )
     blend: str = parameter(
-        "auto",
-        "how blocks are joined; auto: cut along the least error, or feather with defaults=paper",
-        choices=("auto", "cut", "feather", "none"),
+        "feather",
+        "how blocks are joined: blended into each other, or pasted",
+        choices=("feather", "none"),
     )
     blend_width: int | None = parameter(
         None,
         "width of the feathered area between blocks; wider hides the blocks better",
         low=0,
         unit="px",
-        default_text="4, at most that of the borders",
+        default_text="12, at most that of the borders; 4 in the paper",
         needs=("blend", ("feather",)),
         control="softness",
     )
@@ -121,10 +120,6 @@ class NearRegular(Method):
     def window_side(self) -> int:
         """The side of a block's window."""
         return (self.block_size or 0) + 2 * self.margin
-
-    def meant(self, name: str) -> Any:
-        """What `blend` is, if that is "auto"."""
-        return blend_of(self) if name == "blend" else super().meant(name)
 
     def fit_exemplar(self, exemplar: Exemplar) -> NearRegularModel:
         """Find the lattice, if none is given, and choose the sizes."""
@@ -182,10 +177,5 @@ class NearRegularModel(LatticeModel):
             # neighbors (Fig. 4.8 and 4.9: `sample.wedges_of`; eq. 4.4), within a tolerance around
             # similar ones: `block_kernels.fill_gaps`.
             sources = fill_gaps(plan, sources, progress)
-            if method.blend == "cut":
-                # 6: seams of least error instead of blending.
-                joints = cut_seams(plan, sources)
-            else:
-                # 4.2.3: blend blocks linearly where they overlap (eqs. 4.6 to 4.10).
-                joints = blend_linearly(plan)
-            return paste_blocks(plan, sources, joints, method.describe())
+            # 4.2.3: blend blocks linearly where they overlap (eqs. 4.6 to 4.10).
+            return paste_blocks(plan, sources, blend_linearly(plan), method.describe())

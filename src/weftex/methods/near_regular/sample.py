@@ -31,7 +31,7 @@ _SMALLEST_BLOCK = 0.15  # chosen here, over the same
 _WINDOWS = 6.0  # similar windows that a block should have to choose from
 _ROWS = 3  # rows to choose from, where nothing else repeats
 _TOLERANCE = 3  # px (section 4.2.2)
-_BLEND_WIDTH = 4  # px (section 5.2)
+_PAPERS_BLEND, _BLEND = 4, 12  # px wide (section 5.2); and as by default here
 _STRAIN = 0.02  # of a sample that tiles; past it windows do not cross its border
 _CELL = 1.5  # pixels; a tile is cut into such cells to see whether all of them have a window
 _SOFT = 40  # squared difference of a channel, two pixels apart, that halves the visibility
@@ -63,17 +63,9 @@ def resolve(method: Any, exemplar: Exemplar) -> Any:
         lattice=vectors_around(vectors, exemplar) or vectors,
         block_size=size,
         border_width=border,
-        blend=blend_of(method),
         blend_width=blend_width,
         tolerance=tolerance,
     )
-
-
-def blend_of(method: Any) -> str:
-    """How a method joins blocks; `defaults` decides where `blend` is "auto"."""
-    if method.blend != "auto":
-        return str(method.blend)
-    return "feather" if method.defaults == "paper" else "cut"
 
 
 def is_rows(vectors: Vectors) -> bool:
@@ -133,8 +125,8 @@ def _block(
     if border is None:
         border = 10 if paper else _border(size)
         border = min(border, (size - 1) // 2 * 2, max(0, shorter - size) // 2 * 2)
-    if blend is None and blend_of(method) == "feather":
-        blend = min(_BLEND_WIDTH, border)
+    if blend is None and method.blend == "feather":
+        blend = min(_PAPERS_BLEND if paper else _BLEND, border)
     check_block(size, border, blend)
     around = 2 * margin_of(border, blend)
     if size + around > shorter:
