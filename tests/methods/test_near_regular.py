@@ -78,7 +78,7 @@ def test_strain_is_refused_and_a_good_size_named():
         ({"block_size": 40, "border_width": 22}, "together they must be at most 60"),
         (
             {"blend": "none", "blend_width": 4},
-            "blend_width has no effect unless blend is 'feather'; here it is",
+            "blend_width has no effect unless blend is 'feather'",
         ),
         ({"border_width": 0, "match": "gncc"}, "match has no effect without borders"),
         ({"defaults": "paper", "blend_width": 20}, "blend_width is 20; it must be less than"),
