@@ -18,7 +18,7 @@ from weftex.endless.grid import Sizes
 from weftex.errors import InvalidInputError, UnsupportedError, did_you_mean, shown
 from weftex.exemplar import Exemplar, Sample, load_exemplar
 from weftex.parameters import check_value, numbers_of
-from weftex.progress import ProgressCallback
+from weftex.progress import ProgressCallback, listening
 from weftex.random import seed_number
 from weftex.registry import supporting
 from weftex.results.synthesis import Synthesis
@@ -91,7 +91,8 @@ class Model(ABC):
         """
         canvas = as_canvas(size, tileable)
         self.require(canvas)
-        return self.make(canvas, seed_number(seed), thread_count(threads), progress)
+        with listening(progress):
+            return self.make(canvas, seed_number(seed), thread_count(threads), progress)
 
     @abstractmethod
     def make(
@@ -205,7 +206,8 @@ class Model(ABC):
             self.method.require_kind("random_access")
         canvas = Canvas(height, width, origin=(top, left))
         asked = PlaneRequest(seed_number(seed), as_period(period), thread_count(threads))
-        return self.make_window(box_of(*canvas.origin, *canvas.shape), asked, progress)
+        with listening(progress):
+            return self.make_window(box_of(*canvas.origin, *canvas.shape), asked, progress)
 
     def make_window(self, box: Box, asked: PlaneRequest, progress: Any = None) -> Synthesis:
         """Make what `window` asks for, in a way of the method's own or as here: by blocks."""

@@ -16,9 +16,10 @@ __all__ = ["Bar", "Progress", "ProgressCallback", "listening"]
 ProgressCallback = Callable[[int, int, str, Callable[[], Any]], object] | Literal[True]
 """A function ``progress(done, total, stage, render)``, or True for a progress bar.
 
-`done` of `total` steps of a `stage` are finished, and ``render()`` returns the image so far. If the
-function returns False, the work stops with `weftex.CancelledError`; any other value continues. An
-analysis and a fit come first, and call `weftex.progress.listening` instead.
+It is called after each step, with the number of finished steps (`done`), their number (`total`),
+and the name of the `stage`. ``render()`` returns the image so far, or None during an analysis or a
+fit, which come first and count in percent. If the function returns False, the work stops with
+`weftex.CancelledError`; any other value continues.
 """
 
 PAUSE = 0.2  # seconds from one drawing to the next
@@ -105,17 +106,22 @@ class Bar:
         self._begun = clock
 
 
+def _called(callback: ProgressCallback | None) -> Callable[..., object] | None:
+    """Return what to call, a bar for True; raises `InvalidInputError` if it cannot be called."""
+    called = Bar() if callback is True else callback
+    if called is not None and not callable(called):
+        raise InvalidInputError(f"progress is {shown(called)}; it must be callable, or True")
+    return called
+
+
 class Progress:
     """Reports the steps of one stage to a callback, with a function that renders a preview."""
 
     def __init__(
         self, callback: ProgressCallback | None, total: int, stage: str, preview: Callable[[], Any]
     ) -> None:
-        called = Bar() if callback is True else callback
-        if called is not None and not callable(called):
-            raise InvalidInputError(f"progress is {shown(called)}; it must be callable, or True")
-        self.callback, self.total, self.stage, self.preview = called, total, stage, preview
-        self.done = 0
+        self.callback, self.done = _called(callback), 0
+        self.total, self.stage, self.preview = total, stage, preview
 
     def advance(self, steps: int) -> None:
         """Count `steps` as done; raises `CancelledError` if the callback returns False."""
@@ -138,20 +144,20 @@ class Progress:
 
 
 #: What hears of `counted` work.
-_listener: ContextVar[ProgressCallback | None] = ContextVar("listener", default=None)
+_listener: ContextVar[Callable[..., object] | None] = ContextVar("listener", default=None)
 
 
 @contextmanager
 def listening(callback: ProgressCallback | None) -> Iterator[None]:
-    """Call a function with the percentage of each analysis and fit that runs within the block.
+    """Report the analyses and fits of this thread to a function, within the block.
 
-    The `progress` of a task counts only the synthesis that follows them. Some fits are so fast that
-    they report nothing, and a percentage may end below 100.
+    For functions without `progress`, such as `weftex.analyze` and `Method.fit`. Fast fits report
+    nothing, and a percentage may end below 100.
 
     Parameters
     ----------
-    callback : callable, optional
-        See `ProgressCallback`; its `render` returns None here, and False stops the work too.
+    callback : callable or True, optional
+        See `ProgressCallback`.
 
     Examples
     --------
@@ -160,11 +166,14 @@ def listening(callback: ProgressCallback | None) -> Iterator[None]:
     >>> with listening(lambda done, total, stage, render: None):
     ...     found = weftex.analyze("sample:weave")
     """
-    token = _listener.set(callback)
+    called = _listener.get() if callback is None else _called(callback)
+    token = _listener.set(called)
     try:
         yield
     finally:
         _listener.reset(token)
+        if callback is True and isinstance(called, Bar):
+            called.close()
 
 
 @contextmanager
@@ -176,7 +185,7 @@ def counted(total: float, stage: str) -> Iterator[Callable[[float], None]]:
     callback, done = _listener.get(), 0.0
 
     def tell(share: float) -> bool:
-        if callback is None or callback is True:
+        if callback is None:
             return True
         percent = int(100 * (done + min(share, 0.99)) / total)
         return callback(percent, 100, stage, lambda: None) is not False

@@ -28,8 +28,8 @@ def progress_of(number: int, count: int) -> Callable[..., bool]:
         now = perf_counter()
         if now >= next_bar or done >= total:
             picture = None
-            if shows and done and now >= next_preview:
-                pixels = preview()
+            due = shows and done and now >= next_preview
+            if due and (pixels := preview()) is not None:  # which it is during an analysis
                 pixels = pixels[..., 0] if pixels.shape[2:] == (1,) else pixels
                 picture = ("JPEG", Image.fromarray(pixels).convert("RGB"), _PREVIEW_SIDE)
                 next_preview = perf_counter() + _PREVIEW_PAUSE

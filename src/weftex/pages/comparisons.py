@@ -24,7 +24,7 @@ from weftex.canvas import as_canvas
 from weftex.choice import Choice
 from weftex.errors import shown
 from weftex.pages.html import Page, document, number, parameters, pictures, show, small, table
-from weftex.progress import Progress, ProgressCallback
+from weftex.progress import Progress, ProgressCallback, listening
 from weftex.quality import FIGURES, SCORE, as_shown
 from weftex.random import seed_number
 from weftex.tasks.auto import MARGIN, Auto, AutoModel
@@ -240,19 +240,20 @@ def compare(
     done, images = list[Entry](), list[Any]()
     count = Progress(progress, len(names), "methods", lambda: images and images[-1])
     options: dict[str, Any] = {"seed": number, "threads": threads, "progress": count.within()}
-    for name, method in made.items():
-        start = perf_counter()
-        count.stage = f"methods, now {name}"
-        try:
-            method.require(canvas)
-            result = method.fit(exemplar).sample(canvas, **options)
-            images.append(result.image)  # rendering is part of the work
-        except (InvalidInputError, UnsupportedError) as error:
-            done.append(Entry(name, None, perf_counter() - start, None, str(error)))
-        else:
-            took = perf_counter() - start
-            done.append(Entry(name, result, took, assess(exemplar, result), ""))
-        count.advance(1)
+    with listening(count.within()):
+        for name, method in made.items():
+            start = perf_counter()
+            count.stage = f"methods, now {name}"
+            try:
+                method.require(canvas)
+                result = method.fit(exemplar).sample(canvas, **options)
+                images.append(result.image)  # rendering is part of the work
+            except (InvalidInputError, UnsupportedError) as error:
+                done.append(Entry(name, None, perf_counter() - start, None, str(error)))
+            else:
+                took = perf_counter() - start
+                done.append(Entry(name, result, took, assess(exemplar, result), ""))
+            count.advance(1)
     choice = AutoModel(Auto(), exemplar).choose(canvas)
     for entry in done:
         if entry.method == AUTO and entry.result is not None:  # which may have tried more than one

@@ -22,7 +22,7 @@ from weftex.planes.plane_file import PlaneFile, Sums, open_plane
 from weftex.planes.record import Record
 from weftex.planes.runners import Runner, in_threads
 from weftex.planes.tiff import SUFFIXES
-from weftex.progress import Progress, ProgressCallback
+from weftex.progress import Progress, ProgressCallback, listening
 from weftex.tasks.method_names import AUTO
 
 
@@ -107,9 +107,10 @@ def stream(
     target = os.fspath(path)
     check_output(target, suffixes=SUFFIXES)
     seed = seed_of_run(target) if seed is None else seed
-    made = define(sample, size, method, parameters, seed=seed, tileable=tileable, block=block)
-    plane = PlaneFile(made, target)
-    return write_plane(plane, restart=restart, threads=threads, progress=progress)
+    with listening(progress):
+        made = define(sample, size, method, parameters, seed=seed, tileable=tileable, block=block)
+        plane = PlaneFile(made, target)
+        return write_plane(plane, restart=restart, threads=threads, progress=progress)
 
 
 def seed_of_run(target: str) -> int | None:

@@ -13,6 +13,7 @@ from weftex.canvas import Canvas, as_canvas
 from weftex.errors import InvalidInputError, shown
 from weftex.exemplar import Exemplar, load_exemplar
 from weftex.prepare.combining import paired
+from weftex.progress import listening
 from weftex.random import seed_number
 from weftex.raster.arrays import as_array
 from weftex.raster.masks import grown
@@ -183,9 +184,10 @@ def fill(
     )
     part = Canvas(*place.shape, region.wrap, features, region.crop(hole), canvas.known_from)
     how: dict[str, Any] = {"seed": seed, "threads": threads, "progress": progress}
-    made = _filled_by_auto(near, part, how) if by_sample and inside else None
-    if made is None:
-        made = chosen.for_hole(part.hole, usable, given).fit(near).sample(part, **how)
+    with listening(progress):
+        made = _filled_by_auto(near, part, how) if by_sample and inside else None
+        if made is None:
+            made = chosen.for_hole(part.hole, usable, given).fit(near).sample(part, **how)
     if overlap:
         cut = cut_around(
             features, made.image.reshape(features.shape), part.hole, region.crop(masked)

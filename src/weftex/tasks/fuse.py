@@ -17,7 +17,7 @@ from weftex.exemplar import Exemplar, Sample, load_exemplar
 from weftex.label_maps import Gradient, labels_of, map_picture
 from weftex.method import Method
 from weftex.prepare.combining import combined, of_one_kind, paired
-from weftex.progress import ProgressCallback
+from weftex.progress import ProgressCallback, listening
 from weftex.random import Seed, seed_number
 from weftex.results.pixels import PixelSynthesis
 from weftex.tasks.fusion import Fusion, Material
@@ -133,8 +133,9 @@ def fuse(
         raise InvalidInputError(
             f"belt_width is {shown(belt_width)}; it must be an integer of 2 or more"
         )
-    exemplars, notes = paired(of_one_kind(_load(samples)), missing)
-    scales = [dominant_scale(exemplar).window_width for exemplar in exemplars]
+    with listening(progress):
+        exemplars, notes = paired(of_one_kind(_load(samples)), missing)
+        scales = [dominant_scale(exemplar).window_width for exemplar in exemplars]
     labels, materials = _labels(label_map, size, scales, (colors, mixed), number)
     shape = labels.shape[0], labels.shape[1]
     if belt_width is not None and belt_width > max(shape):
@@ -158,9 +159,11 @@ def fuse(
     )
     about = {"seed": number, "samples": [e.name for e in exemplars], "boundary": boundary}
     about |= {"warnings": notes} if notes else {}
+    with listening(progress):
+        index = fusion.run(labels, materials)
     return PixelSynthesis(
         canvas,
-        fusion.run(labels, materials),
+        index,
         sample_shape=whole.shape,
         exemplar=whole,
         provenance=chosen.describe() | of_belts | about,

@@ -12,7 +12,7 @@ from weftex.canvas import Canvas, as_canvas
 from weftex.errors import InvalidInputError
 from weftex.exemplar import Exemplar, Sample, load_exemplar
 from weftex.method import Method
-from weftex.progress import ProgressCallback
+from weftex.progress import ProgressCallback, listening
 from weftex.random import Seed, seed_number
 from weftex.results.synthesis import Synthesis
 from weftex.tasks.method_names import AUTO, make_method, may_thin
@@ -108,42 +108,43 @@ def synthesize(
         from weftex.tasks.best_of import check_count
 
         check_count(best_of)
-    chosen.require(canvas)
-    exemplar = load_exemplar(sample)
-    if sample_guide is not None:
-        if canvas.guide is None:
-            raise InvalidInputError("sample_guide has no effect without a guide")
-        exemplar = exemplar.changed(guide=_guide(sample_guide))
-    if exemplar.guide is None and canvas.guide is not None:
-        canvas = dataclasses.replace(canvas, guide=_like(canvas.guide, exemplar))
-    if fit:
-        from weftex.tasks.auto import fitting_canvas
+    with listening(progress):
+        chosen.require(canvas)
+        exemplar = load_exemplar(sample)
+        if sample_guide is not None:
+            if canvas.guide is None:
+                raise InvalidInputError("sample_guide has no effect without a guide")
+            exemplar = exemplar.changed(guide=_guide(sample_guide))
+        if exemplar.guide is None and canvas.guide is not None:
+            canvas = dataclasses.replace(canvas, guide=_like(canvas.guide, exemplar))
+        if fit:
+            from weftex.tasks.auto import fitting_canvas
 
-        canvas = fitting_canvas(canvas, exemplar, chosen)
-    number = seed_number(seed)
-    how: dict[str, Any] = {"seed": number, "threads": threads, "progress": progress}
-    plain, model = None, None
-    if landmarks not in ("auto", "keep"):
-        from weftex.tasks.landmarks import plain_sample  # loads the analyses
+            canvas = fitting_canvas(canvas, exemplar, chosen)
+        number = seed_number(seed)
+        how: dict[str, Any] = {"seed": number, "threads": threads, "progress": progress}
+        plain, model = None, None
+        if landmarks not in ("auto", "keep"):
+            from weftex.tasks.landmarks import plain_sample  # loads the analyses
 
-        plain = plain_sample(exemplar, landmarks)
-    elif landmarks == "auto" and once and may_thin(chosen, canvas, exemplar):
-        from weftex.tasks.landmarks import thinned
+            plain = plain_sample(exemplar, landmarks)
+        elif landmarks == "auto" and once and may_thin(chosen, canvas, exemplar):
+            from weftex.tasks.landmarks import thinned
 
-        model = chosen.fit(exemplar)
-        plain = thinned(model, canvas)
-    exemplar = exemplar if plain is None else plain.exemplar
-    if once:
-        if model is None or plain is not None:
             model = chosen.fit(exemplar)
-        if plain is not None:
-            plain.inform(model)
-        made = model.sample(canvas, **how)
-    else:
-        from weftex.tasks.best_of import best_of as keep_best
+            plain = thinned(model, canvas)
+        exemplar = exemplar if plain is None else plain.exemplar
+        if once:
+            if model is None or plain is not None:
+                model = chosen.fit(exemplar)
+            if plain is not None:
+                plain.inform(model)
+            made = model.sample(canvas, **how)
+        else:
+            from weftex.tasks.best_of import best_of as keep_best
 
-        made = keep_best(best_of, chosen, exemplar, canvas, **how)
-    return made if plain is None else plain.finished(made, number)
+            made = keep_best(best_of, chosen, exemplar, canvas, **how)
+        return made if plain is None else plain.finished(made, number)
 
 
 def _like(guide: NDArray[Any], exemplar: Exemplar) -> NDArray[Any]:

@@ -13,7 +13,7 @@ from weftex.canvas import Canvas, as_canvas
 from weftex.errors import InvalidInputError, shown
 from weftex.exemplar import Exemplar, Sample, load_exemplar
 from weftex.method import Method
-from weftex.progress import ProgressCallback
+from weftex.progress import ProgressCallback, listening
 from weftex.random import Seed
 from weftex.results.synthesis import Synthesis
 from weftex.tasks.fill import fill
@@ -104,8 +104,9 @@ def tile(
             lines[:anew] = lines[-anew:] = True
     how: dict[str, Any] = {"seed": seed, "threads": threads, "progress": progress}
     how |= {"method": method, "tileable": axes, "overlap": border - anew}
-    result = fill(exemplar, frame, **how, **parameters)
-    warning = _ill_fitting(exemplar, Canvas(*exemplar.shape, wrap))
+    with listening(progress):
+        result = fill(exemplar, frame, **how, **parameters)
+        warning = _ill_fitting(exemplar, Canvas(*exemplar.shape, wrap))
     if warning is not None:
         result.provenance["warnings"] = [*result.provenance.get("warnings", ()), warning]
     return result
