@@ -31,41 +31,19 @@ SEARCHES = ("exhaustive", "quadtree", "pca", "kdtree", "kdtree-pca")
 
 @dataclass(frozen=True)
 class Trial:
-    """How to try one method.
+    """How to try one method."""
 
-    Parameters
-    ----------
-    family : {"patch", "pixel"}
-        Whether patches are laid or single pixels chosen.
-    small : dict
-        Parameters for samples and canvases of 20 to 40 pixels.
-    ways : dict of str to dict
-        Every way in which pixels are chosen or joined, as parameters over `small`.
-    wide : dict
-        Over `small`: lets enough candidates in that another seed shows.
-    window : str
-        The parameter that a sample must have room for.
-    least : int
-        Shorter side of the smallest sample that the defaults work on.
-    largest : int
-        Side of the largest canvas that a test may ask for.
-    real : list of dict
-        Parameters for materials of 200 pixels, where seams are looked for.
-    unguided : tuple of str
-        Ways that follow no guide, although the method does.
-    plain : dict
-        Over all that: what is made is copied, pixel by pixel, where no hole is filled.
-    """
-
-    family: str
-    small: dict[str, Any]
+    family: str  # "patch" or "pixel": whether patches are laid or single pixels chosen
+    small: dict[str, Any]  # parameters for samples and canvases of 20 to 40 pixels
+    #: Every way in which pixels are chosen or joined, as parameters over `small`.
     ways: dict[str, dict[str, Any]] = field(default_factory=lambda: {"": {}})
-    wide: dict[str, Any] = field(default_factory=dict)
-    window: str = "window_width"
-    least: int = 1
-    largest: int = 60
-    real: tuple[dict[str, Any], ...] = ({},)
-    unguided: tuple[str, ...] = ()
+    wide: dict[str, Any] = field(default_factory=dict)  # lets in candidates, so a seed shows
+    window: str = "window_width"  # the parameter that a sample must have room for
+    least: int = 1  # shorter side of the smallest sample that the defaults work on
+    largest: int = 60  # side of the largest canvas that a test may ask for
+    real: tuple[dict[str, Any], ...] = ({},)  # for materials of 200 pixels, to look for seams
+    unguided: tuple[str, ...] = ()  # ways that follow no guide, although the method does
+    #: Over all that: what is made is copied, pixel by pixel, where no hole is filled.
     plain: dict[str, Any] = field(default_factory=dict)
 
     def copies(self, way: str) -> bool:
@@ -172,17 +150,10 @@ def kinds_of(slug: str, way: str = "") -> list[str]:
 
 
 def every(*axes: str, family: str | None = None, kinds: Any = None) -> Any:
-    """Parametrize a test by the methods, all or of one family, and what each of them does.
+    """Parametrize a test by the methods, or those of a family, and by what each of them does.
 
-    Parameters
-    ----------
-    *axes : {"method", "kind", "way", "real", "dtype"}
-        "method" first; the kinds of canvas it supports, the names of its `ways`, its `real`.
-        Last, after a kind and a way, two of four types: together they have all.
-    family : {"patch", "pixel"}, optional
-        Only these methods.
-    kinds : sequence of str, optional
-        Of the kinds of canvas only these.
+    Axes: "method" first; then "kind" of canvas (only `kinds`), "way", "real"; last "dtype", which
+    gives two of four types to each kind and way: together they have all.
     """
     cases = []
     for slug in METHODS:
@@ -225,16 +196,10 @@ def noise(
     wide: bool = False,
     rng: Any = None,
 ) -> Any:
-    """Random pixels of any dtype.
+    """Random pixels of any dtype, from `rng` or of a seed.
 
-    Parameters
-    ----------
-    values : int, optional
-        Only so many different ones, spread over 0 to 255: few make ties and many matches.
-    wide : bool
-        Floating-point pixels around 0.5 that also lie below 0 and above 1, as in files.
-    rng : numpy.random.Generator, optional
-        Where they come from in place of `seed`.
+    Of `values`, so many spread over 0 to 255: few make ties and many matches. `wide` floats lie
+    around 0.5, also below 0 and above 1, as in files.
     """
     rng = np.random.default_rng(seed) if rng is None else rng
     if values is not None:

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 
 import weftex
 from materials import wall
-from weftex.analysis.autocorrelations import Field, find_peaks, fit_vectors
+from weftex.analysis.autocorrelations import Field, find_peaks
 from weftex.analysis.correlation import correlate
 from weftex.analysis.lattice import Lattice, find_lattice, rate_lattices
 from weftex.analysis.overlay import draw_lattice
@@ -231,15 +231,6 @@ def test_peaks_are_maxima_and_what_they_dominate(rng):
             rows = slice(max(0, y + 29 - side), y + 30 + side)
             part = correlation[rows, max(0, x + 33 - side) : x + 34 + side]
             assert (height >= part.max() - 1e-8) == (side == reach or side > 64)
-
-
-def test_vectors_are_fitted_below_a_pixel(rng):
-    exact = np.array(SHAPES["oblique"])
-    levels = draw(SHAPES["oblique"], rng, noise=0.5)
-    fitted, agreed = fit_vectors(
-        correlate(np.moveaxis(levels, 2, 0).astype(float)), np.rint(exact), 24
-    )
-    assert agreed > 20 and abs(fitted - exact).max() < 0.05
 
 
 @given(st.lists(st.floats(-60, 60), min_size=4, max_size=4), st.integers(-3, 3))

@@ -24,20 +24,18 @@ def regular(pixels, **options):
 def correlation_by_definition(exemplar):
     """Products of what overlaps over the mean of both parts' energies, shift by shift."""
     flat = relief(exemplar)
-    channels, height, width = flat.levels.shape
+    height, width = flat.usable.shape
+    layers = np.concatenate([flat.levels, flat.usable[None]])
     result = np.zeros((2 * (height // 2) + 1, 2 * (width // 2) + 1))
-    for dy in range(-(height // 2), height // 2 + 1):
-        for dx in range(-(width // 2), width // 2 + 1):
-            products = energies = 0.0
-            for y in range(max(0, -dy), min(height, height - dy)):
-                for x in range(max(0, -dx), min(width, width - dx)):
-                    if flat.usable[y, x] and flat.usable[y + dy, x + dx]:
-                        for k in range(channels):
-                            a, b = flat.levels[k, y, x], flat.levels[k, y + dy, x + dx]
-                            products += a * b
-                            energies += (a * a + b * b) / 2
-            if energies:
-                result[dy + height // 2, dx + width // 2] = products / energies
+    for row, column in np.ndindex(result.shape):
+        shifts = [(s * (row - height // 2), s * (column - width // 2)) for s in (-1, 1)]
+        (*a, here), (*b, there) = (
+            layers[:, max(0, y) : height + min(0, y), max(0, x) : width + min(0, x)]
+            for y, x in shifts
+        )
+        energy = sum((here * there * (k**2 + n**2) / 2).sum() for k, n in zip(a, b, strict=True))
+        products = sum((here * there * k * n).sum() for k, n in zip(a, b, strict=True))
+        result[row, column] = products / energy if energy else 0
     return result
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import cmath
 import math
 
 import numpy as np
@@ -51,38 +50,23 @@ def colored_noise(side, seed, exponent):
 
 
 def ring_power_by_definition(pixels):
-    """P(r): fade the borders, transform place by place, gather the rings with their neighbors."""
+    """P(r): fade the borders, transform, gather the rings with their neighbors."""
     flat = relief(Exemplar(pixels))
-    channels, height, width = flat.levels.shape
+    height, width = flat.usable.shape
     side = max(height, width)
-    down = [math.sin(math.pi * (i + 0.5) / height) ** 2 for i in range(height)]
-    along = [math.sin(math.pi * (j + 0.5) / width) ** 2 for j in range(width)]
-    fade = [[a * b for b in along] for a in down]
+    fade = np.outer(*(np.sin(np.pi * (np.arange(n) + 0.5) / n) ** 2 for n in (height, width)))
+    faded = flat.levels * fade
+    faded -= faded.sum(axis=(1, 2), keepdims=True) * fade / fade.sum()
     rows, columns = min(side, 2 * height), min(side, 2 * width)
-    spectrum = []
-    for v in range(-((rows - 1) // 2), rows // 2 + 1):
-        for u in range(-((columns - 1) // 2), columns // 2 + 1):
-            if abs(v) / rows * height < 1.49 and abs(u) / columns * width < 1.49:
-                continue
-            power = 0.0
-            for k in range(channels):
-                faded = np.array(fade) * flat.levels[k]
-                faded -= faded.sum() * np.array(fade) / np.sum(fade)
-                total = sum(
-                    faded[i, j] * cmath.exp(-2j * math.pi * (u * j / columns + v * i / rows))
-                    for i in range(height)
-                    for j in range(width)
-                )
-                power += abs(total) ** 2
-            radius = side * math.hypot(v / rows, u / columns)
-            spectrum.append((round(radius / THICKNESS + 1e-9), power))
+    power = (abs(np.fft.fft2(faded, (rows, columns))) ** 2).sum(axis=0)
+    v, u = abs(np.fft.fftfreq(rows))[:, None], abs(np.fft.fftfreq(columns))
+    counts = (v * height >= 1.49) | (u * width >= 1.49)
+    rings, power = np.rint(side * np.hypot(v, u) / THICKNESS + 1e-9)[counts], power[counts]
     result = []
-    for ring in range(max(r for r, _ in spectrum) + 1):
-        near = [(math.cos(math.pi * (r - ring) / 20) ** 2, p) for r, p in spectrum
-                if abs(r - ring) < 10]  # fmt: skip
-        weight = sum(w for w, _ in near)
-        mean = sum(w * p for w, p in near) / weight if weight > 1e-9 else 0.0
-        places = max(2 * math.pi * ring * THICKNESS * height * width / side**2, 2)
+    for ring in range(int(rings.max()) + 1):
+        near = np.where(abs(rings - ring) < 10, np.cos(np.pi * (rings - ring) / 20) ** 2, 0)
+        mean = (near * power).sum() / near.sum() if near.sum() > 1e-9 else 0.0
+        places = max(2 * np.pi * ring * THICKNESS * height * width / side**2, 2)
         result.append(places * THICKNESS * mean)
     return result
 

@@ -60,10 +60,8 @@ def test_parts_and_check(here, capsys):
     fails(capsys, here, "check", target)
     assert weft_run(*SYNTH, target, "--size", 600) == 0
     assert weft_run("check", target, "--read") == 0
-    assert (
-        capsys.readouterr().out
-        == "p.tif is complete, all checksums match: 600x600 with best-tile, seed 4\n"
-    )
+    said = "p.tif is complete, all checksums match: 600x600 with best-tile, seed 4\n"
+    assert capsys.readouterr().out == said
     whole = files(here)
     with open(target, "r+b") as file:
         file.seek(2**16)

@@ -52,15 +52,6 @@ def test_large_pngs_are_compressed_in_bands(tmp_path, dtype):
     Image.open(tmp_path / "a.png").load()  # another decoder takes them too
 
 
-def test_webp_widens_gray(tmp_path):
-    pixels = noise((9, 8, 2)) | 1
-    for alpha, index in ((False, [0, 0, 0]), (True, [0, 0, 0, 1])):
-        io.write_image(tmp_path / "a.webp", pixels if alpha else pixels[..., 0], alpha=alpha)
-        back = io.read_image(tmp_path / "a.webp")
-        assert back.alpha is alpha
-        np.testing.assert_array_equal(back.pixels, pixels[..., index])
-
-
 def test_webp_keeps_straight_alpha_except_color_under_zero(tmp_path):
     pixels = noise((20, 20, 4))
     pixels[:3, :3, 3] = 0

@@ -5,7 +5,6 @@ import pytest
 
 import weftex
 from families import noise
-from materials import wall
 
 
 def model_of(pixels, **parameters):
@@ -21,14 +20,6 @@ def test_fractions_do_not_add_up():
         v, u = np.indices(far.shape) + np.reshape(corner, (2, 1, 1))
         ideal = 127 + 60 * np.sin(u * 2 * np.pi / 12.3) + 60 * np.sin(v * 2 * np.pi / 9.7)
         assert np.abs(far - ideal).max() < 60 * 2 * np.pi * (1 / 9.7 + 1 / 12.3)
-
-
-def test_windows_agree():
-    model = model_of(wall(60, 64), lattice=(16, 0, 8, 12))
-    whole = model.sample((90, 95), seed=4).image
-    assert np.array_equal(model.window(30, 41, 50, 30, seed=4).image, whole[30:80, 41:71])
-    far = model.window(2**39, -(2**39), 60, 60, seed=4).image
-    assert np.array_equal(model.window(2**39 + 9, 5 - 2**39, 40, 40, seed=4).image, far[9:49, 5:45])
 
 
 @pytest.mark.parametrize("tileable", [True, "x", "y"])

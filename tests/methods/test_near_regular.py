@@ -19,12 +19,10 @@ def model_of(pixels, **parameters):
 @pytest.mark.parametrize("corner", [(2**40, -(2**40)), (-(2**40), 2**40), (12345678901, 3)])
 def test_far_windows_agree_and_stay_on_the_lattice(corner):
     model = model_of(wall(60, 64, spread=1), lattice=LATTICE, block_size=14, border_width=8)
-    a = model.window(*corner, 50, 60, seed=3).image if max(corner) < 2**40 else None
-    y, x = (c - 20 if c > 0 else c for c in corner)
+    y, x = (c - 80 if c > 0 else c for c in corner)
     b = model.window(y, x, 70, 80, seed=3).image
-    if a is not None:
-        oy, ox = corner[0] - y, corner[1] - x
-        assert np.array_equal(a, b[oy : oy + 50, ox : ox + 60])
+    a = model.window(y + 20, x + 20, 50, 60, seed=3).image
+    assert np.array_equal(a, b[20:, 20:])
     v, u = np.indices(b.shape[:2])
     row = (v + y) // 12
     mortar = ((v + y) % 12 < 2) | ((u + x + 8 * (row % 2)) % 16 < 2)

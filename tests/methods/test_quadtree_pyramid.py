@@ -12,17 +12,6 @@ from weftex.methods.patches.boundary_zone import boundary_zone
 from weftex.methods.patches.zone_search import QuadtreePyramid
 
 
-def test_every_patch_has_a_counterpart(rng):
-    """What figure 9 is about: any window, whatever its position, has low-resolution pixels."""
-    pixels = rng.integers(0, 256, (13, 17, 1), np.uint8)
-    pyramid = QuadtreePyramid(pixels)
-    for side, stride in itertools.product((1, 2, 4), (1, 2, 4)):
-        nodes = pyramid.nodes(side, stride)
-        for y, x in itertools.product(range(13 - side + 1), range(17 - side + 1)):
-            got = nodes[:, y % stride, x % stride, y // stride, x // stride]
-            assert np.array_equal(got, reference.block_mean(pixels, y, x, side))
-
-
 @given(st.sampled_from([1, 2, 4]), st.sampled_from([1, 2, 4]), st.integers(1, 3), st.data())
 def test_windows_gather_the_blocks_of_each_window(side, stride, channels, data):
     rng = np.random.default_rng(data.draw(st.integers(0, 99)))

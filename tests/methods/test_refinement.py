@@ -135,17 +135,6 @@ def test_the_window_is_twice_the_scale():
     assert weftex.Refinement(search="nearest").fit(grain).method.window_width < 29
 
 
-def test_what_it_starts_from():
-    assert weftex.Refinement().resolved(weftex.Exemplar(noise((40, 40)))).init == "quilting"
-    assert weftex.Refinement().resolved(weftex.Exemplar(noise((2, 40)))).init == "seeds"
-    assert (
-        weftex.Refinement(search="nearest").resolved(weftex.Exemplar(noise((40, 40)))).init
-        == "seeds"
-    )
-    with pytest.raises(weftex.InvalidInputError):
-        weftex.Refinement(init="quilting").fit(weftex.Exemplar(noise((2, 40))))
-
-
 def test_what_follows_no_guide_is_refused():
     pixels = noise((40, 40))
     with pytest.raises(
@@ -236,19 +225,6 @@ def test_the_curve_says_what_changed():
         assert curve[k]["mse"] == pytest.approx(((new - old) ** 2).mean())
         away = np.sqrt(((new - old) ** 2).sum(axis=2) / np.maximum((old**2).sum(axis=2), 1))
         assert curve[k]["difference"] == pytest.approx(away.mean(), abs=1e-6)
-
-
-def test_evenness_spreads_what_is_used():
-    exemplar = weftex.Exemplar(weftex.load_exemplar("sample:grass").pixels[:96, :96])
-
-    def spread(evenness):
-        method = weftex.Refinement(window_width=15, init="seeds", evenness=evenness)
-        source = method.fit(exemplar).sample(128, seed=1).source
-        used = np.bincount((source[..., 0] // 12 * 8 + source[..., 1] // 12).ravel(), minlength=64)
-        share = used[used > 0] / used.sum()
-        return -(share * np.log(share)).sum()
-
-    assert spread(1.0) > spread(0.0)
 
 
 def test_holes_are_swept_from_four_sides():

@@ -86,15 +86,14 @@ def test_a_hole_that_the_first_start_refuses_is_filled_from_the_next(tiles, monk
         model.sample(canvas, seed=1)
 
 
-@pytest.mark.parametrize("name", ["pebbles", "grass", "stone_wall", "wood"])
+START = dict.fromkeys(("bricks", "tiles", "weave"), "near-regular lattice=")
+START |= dict.fromkeys(("pebbles", "grass", "stone_wall", "wood"), "quilting")
+
+
+@pytest.mark.parametrize("name", START)
 def test_what_has_no_sure_lattice_is_quilted(name):
-    assert weftex.Refinement().resolved(weftex.load_exemplar(f"sample:{name}")).init == "quilting"
-
-
-@pytest.mark.parametrize("name", ["bricks", "tiles", "weave"])
-def test_materials_with_a_lattice_start_from_it(name):
     settled = weftex.Refinement().resolved(weftex.load_exemplar(f"sample:{name}"))
-    assert settled.init.startswith("near-regular lattice=")
+    assert settled.init.startswith(START[name])
 
 
 def test_joints_along_blocks_of_a_lattice_are_refined(tiles):

@@ -183,20 +183,22 @@ def folders(client):
     return len(list(client.studio.downloads.folder.iterdir()))
 
 
-def look(client, page):
-    path = f"materials/{page.post('materials', {'sample': 'weave'})['id']}/look"
+def measured(client, page, path):
+    """What a route that measures finds, after it was asked many times."""
     answers = at_once(page, [("POST", path, {})] * TIMES)  # each ends the one before
     assert 200 in codes(answers) and set(codes(answers)) <= {200, 429}
-    assert page.look(path.split("/")[1])["scale_source"] == "lattice"
+    found = page.found(path)
     assert idle(client)
+    return found
+
+
+def look(client, page):
+    path = f"materials/{page.post('materials', {'sample': 'weave'})['id']}/look"
+    assert measured(client, page, path)["scale_source"] == "lattice"
 
 
 def figures(client, page):
-    path = f"results/{made(page)[0]}/figures"
-    answers = at_once(page, [("POST", path, {})] * TIMES)  # each ends the one before
-    assert 200 in codes(answers) and set(codes(answers)) <= {200, 429}
-    assert page.found(path)["score"] > 0
-    assert idle(client)
+    assert measured(client, page, f"results/{made(page)[0]}/figures")["score"] > 0
 
 
 def presets(client, page):

@@ -104,27 +104,25 @@ def test_rows_of_the_sample_itself_place_entire_samples():
     assert choose(found, Canvas(512, 512)).parameters == rows
 
 
-def test_large_outputs_of_large_samples_are_made_of_patches():
-    """The entire sample takes more than twice as long then."""
-    for shape, large in (((512, 512), {"placement": "entire"}), ((512, 513), {})):
-        things = with_(scale=60.0, shape=shape)
-        assert choose(things, Canvas(1024, 1024)).parameters == {"placement": "entire"}
-        assert choose(things, Canvas(1024, 1025)).parameters == large
+ENTIRE, ROW = {"placement": "entire"}, {"lattice": (0, 46, 1, 0)}
+PARAMETERS = [
+    # Large outputs of large samples are made of patches: entire ones take twice as long.
+    (with_(scale=60.0, shape=(512, 512)), (1024, 1025), ENTIRE),
+    (with_(scale=60.0, shape=(512, 513)), (1024, 1024), ENTIRE),
+    (with_(scale=60.0, shape=(512, 513)), (1024, 1025), {}),
+    # So is fine grain, in which no thing is there to be kept whole.
+    (with_(scale=12.8), (512, 512), {}),
+    (with_(scale=12.9), (512, 512), ENTIRE),
+    # Rows are laid by the vector that near-regular finds by itself.
+    (with_(lattice=ROWS), (99, 99), ENTIRE | ROW),
+    (with_(lattice=ROWS), (9999, 999), ROW),
+    (with_(lattice=ROWS, exact=False), (99, 99), {}),
+]
 
 
-def test_fine_grain_is_made_of_patches():
-    """Of an entire sample the same marks come again, and no thing is there to be kept whole."""
-    for scale, placed in ((12.8, {}), (12.9, {"placement": "entire"})):
-        choice = choose(with_(scale=scale), Canvas(512, 512))
-        assert (choice.method, choice.parameters) == ("graphcut", placed)
-
-
-def test_rows_are_laid_by_their_vector():
-    """What is chosen is what near-regular finds by itself."""
-    found = choose(with_(lattice=ROWS), Canvas(99, 99)).parameters
-    assert found == {"placement": "entire", "lattice": (0, 46, 1, 0)}
-    assert choose(with_(lattice=ROWS), Canvas(9999, 999)).parameters == {"lattice": (0, 46, 1, 0)}
-    assert choose(with_(lattice=ROWS, exact=False), Canvas(99, 99)).parameters == {}
+@pytest.mark.parametrize(("findings", "size", "parameters"), PARAMETERS)
+def test_parameters_of_the_rule(findings, size, parameters):
+    assert choose(findings, Canvas(*size)).parameters == parameters
 
 
 WEAK = Lattice(((31.05, 0.0), (-0.25, 102.17)), 0.4)

@@ -83,12 +83,6 @@ def test_gray_beside_color():
     assert swapped.image.shape == (*SIZE, 3)
 
 
-def test_merged_boundaries_are_another_result_of_both():
-    made = [halves(boundary) for boundary in ("cut", "merged")]
-    assert not np.array_equal(made[0].index, made[1].index)
-    assert [m.provenance["boundary"] for m in made] == ["cut", "merged"]
-
-
 def test_the_same_seed_the_same_bytes():
     again, other = (
         weftex.fuse([A, B], HALVES, seed=s, threads=t, **FAST).image for s, t in ((1, 2), (2, 1))

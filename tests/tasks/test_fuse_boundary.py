@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 
 import weftex
-from weftex.tasks.fusion import Meetings, wander
 
 sys.path.insert(0, str(Path(__file__).parents[2] / "benchmarks" / "quality"))
 import fusion
@@ -96,33 +95,3 @@ def test_narrow_belts_wander_as_wide_ones_do():
     made = fusion.materials(result, [s.shape[0] for s in samples])
     assert fusion.on_one_line(made, labels) < 0.25
     assert 0.8 < made.mean() / labels.mean() < 1.25
-
-
-def test_belts_leave_something_of_every_region():
-    labels = np.zeros((60, 80), np.int32)
-    labels[:, 40:] = 1
-    labels[20, 10] = 2
-    labels[30:33, 50:53] = 3
-    reaches = np.full((4, 4), 20)
-    meeting = Meetings(labels, [0, 1, 2, 3], reaches, (False, False))
-    everywhere = np.s_[:, :]
-    assert meeting.place(0, 2, everywhere)[0][20, 10] >= 1
-    assert meeting.place(1, 3, everywhere)[0][31, 51] >= 1
-    place, room = meeting.place(0, 1, everywhere)
-    assert (
-        room[50, 40] == 20
-        and room[20, 10] < 5
-        and (place[50, :20] <= -1).all()
-        and (place[50, 60:] >= 1).all()
-    )
-    assert abs(place[50, 40]) < 0.1
-    assert meeting.have_met(0, 1) and meeting.have_met(0, 2) and not meeting.have_met(2, 3)
-
-
-def test_hills_go_around():
-    hills = wander((60, 80), 13, (True, True), seed=1)
-    assert abs(hills).max() <= 1 and hills.std() > 0.1
-    for axis in (0, 1):
-        inner = np.abs(np.diff(hills, axis=axis)).max()
-        around = np.abs(np.take(hills, 0, axis) - np.take(hills, -1, axis)).max()
-        assert around <= 1.5 * inner
