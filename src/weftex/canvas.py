@@ -39,7 +39,7 @@ class Canvas:
     hole : bool array (H, W), optional
         True where `known` is to be filled.
     known_from : (int, int), optional
-        Row and column of the canvas's corner in the sample, if known pixels are part of it.
+        Position of the canvas in the sample (row, column), if the known pixels are part of it.
     known_maps : mapping of str to array
         Maps of the known pixels, by the names of the sample's, if they are not part of it.
     origin : (int, int)

@@ -231,7 +231,7 @@ class Method(ABC):
 
     A method of your own sets `slug`, its name; `title`; `paper`, its reference; and `supports`, a
     frozenset of "wrap" (tileable output), "known" (holes), "guide", "many" (several samples) and
-    "random_access" (windows). Other canvases are refused.
+    "random_access" (windows). A task that it does not name is refused.
 
     Raises
     ------

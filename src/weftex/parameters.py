@@ -52,14 +52,13 @@ def parameter(
     needs_canvas : str
         Likewise for a kind of canvas, see `CANVAS_KINDS`.
     idle_canvas : str
-        The other way around: a kind of canvas on which the parameter does nothing.
+        A kind of canvas on which the parameter has no effect.
     count : int
-        The value is so many numbers; a text with commas between them is taken too.
+        Number of numbers in the value, a tuple or a text with commas.
     parity : str
         "odd" or "even"; 0, where `low` allows it, is both.
     control : str
-        The first sliders of pages: "size" of the features that are kept whole, "variety" or
-        "softness" of the seams, each of one parameter of a method; higher is more of it.
+        The slider of the studio that sets it: "size" of features, "variety" or "softness" of seams.
     """
     return dataclasses.field(
         default=default,

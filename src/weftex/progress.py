@@ -28,17 +28,9 @@ _LONGEST = 2.0  # seconds after which it need not, as others may work for it
 
 
 class Bar:
-    """A progress callback that draws a bar: on a terminal, or in a notebook.
+    """A progress callback that draws a bar on a terminal or in a notebook, `after` some seconds.
 
-    Parameters
-    ----------
-    after : float
-        Seconds after which it appears; loading tqdm takes 0.03 s.
-
-    Attributes
-    ----------
-    seconds : dict of str to float
-        What each stage took.
+    `seconds` has the time of each stage.
     """
 
     def __init__(self, after: float = 0.5) -> None:

@@ -54,8 +54,8 @@ _LEAST_ROWS = 0.6  # confidence of rows that are reported: drawn rubble had up t
 class Lattice:
     """Translations under which a material looks the same.
 
-    Methods take it as `lattice`, like the tuple (x1, y1, x2, y2), which iterating it gives: of one
-    vector, the second is one pixel along the rows.
+    Pass it to a method as `lattice`, or as the tuple (x1, y1, x2, y2), as `tuple(lattice)`.
+    For rows, (x2, y2) is one pixel along the rows.
 
     Attributes
     ----------

@@ -179,7 +179,7 @@ class Evenness:
 
     @property
     def lit_unevenly(self) -> bool:
-        """Whether the light should be made even; large forms look the same, and are left."""
+        """Whether uneven light should be removed; False if large forms may be its cause."""
         lit = self.light > _LIGHT and self.light_range > _LIGHT_RANGE
         return lit and self.large_forms <= FORMS
 

@@ -77,8 +77,8 @@ def unpacked(facts: Iterable[Any], arrays: Mapping[str, NDArray[Any]]) -> list[E
 class Definition:
     """All that the pixels of a plane depend on, and the blocks that its files are made of.
 
-    `stems` are the names of files of maps, see `stores`. `reason` says why "auto" chose the
-    method, with its notes, a line each.
+    `stems` has the file name of each map. `reason` says why "auto" chose the method, with its
+    notes, a line each.
     """
 
     exemplar: Exemplar

@@ -120,8 +120,8 @@ def assess(
 ) -> Assessment:
     """Measure how well a result matches its sample.
 
-    The measures are deterministic, and do not rate the sample itself. If a result has more than
-    2048 pixels a side, only its middle is measured, and its border if it is tileable.
+    The measures compare: they do not say whether the sample is good. Of a result of more than 2048
+    pixels a side, only the middle is measured, and the border if it is tileable.
 
     Parameters
     ----------

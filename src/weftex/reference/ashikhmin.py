@@ -1,7 +1,6 @@
 """Synthesizing natural textures (Ashikhmin, 2001).
 
-The random draws are those of `weftex.random.draw`, so the picture is that of the method
-`ashikhmin` with one pass, byte by byte, with `replacements=8`.
+The method `ashikhmin` makes the same bytes with one pass, if `replacements=8` here.
 """
 
 from __future__ import annotations

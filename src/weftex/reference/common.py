@@ -19,8 +19,8 @@ class Made(NamedTuple):
     image : uint8 array (H, W) or (H, W, channels)
         The picture, with the channels of the sample.
     sources : int array (H, W, 2)
-        Row and column of the sample that each pixel comes from; where two patches are blended, that
-        of the one with the larger share; -1 where a pixel has no single source.
+        Row and column in the sample of each pixel's source. Where patches are blended, the source
+        with the largest share; -1 for a pixel without a single source.
     """
 
     image: NDArray[np.uint8]

@@ -1,7 +1,6 @@
 """Texture synthesis by non-parametric sampling (Efros and Leung, 1999).
 
-The random draws are those of `weftex.random.draw`, so the picture is that of the method
-`efros-leung`, byte by byte.
+The method `efros-leung` makes the same bytes.
 """
 
 from __future__ import annotations

@@ -1,8 +1,7 @@
 """Texture synthesis using exact neighborhood matching (Sabha, Peers and Dutré, 2007).
 
-The random draws are those of `weftex.random.draw`, so the picture of a sample that tiles is that of
-the method `exact-matching` with `levels=1`, `candidates=0` and `repeat_distance=0`, byte by byte
-where no two neighborhoods match equally well: the method draws one of these at random.
+The method `exact-matching` makes the same bytes of a sample that tiles with `levels=1,
+candidates=0, repeat_distance=0`, unless two neighborhoods match equally well: it draws one of them.
 """
 
 from __future__ import annotations

@@ -1,7 +1,6 @@
 """Texture fusion (the paper on refinement and texture fusion, section 4).
 
-The random draws are those of `weftex.random.draw`. `weftex.fuse` follows the same section, but lets
-boundaries wander where they show least.
+`weftex.fuse` follows the same section, but moves boundaries to where they show least.
 """
 
 from __future__ import annotations

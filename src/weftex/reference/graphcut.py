@@ -1,11 +1,9 @@
 """Graphcut textures (Kwatra, Schödl, Essa, Turk and Bobick, 2003).
 
-The random draws are those of `weftex.random.draw`, so the picture is that of the method `graphcut`
-with `candidates=1`, `halvings=0`, `variety=0` and `tone_reach=0`, byte by byte with
-`gradients=False`. Costs by gradients are no metric: there the method, which has arcs for old seams
-(`graph_kernels.add_pair`) instead of seam nodes, cuts a few pixels otherwise in about one patch of
-fifty. Random and entire patch placement, the FFT (section 5) and surrounded regions (3.2) are in
-`weftex.methods.graphcut` only: `entire`, and the function `cover`.
+The method `graphcut` makes the same bytes with `candidates=1, halvings=0, variety=0, tone_reach=0`
+and `seam_cost="difference"`, here `gradients=False`. Costs by gradients are not a metric: there the
+method, which has arcs for old seams instead of seam nodes, cuts about one patch in fifty
+differently at a few pixels. It alone has sections 3.2, 5 (FFT), random and entire patch placement.
 """
 
 from __future__ import annotations
@@ -51,9 +49,10 @@ def graphcut(
     patch : int
         Side of the square patches in pixels.
     boundary : int
-        How far a patch reaches over the pixels before it, in pixels.
+        How far a patch overlaps the patches before it, in pixels; at most (patch - 1) // 2.
     k : float
-        Randomness of the placement: offsets have chances exp(-C / (k sigma^2)).
+        Randomness of the placement: an offset is drawn with a probability proportional to
+        exp(-C / (k sigma^2)). C and sigma^2 are sums over the channels.
     gradients : bool
         Whether the cost of a seam is divided by the gradients across it: M' of section 5, or M
         of eq. (1).
@@ -73,9 +72,9 @@ def graphcut(
     Notes
     -----
     The paper leaves the norm of colors open: here the sum of absolute differences, in whole steps
-    of 1/256. Where a patch ends at a border of the sample, the other one alone says what a seam
-    costs. Of equally good cuts the one with the fewest new pixels is made. Each patch covers the
-    first pixel in scan order that is missing.
+    of 1/256. At a border of the sample, where one of both patches ends, a seam costs twice as much
+    as the other patch says. Of equal cuts, the one with the fewest new pixels is used. Each patch
+    covers the first missing pixel in scan order.
 
     Examples
     --------

@@ -1,7 +1,7 @@
 """Image quilting for texture synthesis and transfer (Efros and Freeman, 2001).
 
-The random draws are those of `weftex.random.draw`, so the picture is that of the method `quilting`
-with `search="exhaustive"` and `repeat_distance=0`, byte by byte, if whole blocks cover the output.
+The method `quilting` makes the same bytes with `search="exhaustive", repeat_distance=0`, if whole
+blocks cover the output.
 """
 
 from __future__ import annotations
@@ -33,8 +33,8 @@ def image_quilting(
     overlap : int
         Width of the overlap of blocks in pixels; a sixth of the block in the paper.
     tolerance : float
-        A block is drawn from those whose error, the root of the sum of squared differences in the
-        overlap, is at most 1 + tolerance times that of the best.
+        A block is drawn among the blocks with at most 1 + tolerance times the smallest error: the
+        root of the sum of squared differences in the overlap.
     seed : int
         Seed of the random draws.
 

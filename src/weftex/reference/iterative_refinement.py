@@ -1,7 +1,6 @@
 """Iterative texture refinement (the paper on refinement and texture fusion, section 3).
 
-The random draws are those of `weftex.random.draw`. The method `refinement` with `search="nearest"`
-and `init="seeds"` plants the same seed points and refines by the same rule, byte by byte.
+The method `refinement` makes the same bytes with `search="nearest", init="seeds"`.
 """
 
 from __future__ import annotations

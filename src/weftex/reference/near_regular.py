@@ -1,9 +1,7 @@
 """Constrained random sampling and gap filling (López Recas, 2011, section 4.2).
 
-The random draws are those of `weftex.random.draw`. The picture is that of the method `near-regular`
-with `defaults="paper"` where the method's drawn blocks repeat nothing, which it avoids: byte by
-byte without blending, and to rounding with it. The method's default, `blend="cut"` (chapter 6
-suggests it), is not here.
+The method `near-regular` makes the same bytes with `defaults="paper"` and no blending (with it, the
+same but for rounding), if its drawn blocks repeat nothing, which it avoids.
 """
 
 from __future__ import annotations

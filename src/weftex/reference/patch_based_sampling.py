@@ -1,8 +1,7 @@
 """Real-time texture synthesis by patch-based sampling (Liang, Liu, Xu, Guo and Shum, 2001).
 
-The random draws are those of `weftex.random.draw`, so the picture is that of the method
-`patch-sampling` with `repeat_distance=0`, byte by byte, if whole patches cover the
-output: the method spreads its patches evenly where they do not.
+The method `patch-sampling` makes the same bytes with `repeat_distance=0`, if whole patches cover
+the output; otherwise it spreads its patches evenly.
 """
 
 from __future__ import annotations

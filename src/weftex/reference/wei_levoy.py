@@ -1,8 +1,7 @@
 """Synthesis by tree-structured vector quantization (Wei and Levoy, 2000).
 
-The random draws are those of `weftex.random.draw`, so the picture is that of the method
-`wei-levoy` byte by byte, with `search="full"` (or `tree_size` and `leaves=1`) and, for several
-levels, `start="noise"`.
+The method `wei-levoy` makes the same bytes with `start="noise"`, and either `search="full"` or
+`tree_size` and `leaves=1`.
 """
 
 from __future__ import annotations
@@ -35,7 +34,7 @@ def wei_levoy(
     sample : uint8 array (h, w) or (h, w, channels)
         The sample image.
     size : int or (int, int)
-        Height and width of the output in pixels. The output is a torus: it tiles.
+        Height and width of the output in pixels. Windows wrap around, yet a seam may remain.
     window : int
         S, the width of the causal neighborhood in pixels, odd.
     levels : int
@@ -43,7 +42,7 @@ def wei_levoy(
     parent_window : int
         N < S, the width of the whole neighborhood at the next coarser level in pixels, odd.
     tree_size : int
-        Leaves of the tree of each level; 0 searches all neighborhoods.
+        Number of leaves of each level's tree (TSVQ); 0 compares all neighborhoods.
     seed : int
         Seed of the random draws.
 
@@ -56,7 +55,8 @@ def wei_levoy(
     -----
     The paper leaves open how noise gets the sample's histogram: here each pixel of the sample is
     used equally often, in random order. Borders of the sample are continued by their last pixels
-    when its pyramid is made. Of equal distances the first in scan order wins.
+    when its pyramid is made. Of equal distances the first in scan order wins. In a leaf, the
+    nearest neighborhood replaces the codeword, so that every pixel is a copy.
 
     Examples
     --------

@@ -45,7 +45,7 @@ class Synthesis(Displayable, ABC):
     exemplar : Exemplar or None
         The sample; None after `load` without one.
     known_from : (int, int), optional
-        Row and column of the canvas's corner in the sample, if known pixels are part of it.
+        Position of the canvas in the sample (row, column), if the known pixels are part of it.
     provenance : dict
         Method, parameters, seed, and what else led to the result.
     picture : array, optional
@@ -173,10 +173,10 @@ class Synthesis(Displayable, ABC):
     def source(self) -> NDArray[np.int32]:
         """Where each pixel comes from: (H, W, 2), row and column in the sample.
 
-        Where patches are blended, the source with the largest share. Both numbers are -1 for a
-        known pixel that is not in the sample: leave these out before you index with them. Pixels of
-        a rotated or mirrored copy have their place in the sample itself. With a `tone_reach`,
-        `image` differs slightly from the sample at these places.
+        A blended pixel has the source with the largest share. A known pixel that is not in the
+        sample has (-1, -1): leave it out before you index with `source`. A pixel of a rotated or
+        mirrored copy has its place in the sample. Where `tone_reach` spreads steps of tone, pixels
+        of `image` differ slightly from their sources.
 
         Examples
         --------

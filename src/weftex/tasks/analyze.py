@@ -41,7 +41,7 @@ class Band:
     period : float
         Period of its strongest ring, in pixels.
     power, background : float
-        Power of that ring, and of the spectrum around it; the strongest ring has 1.
+        `power` is the power of that ring, 1 for the strongest; `background` that around it.
     """
 
     period: float
@@ -73,7 +73,7 @@ class Analysis:
     Attributes
     ----------
     name, dtype, maps : str, str, tuple of str
-        Name of the sample, type of its pixels, and names of its maps.
+        Name of the sample (`name`), type of its pixels (`dtype`) and names of its maps (`maps`).
     height, width, channels, colors : int
         Size in pixels, number of channels, and number of different colors.
     alpha : bool

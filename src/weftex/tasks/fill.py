@@ -72,10 +72,10 @@ def fill(
         Take patches from this sample instead of the photo. It must have the photo's dtype and
         channels, and maps of the same roles.
     method : str or Method
-        A name in `weftex.METHODS`, or a method with its parameters. By default `graphcut` for
-        photos with a lattice, and for photos up to 512x512 with rows or features larger than a
-        twelfth of the side; else, and if a `sample` or `parameters` are given, `patch-sampling`.
-        The result's `provenance` has the reason.
+        A name in `weftex.METHODS`, or a method with its parameters. By default `patch-sampling`;
+        `graphcut` if the photo has a lattice, or is at most 512x512 and has rows or features larger
+        than a twelfth of its side, and neither `sample` nor `parameters` is given. The result's
+        `provenance` has the reason.
     overlap : int
         Width in pixels of a zone around the holes that may change too. The boundary between photo
         and filling is cut inside it, so that it does not follow the outline of the mask.

@@ -46,8 +46,8 @@ def synthesize(
         A name in `weftex.METHODS`, or a method with its parameters. By default `Auto` analyzes the
         sample and chooses; the result's `provenance` has the choice and its reason.
     seed : int, numpy Generator or None
-        The same seed gives the same bytes, with any number of threads. None draws a seed, a
-        Generator one number; `provenance["seed"]` has it.
+        The same seed gives the same bytes, with any number of threads. None draws a seed; from a
+        Generator, one number is drawn. `provenance["seed"]` has it.
     tileable : bool or {"x", "y"}
         Axes along which the output repeats without a seam.
     guide : path, array, PIL image or Exemplar, optional

@@ -43,8 +43,7 @@ _ENDLESS = 2**15, 2**15
 class Auto(Method):
     """Chooses the method that suits the sample and the canvas.
 
-    `fit` analyzes the sample once. Each `sample` chooses a method for its canvas, and fits it if no
-    earlier one did.
+    `fit` analyzes the sample once. `sample` chooses a method for the canvas, and fits it once.
 
     Examples
     --------
