@@ -1,13 +1,12 @@
 """Kernels for the processor at hand and for any: the same bytes."""
 
 import os
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
 
 import weftex
+from processes import run
 
 FOLDER = Path(weftex.__file__).parent
 SCRIPT = """
@@ -54,13 +53,8 @@ def in_a_process(script, *words, **environment):
     """What a script prints, line by line; kernels are chosen by the machine unless named."""
     folders = [str(Path(__file__).parent), os.environ.get("PYTHONPATH", "")]
     plain = {k: v for k, v in os.environ.items() if k != "WEFTEX_KERNELS"}
-    done = subprocess.run(
-        [sys.executable, "-c", script, *words],
-        env=plain | {"PYTHONPATH": os.pathsep.join(folders)} | environment,
-        capture_output=True,
-        check=False,
-        text=True,
-    )
+    paths = {"PYTHONPATH": os.pathsep.join(folders)}
+    done = run(script, *words, env=plain | paths | environment, timeout=None)
     assert done.returncode == 0, done.stderr
     return done.stdout.splitlines()
 

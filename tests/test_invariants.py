@@ -6,17 +6,7 @@ import numpy as np
 import pytest
 
 import weftex
-from families import (
-    FORMATS,
-    SEARCHES,
-    TRIALS,
-    canvas_of,
-    every,
-    kinds_of,
-    made,
-    method_of,
-    noise,
-)
+from families import FORMATS, SEARCHES, TRIALS, canvas_of, every, kinds_of, made, method_of, noise
 from weftex.results import paste_kernels
 
 

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from picture_files import FULL, files_in, noise
-from processes import ENVIRONMENT
+from processes import ENVIRONMENT, SRC, run
 from weftex.errors import FileError
 from weftex.io import pictures as io
 from weftex.io import temporary
@@ -57,6 +57,32 @@ def test_what_a_dead_process_left_is_removed(tmp_path, holder):
     temporary._sweep.cache_clear()
     io.write_image(tmp_path / "a.png", noise((4, 4)))
     assert files_in(tmp_path) == sorted([*own, link, "a.png"])
+
+
+def test_a_picture_is_whole_whenever_its_writer_is_killed(tmp_path):
+    """The old one or the new one; the next that is written leaves nothing else behind."""
+    code = """
+    import os, sys
+    from pathlib import Path
+    import numpy as np
+    from processes import killed_at
+    from weftex.io import pictures as io, temporary
+    folder, number, died = Path(sys.argv[1]), 0, True
+    old, new = np.zeros((9, 9), np.uint8), np.ones((9, 9), np.uint8)
+    while died:
+        number += 1
+        temporary._sweep.cache_clear()
+        io.write_image(folder / "a.png", old)
+        assert os.listdir(folder) == ["a.png"], number
+        died = killed_at(number, lambda: io.write_image(folder / "a.png", new), folder)
+        found = io.read_image(folder / "a.png").pixels
+        assert (found == new).all() or died and (found == old).all(), number
+    print(number)
+    """
+    path = os.pathsep.join([str(Path(__file__).parents[1]), SRC])
+    done = run(code, tmp_path, env=os.environ | {"PYTHONPATH": path})
+    assert done.returncode == 0, done.stderr
+    assert int(done.stdout) > 3
 
 
 @pytest.mark.parametrize("suffix", [*FULL, ".npz"])

@@ -50,39 +50,33 @@ def mismatch(result):
     return ((found - usual) ** 2).mean()
 
 
+def error(exemplar, size, **how):
+    result = weftex.PatchSampling(repeat_distance=0.0, **how).fit(exemplar).sample(size, seed=1)
+    return mismatch(result)
+
+
 @pytest.mark.parametrize("search", SEARCHES[1:])
 def test_other_searches_on_real_samples_lose_little(search):
     """Boundaries match nearly as well as exhaustive search makes them."""
     exemplar = weftex.Exemplar(weftex.load_exemplar("sample:pebbles").pixels[:96, :96])
-    kind = {"patch_size": 24, "boundary_width": 4, "repeat_distance": 0.0}
-
-    def error(**more):
-        result = weftex.PatchSampling(**kind, **more).fit(exemplar).sample(240, seed=1)
-        return mismatch(result)
-
-    best, worst = error(epsilon=0.0, search="exhaustive"), error(epsilon=float("inf"))
-    assert error(epsilon=0.0, search=search) - best < 0.25 * (worst - best)
+    of = {"exemplar": exemplar, "size": 240, "patch_size": 24, "boundary_width": 4}
+    best, worst = error(**of, epsilon=0.0, search="exhaustive"), error(**of, epsilon=float("inf"))
+    assert error(**of, epsilon=0.0, search=search) - best < 0.25 * (worst - best)
 
 
 @pytest.mark.pictures
 def test_thinned_out_windows_lose_little(rng):
     """A large sample is looked at on a grid and then climbed; boundaries still match."""
-    exemplar = weftex.load_exemplar("sample:pebbles")
-    pixels = np.concatenate([exemplar.pixels, exemplar.pixels[::-1]])[:, :256]
-    kind = {"patch_size": 32, "boundary_width": 8, "repeat_distance": 0.0}
-    model = weftex.PatchSampling(epsilon=0.0, **kind).fit(weftex.Exemplar(pixels))
+    pebbles = weftex.load_exemplar("sample:pebbles").pixels
+    exemplar = weftex.Exemplar(np.concatenate([pebbles, pebbles[::-1]])[:, :256])
+    kind = {"patch_size": 32, "boundary_width": 8}
+    model = weftex.PatchSampling(epsilon=0.0, repeat_distance=0.0, **kind).fit(exemplar)
     known = np.zeros((32, 32), bool)
     known[:8] = known[:, :8] = True
     assert model.analysis.search(known, width=8).stride > 1
-
-    def error(**more):
-        result = (
-            weftex.PatchSampling(**kind, **more).fit(weftex.Exemplar(pixels)).sample(300, seed=1)
-        )
-        return mismatch(result)
-
-    best, worst = error(epsilon=0.0, search="exhaustive"), error(epsilon=float("inf"))
-    assert error(epsilon=0.0) - best < 0.25 * (worst - best)
+    of = {"exemplar": exemplar, "size": 300, **kind}
+    best, worst = error(**of, epsilon=0.0, search="exhaustive"), error(**of, epsilon=float("inf"))
+    assert error(**of, epsilon=0.0) - best < 0.25 * (worst - best)
 
 
 def test_masks_that_leave_no_window_on_the_coarse_grid(rng):

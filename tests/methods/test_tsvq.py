@@ -1,7 +1,6 @@
 """Trees of vectors."""
 
 import numpy as np
-import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -51,15 +50,6 @@ def test_it_finds_what_the_slow_search_finds(count, size, values, tree_size, see
     for query, place in zip(queries, found, strict=True):
         expected = reference.nearest_in_tree(slow, vectors, query.astype(int), counts, leaves)
         assert place == expected
-
-
-@pytest.mark.parametrize("tree_size", [0, 1, 20])
-def test_all_leaves_are_exhaustive_search(tree_size):
-    vectors, queries = vectors_of(500, 9, 5, 0), vectors_of(60, 9, 5, 1)
-    tree = build_tsvq(vectors, np.arange(500, dtype=np.int32), tree_size)
-    found = nearest(tree, queries, len(leaves_of(tree)))
-    distance = ((vectors[None].astype(int) - queries[:, None]) ** 2).sum(axis=2)
-    assert np.array_equal(found, distance.argmin(axis=1))  # the first of equals
 
 
 def test_long_vectors_and_far_values():
