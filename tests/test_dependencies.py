@@ -49,7 +49,7 @@ GUESTS = ("studio", "planes", "pages")
 MOST_METHOD_ROOMS = 14
 #: Strings that read like modules: the group of entry points by which packages add methods, and
 #: the folder of the page's files.
-NO_MODULES = {("registry", "weftex.methods"), ("studio.page_files", "weftex.studio")}
+NO_MODULES = {("registry", "weftex.methods"), ("studio.app", "weftex.studio")}
 
 
 def dotted(path):

@@ -29,7 +29,7 @@ from pages import Page
 from processes_of_studio import Process
 
 from weftex.io.pictures import write_image
-from weftex.studio.page_files import static_files
+from weftex.studio.app import static_files
 
 Row = tuple[str, str]
 BRICKS = {"sample": "bricks"}

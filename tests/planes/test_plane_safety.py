@@ -26,9 +26,8 @@ from weftex.planes.beginning import at_work
 from weftex.planes.definition import define
 from weftex.planes.plane_file import PlaneFile
 from weftex.planes.record import Record
-from weftex.planes.runners import block_maker
 from weftex.planes.tiff import TiffStore
-from weftex.planes.writing import write_plane
+from weftex.planes.writing import block_maker, write_plane
 
 SIZE = (200, 333)
 TILE = weftex.BestTile(lattice=(20, 0, 0, 20))

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from weftex.studio import routes  # noqa: F401
+from weftex.studio.app import static_files
 from weftex.studio.guard import HEADERS
-from weftex.studio.page_files import static_files
 from weftex.studio.requests import ROUTES
 
 CHANGING = [(method, path) for method, path, _ in ROUTES if method != "GET"]

@@ -9,7 +9,7 @@ import pytest
 
 import weftex
 from weftex.studio.about import about
-from weftex.studio.page_files import static_files
+from weftex.studio.app import static_files
 
 FILES = {name: place.read_text("utf-8") for name, (place, _) in static_files().items()}
 GROUNDS = ("bg", "surface", "raised", "wash")

@@ -11,7 +11,6 @@ import weftex
 from families import noise
 from weftex.analysis.canvas_lattice import four_numbers
 from weftex.analysis.lattice import Lattice, find_lattice
-from weftex.tasks import region
 from weftex.tasks.auto import rule
 from weftex.tasks.auto.rule import choose_for_hole
 
@@ -145,7 +144,7 @@ def test_maps_take_part_in_matching():
 
 @pytest.mark.parametrize("wrap", [False, True])
 def test_a_large_photo_is_filled_from_nearby(monkeypatch, wrap):
-    monkeypatch.setattr(region, "NEIGHBORHOOD", 40_000)
+    monkeypatch.setattr("weftex.tasks.fill._NEIGHBORHOOD", 40_000)
     photo = noise((900, 1000))
     hole = box(photo.shape, (0, 980, 30, 1000))
     result = weftex.fill(photo, hole, seed=1, tileable=wrap, patch_size=16)

@@ -140,7 +140,7 @@ def _write(args: argparse.Namespace, definition: Definition, bar: Bar) -> str:
     how |= {"threads": args.threads, "check_disk": not args.allow_huge}
     with ExitStack() as stack:
         if args.workers is not None:
-            from weftex.planes.runners import block_maker, in_processes
+            from weftex.planes.writing import block_maker, in_processes
             from weftex.processes import Workers
 
             workers = stack.enter_context(Workers(block_maker, plane))

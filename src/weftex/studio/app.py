@@ -6,7 +6,10 @@ import asyncio
 import logging
 from collections.abc import AsyncIterator, Awaitable, Callable, Collection
 from contextlib import asynccontextmanager, suppress
+from functools import cache
 from importlib import import_module
+from importlib.resources import files
+from importlib.resources.abc import Traversable
 from itertools import count
 from typing import Any
 
@@ -19,7 +22,6 @@ from starlette.types import ASGIApp, Receive, Scope, Send
 
 from weftex.errors import WeftexError
 from weftex.studio.guard import Guard
-from weftex.studio.page_files import static_files
 from weftex.studio.requests import Handler
 from weftex.studio.studio import Studio
 
@@ -33,6 +35,14 @@ _MODULES = (
     "weftex.studio.exports",
 )
 _PAGE = "index.html"
+#: Of the files of the page.
+_TYPES = {
+    "html": "text/html; charset=utf-8",
+    "css": "text/css; charset=utf-8",
+    "js": "text/javascript; charset=utf-8",
+    "json": "application/json",
+    "svg": "image/svg+xml",
+}
 _log = logging.getLogger(__name__)
 
 
@@ -102,6 +112,23 @@ async def _routes(studio: Studio) -> Router:
     return Router(
         [Route(path, endpoint(handler), methods=[method]) for method, path, handler in ROUTES]
     )
+
+
+@cache
+def static_files() -> dict[str, tuple[Traversable, str]]:
+    """Return every file and its type by its name, with slashes."""
+    found: dict[str, tuple[Traversable, str]] = {}
+    waiting = [("", files("weftex.studio") / "static")]
+    while waiting:
+        folder, place = waiting.pop()
+        for one in place.iterdir():
+            name = folder + one.name
+            kind = _TYPES.get(one.name.rpartition(".")[2])
+            if one.is_dir():
+                waiting.append((f"{name}/", one))
+            elif kind is not None:
+                found[name] = one, kind
+    return found
 
 
 async def _sweep(studio: Studio) -> None:

@@ -3,19 +3,24 @@
 from __future__ import annotations
 
 import dataclasses
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from weftex.canvas import Canvas, as_canvas
-from weftex.errors import InvalidInputError
+from weftex.errors import InvalidInputError, shown
 from weftex.exemplar import Exemplar, Sample, load_exemplar
 from weftex.method import Method
-from weftex.progress import ProgressCallback, listening
+from weftex.progress import Progress, ProgressCallback, listening
 from weftex.random import Seed, seed_number
 from weftex.results.synthesis import Synthesis
 from weftex.tasks.method_names import AUTO, make_method, may_thin
+
+if TYPE_CHECKING:
+    from weftex.quality.score import Rating
+
+_MOST_TRIES = 1000  # outputs of which the best is kept
 
 
 def synthesize(
@@ -105,9 +110,7 @@ def synthesize(
         canvas = dataclasses.replace(canvas, guide=_guide(guide))
     once = type(best_of) is int and best_of == 1
     if not once:
-        from weftex.tasks.best_of import check_count
-
-        check_count(best_of)
+        _check_count(best_of)
     with listening(progress):
         chosen.require(canvas)
         exemplar = load_exemplar(sample)
@@ -141,9 +144,7 @@ def synthesize(
                 plain.inform(model)
             made = model.sample(canvas, **how)
         else:
-            from weftex.tasks.best_of import best_of as keep_best
-
-            made = keep_best(best_of, chosen, exemplar, canvas, **how)
+            made = _best_of(best_of, chosen, exemplar, canvas, **how)
         return made if plain is None else plain.finished(made, number)
 
 
@@ -161,3 +162,58 @@ def _guide(picture: Sample) -> NDArray[Any]:
     if isinstance(picture, np.ndarray):
         return picture
     return load_exemplar(picture).pixels
+
+
+def _check_count(count: object) -> None:
+    """Raise `InvalidInputError` unless it is a number of outputs."""
+    whole = isinstance(count, int) and not isinstance(count, bool)
+    if not (whole and 1 <= count <= _MOST_TRIES):  # type: ignore[operator]
+        raise InvalidInputError(f"best_of is {shown(count)}; it must be from 1 to {_MOST_TRIES}")
+
+
+def _best_of(
+    count: int,
+    method: Method,
+    exemplar: Exemplar,
+    canvas: Canvas,
+    *,
+    seed: Seed = None,
+    threads: int | None = None,
+    progress: ProgressCallback | None = None,
+) -> Synthesis:
+    """Make several outputs and return the best one by score and broken things, or the first.
+
+    Its provenance has its own seed, and in "best_of" all scores and a line about them.
+    """
+    from weftex.quality.score import MapsScorer  # loads the measures
+
+    first = seed_number(seed)
+    seeds = [(first + further) % 2**64 for further in range(count)]
+    kept = seeds[0]
+    made_by: dict[int, Synthesis] = {}  # the best so far
+    ratings: dict[int, Rating] = {}
+    scorer, model = MapsScorer(exemplar), method.fit(exemplar)
+    steps = Progress(progress, count, "outputs", lambda: made_by[kept].image if made_by else None)
+    for number in seeds:
+        made = model.sample(canvas, seed=number, threads=threads, progress=steps.within())
+        ratings[number] = scorer.rate(made)
+        if not made_by or ratings[number].choice < ratings[kept].choice:
+            kept, made_by = number, {number: made}
+        steps.advance(1)
+    best = made_by[kept]
+    scores = {number: one.score for number, one in ratings.items()}
+    about = {"scores": {str(number): score for number, score in scores.items()}}
+    best.provenance["best_of"] = {**about, "told": _told(kept, scores)}
+    return best
+
+
+def _told(kept: int, scores: dict[int, float | None]) -> str:
+    numbers = list(scores)
+    said = f"seed {kept} of {numbers[0]} to {numbers[-1]}"
+    if scores[kept] is None:
+        return f"{said}: too small to be judged"
+    others = sorted(score for n, score in scores.items() if n != kept and score is not None)
+    said += f", by score and broken things: score {scores[kept]:.2f}"
+    if len(others) < 2:
+        return said + "".join(f", the other {score:.2f}" for score in others)
+    return f"{said}, the others {others[0]:.2f} to {others[-1]:.2f}"
