@@ -126,7 +126,7 @@ def test_a_border_is_added_and_taken_off(
     padded.write_bytes(saved(page))
     wide = np.pad(read_image(photo).pixels, ((24, 24), (24, 24), (0, 0)), "wrap")
     assert (read_image(padded).pixels == wide).all()
-    page.click("[aria-label='Open another picture']")
+    page.click("[aria-label='Open another image']")
     page.set_input_files("input[type=file]", padded)
     page.wait_for_selector(".panel h2 >> text=padded")
     page.click("[data-screen=take]")

@@ -34,7 +34,7 @@ def test_a_task_is_chosen_before_the_photo(tab: Any, address: str, photo: Path) 
             page.click("text=Make it")
             page.wait_for_selector(".panel >> text=Made by")
             assert "160 × 128" in page.inner_text(".stage-bar")
-        page.click("[aria-label='Open another picture']")
+        page.click("[aria-label='Open another image']")
     assert one.faults == []
 
 
@@ -65,7 +65,7 @@ def test_the_picture_says_what_it_is(tab: Any, address: str, photo: Path) -> Non
     page.set_input_files("input[type=file]", photo)
     page.wait_for_selector(".panel h2 >> text=Make")
     assert page.input_value("[aria-label=Width]") == "512"
-    page.click("[aria-label='Open another picture']")
+    page.click("[aria-label='Open another image']")
     wide = photo.with_name("wide.png")
     weftex.write_image(wide, np.tile(weftex.read_image(photo).pixels[:64], (1, 8, 1)))
     page.click("[data-task=bigger]")
@@ -85,7 +85,7 @@ def test_the_picture_says_what_it_is(tab: Any, address: str, photo: Path) -> Non
     one.write("Width", "4000")
     one.write("Height", "4000")  # too large for the picture itself to be made at once
     page.wait_for_selector(".stage-bar >> text=4000 × 4000")
-    page.wait_for_selector(".badge >> text=a part of the final picture")
+    page.wait_for_selector(".badge >> text=a part of the final image")
     one.write("Height", "512")
     one.settle()
     page.check("input[value=xy]")
@@ -239,8 +239,8 @@ def test_a_material_on_solids_and_out_of_the_page(tab: Any, address: str) -> Non
     names = zipfile.ZipFile(saved.value.path()).namelist()
     assert saved.value.suggested_filename == "stone_wall_128x128.zip"
     assert "T_stone_wall_128x128_ORM.png" in names
-    page.click("text=Copy the picture")
-    page.wait_for_selector("text=The picture is in the clipboard")
+    page.click("text=Copy the image")
+    page.wait_for_selector("text=The image is in the clipboard")
     page.wait_for_function("() => document.querySelector('img.drag').naturalWidth === 128")
     kind, name, url = dragged(page, "img.drag")
     assert (kind, name) == ("image/png", "stone_wall_128x128.png") and url.startswith("blob:http")

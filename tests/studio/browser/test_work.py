@@ -114,7 +114,7 @@ def test_steps_are_repeated_on_another_photo(tab: Any, address: str, photo: Path
     page.wait_for_selector("[aria-label='Name of Healed']")
     page.click("dialog >> text=Close")
 
-    page.click("[aria-label='Open another picture']")
+    page.click("[aria-label='Open another image']")
     page.click(".samples button:has-text('pebbles')")
     page.wait_for_selector(".panel h2 >> text=pebbles")
     page.click("text=Apply a preset")
