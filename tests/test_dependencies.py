@@ -38,7 +38,7 @@ LEVELS = [
     ["exemplar"],
     ["io"],
     ["raster", "reference"],
-    ["registry", "choice", "threads", "processes", "progress", "random", "roles"],
+    ["registry", "threads", "processes", "progress", "random", "roles"],
     ["parameters"],
     ["errors"],
     ["dispatch"],

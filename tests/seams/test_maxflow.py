@@ -5,7 +5,7 @@ import pytest
 
 import weftex
 from twins import maxflow as reference
-from weftex.seams.maxflow import LARGEST_CAPACITY, minimum_cut
+from weftex.seams import LARGEST_CAPACITY, minimum_cut
 
 
 @pytest.mark.parametrize("shape", [(40, 40), (1, 200), (200, 1), (97, 33)])

@@ -62,7 +62,7 @@ def test_strings_are_there_and_used():
 
 SOURCE = Path(weftex.__file__).parent
 #: What weftex itself says of these, the page translates.
-SPOKEN = ["choice.py", "tasks/auto/rule.py", "tasks/auto/trial.py"]
+SPOKEN = ["tasks/auto/rule.py", "tasks/auto/trial.py"]
 SHIFTED = ["every other {} shifted by half", "each {} shifted by a third"]
 SHIFTED += ["each {} shifted by a quarter", "each {} shifted by {}"]
 

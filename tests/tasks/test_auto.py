@@ -12,10 +12,10 @@ from families import canvas_of, kinds_of, noise
 from weftex.analysis.lattice import Lattice
 from weftex.analysis.properties import Evenness
 from weftex.canvas import Canvas
-from weftex.choice import Choice
 from weftex.errors import InvalidInputError
 from weftex.tasks.auto import Findings, choose, look
 from weftex.tasks.auto.findings import count_colors
+from weftex.tasks.auto.rule import Choice
 from weftex.tasks.auto.trial import best_of_choices, like_itself, others, refined_if_whole
 
 EVEN = Evenness(0.0, 0.0, 0.0, (1.0, 1.0))

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from weftex.seams.maxflow import LARGEST_CAPACITY, minimum_cut
+from weftex.seams import LARGEST_CAPACITY, minimum_cut
 
 #: What a small step costs, which one in four is below; the unit of `leaning`.
 UNIT = 256

@@ -16,7 +16,6 @@ from weftex.analysis.lattice import Lattice, Rated, lattice_in, rate_lattices
 from weftex.analysis.overlay import courses
 from weftex.analysis.properties import Evenness, regularity
 from weftex.analysis.scale import DominantScale, dominant_scale
-from weftex.choice import Choice
 from weftex.errors import InvalidInputError
 from weftex.exemplar import Exemplar, Sample, load_exemplar
 from weftex.methods import METHODS
@@ -24,6 +23,7 @@ from weftex.parameters import numbers_of
 from weftex.progress import counted
 from weftex.quality import borders_of
 from weftex.tasks.auto import Auto
+from weftex.tasks.auto.rule import Choice
 
 _BANDS = 4  # of the spectrum to an octave
 _BAR = 40  # characters

@@ -17,7 +17,7 @@ from weftex.methods.graphcut.placement import Patch
 from weftex.methods.graphcut.sample import Sample
 from weftex.methods.pixels import Growth
 from weftex.raster.boxes import box_sums
-from weftex.seams.maxflow import search_trees
+from weftex.seams import search_trees
 
 _AHEAD = 2**16  # pixels that are searched at a time for one that is missing
 _TOLERATED = 1.4  # times the least cost, of patches that another seed fills a hole by

@@ -18,7 +18,6 @@ from weftex.analysis.canvas_lattice import (
 )
 from weftex.analysis.lattice import Lattice
 from weftex.canvas import Canvas, as_canvas
-from weftex.choice import Choice
 from weftex.endless.boxes import Box, PlaneRequest
 from weftex.errors import InvalidInputError
 from weftex.exemplar import Exemplar
@@ -29,7 +28,14 @@ from weftex.parameters import parameter
 from weftex.progress import Progress, ProgressCallback, counted
 from weftex.results.synthesis import Synthesis
 from weftex.tasks.auto.findings import Findings, look, with_full
-from weftex.tasks.auto.rule import choose, choose_for_hole, is_sure, places_freely, strain_notes
+from weftex.tasks.auto.rule import (
+    Choice,
+    choose,
+    choose_for_hole,
+    is_sure,
+    places_freely,
+    strain_notes,
+)
 from weftex.tasks.auto.trial import MARGIN, PREVIEW, best_of_choices, others, refined_if_whole
 
 #: Tried in turn where a method cannot be fitted, as to a sample that is mostly masked.

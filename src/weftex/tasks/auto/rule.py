@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from dataclasses import replace
+from dataclasses import dataclass, field, replace
+from typing import Any
 
 from weftex.analysis.canvas_lattice import (
     VISIBLE_STRAIN,
@@ -19,9 +20,10 @@ from weftex.analysis.properties import FORMS
 from weftex.analysis.relief import smaller_copy
 from weftex.analysis.scale import dominant_scale
 from weftex.canvas import Canvas
-from weftex.choice import Choice
 from weftex.exemplar import Exemplar
 from weftex.tasks.auto.findings import LOOK, SMALLEST_ANALYZED, Findings
+
+__all__ = ["Choice"]
 
 _ROWS = 0.6  # confidence from which blocks are placed by rows
 _FINE = 1 / 12  # scale over the side: a patch, a quarter of the side, holds three features in a row
@@ -42,6 +44,45 @@ PATIENCE = 2**20
 _SMALL = 2**18
 #: Keep features whole: place the entire sample where it fits best, and cut around obstacles.
 WHOLE = {"placement": "entire"}
+
+
+@dataclass(frozen=True)
+class Choice:
+    """A method for a sample, and why.
+
+    Attributes
+    ----------
+    method : str
+        A name in `weftex.METHODS`.
+    parameters : dict
+        Parameters that differ from the method's defaults.
+    because : str
+        The reason, as a clause.
+    warnings : tuple of str
+        Faults of the sample that no method can repair, with their size and a remedy.
+    """
+
+    method: str
+    parameters: dict[str, Any] = field(default_factory=dict)
+    because: str = ""
+    warnings: tuple[str, ...] = ()
+
+    @property
+    def reason(self) -> str:
+        """One line: the method, and why."""
+        return f"{self.method}, because {self.because}"
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return everything as numbers, texts, lists and dicts, ready for JSON."""
+        return {
+            "method": self.method,
+            "parameters": self.parameters,
+            "reason": self.reason,
+            "warnings": list(self.warnings),
+        }
+
+    def __str__(self) -> str:
+        return "; ".join((self.reason, *(f"but {text}" for text in self.warnings)))
 
 
 def choose(findings: Findings, canvas: Canvas) -> Choice:

@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 
 from weftex.analysis.lattice import Lattice
 from weftex.canvas import Canvas
-from weftex.choice import Choice
 from weftex.errors import InvalidInputError
 from weftex.exemplar import Exemplar
 from weftex.methods import make_method
@@ -18,7 +17,7 @@ from weftex.naming import text_of
 from weftex.raster.boxes import box_sums
 from weftex.results.synthesis import Synthesis
 from weftex.tasks.auto.findings import Findings, like_itself
-from weftex.tasks.auto.rule import WHOLE, is_sure, places_freely
+from weftex.tasks.auto.rule import WHOLE, Choice, is_sure, places_freely
 
 Values = NDArray[np.int64]
 
