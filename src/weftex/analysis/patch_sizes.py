@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from weftex.analysis.relief import smaller_copy
+from weftex.analysis.relief import LOOK, smaller_copy
 from weftex.analysis.scale import dominant_scale
 from weftex.canvas import Canvas
 from weftex.exemplar import Exemplar
@@ -15,7 +15,6 @@ from weftex.raster.boxes import box_sums
 #: its structure: patches of large samples would copy crowds.
 _SCALES = 36
 _SMALL = 512  # pixels a side, of which a share is a patch whatever the scale and the output
-_LOOK = 320  # pixels a side; larger samples are averaged down to find their scale
 
 #: Patch sizes; a hole gets the largest of which it holds a square `_LEAP` times as wide.
 _SIZES = (128, 96, 64, 48)
@@ -30,7 +29,7 @@ def patch_size_of(exemplar: Exemplar, share: float) -> int:
     """
     side = min(exemplar.shape)
     if side > _SMALL:
-        small, step = smaller_copy(exemplar, _LOOK)
+        small, step = smaller_copy(exemplar, LOOK)
         scale = dominant_scale(small).scale * step
         side = min(side, max(_SMALL, round(_SCALES * scale)))
     return max(1, round(share * side))

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from weftex.exemplar import Exemplar
 
+LOOK = 320  #: pixels a side, which `smaller_copy` gets where a glance is enough
 _LARGEST_SIDE = 1024  # pixels a side; more are averaged together first
 #: Cached, as scale, lattice, regularity and evenness of one sample use the same.
 _TAKEN: WeakKeyDictionary[Exemplar, Relief] = WeakKeyDictionary()

@@ -5,11 +5,10 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from weftex.analysis.relief import Relief, means, mixed
+from weftex.analysis.relief import LOOK, Relief, means, mixed
 from weftex.raster.arrays import Floats
 
 _CONTRAST = 40.0  # levels of 255 to a standard deviation
-_LOOK = 320  # pixels a side; larger samples are averaged down to find their joints
 _JOINT = 7  # pixels: wider is no joint
 _RUN = 21  # pixels that joints run on
 _SMALLEST = 120  # pixels a side; smaller samples show too few joints
@@ -27,7 +26,7 @@ def between_joints(flat: Relief) -> float:
 
     What is narrow (top-hats) is averaged along short lines: joints run on, texture and pits do not.
     """
-    step = -(-max(flat.usable.shape) // _LOOK)
+    step = -(-max(flat.usable.shape) // LOOK)
     if min(flat.usable.shape) < _SMALLEST * step:
         return 0.0
     levels, found = _bytes(means(flat.levels, step)), []

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from weftex.analysis.lattice import find_lattice
+from weftex.analysis.relief import smaller_copy
 from weftex.errors import InvalidInputError, did_you_mean, shown
 from weftex.exemplar import Exemplar, Sample, load_exemplar
 from weftex.prepare.surfaces import (
@@ -30,6 +31,7 @@ _LIGHT = 8  # structure wider than 1 / 8 of the shorter side counts as light
 _ENDS = (0.01, 0.99)  # quantiles of the height that become black and white
 _ROUGH, _ROUGHER = 0.65, 0.1  # the roughness of weak detail, and how much more strong detail has
 _FINE, _AROUND = 2.0, 6.0  # pixels: what is fine detail, and where its strength is averaged
+_LOOK = 512  # pixels a side; larger samples are searched for joints in a smaller copy and a part
 _BIN = 2  # pixels of the mean tile of a lattice
 _ALIKE, _SKEWED = 0.4, 0.5  # the tile's share of the variance, and its skewness: joints are light
 
@@ -158,7 +160,17 @@ def light_joints(sample: Sample) -> bool:
     >>> light_joints("sample:bricks"), light_joints("sample:tiles")
     (True, False)
     """
-    exemplar = load_exemplar(sample)
+    exemplar = load_exemplar(sample).changed(maps={}, guide=None)
+    small, step = smaller_copy(exemplar, _LOOK)
+    divided = _has_light_joints(small)
+    if divided or step == 1 or exemplar.mask is not None:
+        return divided
+    # Averages lose thin joints; the middle keeps them.
+    box = tuple(slice(max(0, side - _LOOK) // 2, (side + _LOOK) // 2) for side in exemplar.shape)
+    return _has_light_joints(exemplar.changed(pixels=exemplar.pixels[box], tileable=False))
+
+
+def _has_light_joints(exemplar: Exemplar) -> bool:
     lattice = find_lattice(exemplar)
     if lattice is None or len(lattice.vectors) < 2:
         return False

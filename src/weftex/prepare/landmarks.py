@@ -7,14 +7,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from weftex.analysis.relief import smaller_copy
+from weftex.analysis.relief import LOOK, smaller_copy
 from weftex.exemplar import Exemplar
 from weftex.raster.boxes import extended_sums
 from weftex.raster.masks import grown
 
 Mask = NDArray[np.bool_]
 
-_LOOK = 320  # pixels a side; larger samples are averaged down
 _SMALLEST = 64  # pixels a side; smaller samples have no landmarks
 _FINEST = 2  # radius of the boxes, applied twice, whose means are compared
 _RADII = (2, 4, 6)  # of others, on a copy half as large
@@ -52,7 +51,7 @@ def find_landmarks(exemplar: Exemplar, others: bool = True) -> tuple[list[Mask],
     A color is rare by its Mahalanobis distance from most colors of the sample, at several scales;
     maps have no say. `others` are less salient, but are recognized where they repeat nearby.
     """
-    small, step = smaller_copy(exemplar.changed(maps={}, guide=None), _LOOK)
+    small, step = smaller_copy(exemplar.changed(maps={}, guide=None), LOOK)
     usable = np.ones(small.shape, bool) if small.mask is None else small.mask
     if min(small.shape) < _SMALLEST:
         return [], 0
@@ -74,7 +73,7 @@ def has_joint_network(exemplar: Exemplar) -> bool:
 
     So joints do, and cracks. Of grain, the darkest three tenths of the pixels are islands.
     """
-    small, _ = smaller_copy(exemplar.changed(maps={}, guide=None), _LOOK)
+    small, _ = smaller_copy(exemplar.changed(maps={}, guide=None), LOOK)
     usable = np.ones(small.shape, bool) if small.mask is None else small.mask
     gray = np.where(usable, small.matching().sum(axis=2, dtype=np.int64), 0)
     fine, wide = (

@@ -9,12 +9,11 @@ from numpy.typing import NDArray
 
 from weftex.analysis.lattice import Lattice, find_lattice
 from weftex.analysis.properties import Evenness, evenness, sidedness
-from weftex.analysis.relief import maps_alone, smaller_copy
+from weftex.analysis.relief import LOOK, maps_alone, smaller_copy
 from weftex.analysis.scale import dominant_scale
 from weftex.exemplar import Exemplar
 from weftex.progress import counted
 
-LOOK = 320  #: pixels a side; of larger samples a smaller copy and a part are analyzed
 SMALLEST_ANALYZED = 32  #: pixels a side; a smaller sample is not analyzed
 
 

@@ -17,11 +17,11 @@ from weftex.analysis.canvas_lattice import is_sure as lattice_is_sure
 from weftex.analysis.lattice import Lattice, find_lattice
 from weftex.analysis.overlay import courses
 from weftex.analysis.properties import FORMS
-from weftex.analysis.relief import smaller_copy
+from weftex.analysis.relief import LOOK, smaller_copy
 from weftex.analysis.scale import dominant_scale
 from weftex.canvas import Canvas
 from weftex.exemplar import Exemplar
-from weftex.tasks.auto.findings import LOOK, SMALLEST_ANALYZED, Findings
+from weftex.tasks.auto.findings import SMALLEST_ANALYZED, Findings
 
 __all__ = ["Choice"]
 
@@ -134,6 +134,8 @@ def _fine(findings: Findings, canvas: Canvas) -> Choice | None:
     if scale > _FINE * shorter:
         return None
     because = f"the features are small ({scale:.3g} px of {shorter})"
+    if not findings.exact:  # the scale of a smaller copy is not what `analyze` measures
+        because = "the features are small"
     if findings.colors <= _FEW_COLORS:
         because = f"{because} and its few colors ({findings.colors}) must not be blended"
         return Choice("quilting", {}, because)
@@ -147,6 +149,8 @@ def _fine(findings: Findings, canvas: Canvas) -> Choice | None:
 def _irregular(findings: Findings, canvas: Canvas) -> Choice:
     """Return graph cut for anything else: entire samples where the output is not too large."""
     because = f"the structure is irregular (features of {findings.scale:.3g} px)"
+    if not findings.exact:
+        because = "the structure is irregular"
     if _quickly_cut(canvas) or _is_small(findings.shape):
         return _whole(findings, canvas, because)
     megapixels = canvas.height * canvas.width / 1e6
