@@ -39,7 +39,7 @@ def test_maps_can_be_named(photos, capsys):
 
 def test_maps_that_cannot_be_named(photos, capsys):
     with pytest.raises(
-        weftex.InvalidInputError, match=r"maps of .* \(bricks, leaves, wood\).*--maps"
+        weftex.InvalidInputError, match=r"match no map \(bricks, leaves, wood\).*--maps"
     ):
         weftex.synthesize("photos", 50)
     words = ["synth", "photos", "-o", "out", "--maps"]

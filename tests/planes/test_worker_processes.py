@@ -85,7 +85,7 @@ def test_a_worker_that_is_killed_is_one_line(words):
     os.kill(workers[0], signal.SIGKILL)
     err = run.communicate(timeout=60)[1]
     assert run.returncode == 2 and err.count("\n") == 1, err
-    assert "a worker process was killed" in err and "the same command continues" in err
+    assert "a worker process was killed" in err and "repeat the command to continue" in err
     assert have_ended(workers)
     assert weft_run(*words, "p.tif") == 0
     assert Path("p.tif").read_bytes() == Path("whole.tif").read_bytes()
