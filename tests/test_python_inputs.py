@@ -86,5 +86,5 @@ def test_the_pixels_of_a_sample_are_kept_once():
 
 
 def test_auto_is_not_among_the_methods():
-    with pytest.raises(InvalidInputError, match="chooses one of them"):
+    with pytest.raises(InvalidInputError, match="is not a method, it chooses one"):
         weftex.METHODS["auto"]

@@ -83,7 +83,7 @@ def test_tileable_may_be_said(files, capsys):
 def test_a_picture_of_another_source_is_noted(files):
     sample, made, source = files
     turned = weftex.read_image(made).pixels[::-1].copy()
-    assert "differs from the picture of its source" in report(sample, turned, source).notes[0]
+    assert "differs from the image of its sources" in report(sample, turned, source).notes[0]
     assert report(sample, weftex.Synthesis.load(source)).notes == ()
 
 

@@ -66,7 +66,7 @@ def test_standard_input_has_a_limit(here, temporary_folder, capsys, monkeypatch)
             assert weft_run("synth", "-", "-o", "x.png", *QUICK.split(), *words) == code
         if code:
             err = capsys.readouterr().err
-            assert err.count("\n") == 1 and "standard input has more than" in err
+            assert err.count("\n") == 1 and "standard input is over" in err
             assert before == (listing(here), listing(temporary_folder))
 
 

@@ -20,7 +20,7 @@ def test_synth_makes_what_the_library_makes(here, capsys):
     assert (made == weftex.synthesize("sample.png", (90, 100), seed=7).image).all()
     err = capsys.readouterr().err
     assert re.fullmatch(
-        r"weftex: auto: (graphcut|patch-sampling), because the structure .*\n"
+        r"weftex: auto: (graphcut|patch-sampling), because the features .*\n"
         r"weftex: made 100x90 out\.png with \1(, patch size \d+)?, seed 7, "
         r"in [\d.]+ s \([\d.e-]+ megapixels/s\)\n",
         err,

@@ -79,7 +79,7 @@ def test_wrapped_and_larger_and_smaller_canvases():
 def test_what_cannot_be_turned_is_refused():
     with pytest.raises(weftex.InvalidInputError, match="orientations .*placement"):
         weftex.GraphCut(orientations="half-turns")
-    with pytest.raises(weftex.InvalidInputError, match="lattice and orientations exclude"):
+    with pytest.raises(weftex.InvalidInputError, match="give lattice or orientations, not both"):
         laid("sample:tiles", orientations="half-turns", lattice=(31, 0, 0, 102))
     with pytest.raises(weftex.InvalidInputError, match="half-turns'; holes are filled from a ph"):
         pebbles = weftex.read_image("sample:pebbles").pixels

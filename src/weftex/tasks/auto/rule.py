@@ -165,7 +165,7 @@ def _whole(findings: Findings, canvas: Canvas, because: str) -> Choice:
         return Choice("graphcut", dict(WHOLE), because)
     words = {"half-turns": "upside down", "all": "from all sides"}[way]
     return Choice(
-        "graphcut", {**WHOLE, "orientations": way}, f"{because} and looks the same {words}"
+        "graphcut", {**WHOLE, "orientations": way}, f"{because} and the material looks the same {words}"
     )
 
 
