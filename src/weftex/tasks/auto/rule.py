@@ -164,9 +164,8 @@ def _whole(findings: Findings, canvas: Canvas, because: str) -> Choice:
     if way == "upright":
         return Choice("graphcut", dict(WHOLE), because)
     words = {"half-turns": "upside down", "all": "from all sides"}[way]
-    return Choice(
-        "graphcut", {**WHOLE, "orientations": way}, f"{because} and the material looks the same {words}"
-    )
+    because = f"{because} and the material looks the same {words}"
+    return Choice("graphcut", {**WHOLE, "orientations": way}, because)
 
 
 def _orientations(findings: Findings, canvas: Canvas) -> str:
