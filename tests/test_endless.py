@@ -168,7 +168,7 @@ def test_a_best_tile_with_a_period_is_the_tileable_picture():
 def test_methods_that_cannot_refuse_in_one_line(monkeypatch):
     for slug in ("near-regular", "best-tile"):
         model = weftex.METHODS[slug]().fit("sample:tiles")
-        with pytest.raises(weftex.InvalidInputError, match="stretched by .* would do$"):
+        with pytest.raises(weftex.InvalidInputError, match="stretched by .* fits$"):
             model.window(0, 0, 9, 9, seed=1, period=250)
     monkeypatch.setattr(weftex.GraphCut, "supports", frozenset({"wrap"}))
     with pytest.raises(weftex.UnsupportedError, match="not support windows") as refused:

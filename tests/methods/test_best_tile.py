@@ -35,7 +35,7 @@ def test_it_wraps(tileable):
             step = np.moveaxis(step, axis, 0).mean(axis=1)
             steps.append(step[-1] >= step.min())
     assert all(steps)
-    with pytest.raises(weftex.InvalidInputError, match="would do"):
+    with pytest.raises(weftex.InvalidInputError, match="fits"):
         model.sample((30, 24), tileable=True)
 
 

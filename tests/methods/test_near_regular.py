@@ -59,7 +59,7 @@ def test_what_goes_around_keeps_whole_tiles(tileable):
 
 def test_strain_is_refused_and_a_good_size_named():
     model = model_of(wall(96, 96), lattice=(16, 0, 0, 24), block_size=40)
-    with pytest.raises(weftex.InvalidInputError, match=r"stretched by .*96x\d+ would do"):
+    with pytest.raises(weftex.InvalidInputError, match=r"stretched by .*96x\d+ fits"):
         model.sample((36, 96), tileable=True)
     model.sample((36, 96))
     model.sample((36, 96), tileable="x")

@@ -61,7 +61,7 @@ class CanvasLattice:
         if canvas is not None and any(canvas.wrap):
             self.canvas, self.strain = _stretched(self.sample, canvas.shape, canvas.wrap)
             if not self.strain <= limit:
-                better = [f"{w}x{h} would do" for h, w in fitting_sizes(vectors, canvas, limit)]
+                better = [f"{w}x{h} fits" for h, w in fitting_sizes(vectors, canvas, limit)]
                 raise InvalidInputError(
                     f"the lattice would have to be stretched by {100 * self.strain:.1f} % to fit "
                     f"{canvas.width}x{canvas.height}, and at most {100 * limit:.1f} % is allowed; "
