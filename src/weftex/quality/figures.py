@@ -106,7 +106,7 @@ FIGURES: dict[str, Figure] = {
     "seams": Figure(
         "seams", "1 = as the sample's own", "low", 1.75,
         "Steps between pixel rows or columns that are larger than the steps around them.",
-        "feathered seams; mortar joints that end",
+        "feathered seams; mortar joints that break off",
         "has visible seams", 1.0,
         agrees=0.52,
     ),
