@@ -15,20 +15,20 @@ TESTS = Path(__file__).parent
 READ = ("methods", "repeats", "search", "seams")
 #: Lower a ceiling when the code has become smaller; a feature that needs room removes something.
 CEILINGS = {
-    "lines of Python in src": 45_866,
-    "of these code": 32_025,
-    "modules": 278,
-    "kernel classes": 24,
+    "lines of Python in src": 45_485,
+    "of these code": 31_830,
+    "modules": 268,
+    "kernel classes": 23,
     "names that several kernel classes have": 0,
-    "lines of tests": 24_239,
+    "lines of tests": 24_233,
     "quilting: files to read": 11,
-    "quilting: lines to read": 2_640,
+    "quilting: lines to read": 2_620,
     "graphcut: files to read": 18,
     "graphcut: lines to read": 3_820,
     "efros-leung: files to read": 8,
-    "efros-leung: lines to read": 1_265,
-    "near-regular: files to read": 10,
-    "near-regular: lines to read": 2_035,
+    "efros-leung: lines to read": 1_261,
+    "near-regular: files to read": 9,
+    "near-regular: lines to read": 1_678,
 }
 
 
