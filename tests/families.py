@@ -33,7 +33,7 @@ SEARCHES = ("exhaustive", "quadtree", "pca", "kdtree", "kdtree-pca")
 class Trial:
     """How to try one method."""
 
-    family: str  # "patch" or "pixel": whether patches are laid or single pixels chosen
+    family: str  # "patch" or "pixel": what the method copies in one step
     small: dict[str, Any]  # parameters for samples and canvases of 20 to 40 pixels
     #: Every way in which pixels are chosen or joined, as parameters over `small`.
     ways: dict[str, dict[str, Any]] = field(default_factory=lambda: {"": {}})
@@ -150,7 +150,7 @@ def kinds_of(slug: str, way: str = "") -> list[str]:
 
 
 def every(*axes: str, family: str | None = None, kinds: Any = None) -> Any:
-    """Parametrize a test by the methods, or those of a family, and by what each of them does.
+    """Parametrize a test by methods, all or those of a family, and by what each of them does.
 
     Axes: "method" first; then "kind" of canvas (only `kinds`), "way", "real"; last "dtype", which
     gives two of four types to each kind and way: together they have all.
@@ -198,7 +198,7 @@ def noise(
 ) -> Any:
     """Random pixels of any dtype, from `rng` or of a seed.
 
-    Of `values`, so many spread over 0 to 255: few make ties and many matches. `wide` floats lie
+    Of `values` different values over 0 to 255: few make ties and many matches. `wide` floats lie
     around 0.5, also below 0 and above 1, as in files.
     """
     rng = np.random.default_rng(seed) if rng is None else rng

@@ -20,7 +20,7 @@ CEILINGS = {
     "modules": 268,
     "kernel classes": 23,
     "names that several kernel classes have": 0,
-    "lines of tests": 24_233,
+    "lines of tests": 24_232,
     "quilting: files to read": 11,
     "quilting: lines to read": 2_620,
     "graphcut: files to read": 18,

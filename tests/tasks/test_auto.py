@@ -113,7 +113,7 @@ PARAMETERS = [
     # So is fine grain, in which no thing is there to be kept whole.
     (with_(scale=12.8), (512, 512), {}),
     (with_(scale=12.9), (512, 512), ENTIRE),
-    # Rows are laid by the vector that near-regular finds by itself.
+    # near-regular finds the vector of the rows itself.
     (with_(lattice=ROWS), (99, 99), ENTIRE | ROW),
     (with_(lattice=ROWS), (9999, 999), ROW),
     (with_(lattice=ROWS, exact=False), (99, 99), {}),

@@ -139,6 +139,15 @@ class Tab:
         """Wait until no work is under way."""
         self.page.wait_for_selector(".stage:not(.busy)")
 
+    def make(self, method: str, side: int) -> None:
+        """Make a square image by a method, from the screen Make."""
+        self.page.click("[data-screen=make]")
+        self.page.select_option("select", method)
+        for name in ("Width", "Height"):
+            self.write(name, str(side))
+        self.page.click("text=Make it")
+        self.page.wait_for_selector(f".panel >> text=Made by {method}")
+
     def stroke(self, *places: tuple[float, float]) -> None:
         """Draw through places, in shares of the view."""
         box = self.page.locator(".viewer").first.bounding_box()

@@ -112,12 +112,7 @@ def test_three_sliders_change_the_recipe_and_the_picture(tab: Any, address: str)
     one = tab()
     page = one.open(address)
     page.click(".samples button:has-text('pebbles')")
-    page.click("[data-screen=make]")
-    page.select_option("select", "graphcut")
-    for side in ("Width", "Height"):
-        one.write(side, "160")
-    page.click("text=Make it")
-    page.wait_for_selector(".panel >> text=Made by graphcut")
+    one.make("graphcut", 160)
     one.settle()
     found, values = [], []
     for words, key in (("Feature size", "Home"), ("Variety", "End"), ("Seam softness", "End")):
@@ -226,12 +221,7 @@ def test_a_material_on_solids_and_out_of_the_page(tab: Any, address: str) -> Non
         last = now
     page.keyboard.press("p")
 
-    page.click("[data-screen=make]")
-    page.select_option("select", "quilting")
-    for side in ("Width", "Height"):
-        one.write(side, "128")
-    page.click("text=Make it")
-    page.wait_for_selector(".panel >> text=Made by quilting")
+    one.make("quilting", 128)
     page.click("[data-screen=take]")
     page.select_option("select", "unreal")
     with page.expect_download() as saved:
