@@ -15,7 +15,8 @@ ROOT = Path(__file__).parent.parent
 #: Tests of what stays in the repository.
 _OURS = "benchmarks fidelity fuzz gallery notebooks packaging readme words".split()  # noqa: SIM905
 STAY = {"tests/fidelity.toml", "tests/words.toml", *(f"tests/test_{name}.py" for name in _OURS)}
-SUFFIXES = {f".{kind}" for kind in "py pxd typed png csv json html css js svg toml usda".split()}  # noqa: SIM905
+_KINDS = "py pxd typed png csv json html css js svg toml usda gdshader"
+SUFFIXES = {f".{kind}" for kind in _KINDS.split()}
 
 
 def under(*folders):

@@ -125,7 +125,7 @@ def progress() -> Table:
     idle = terminal.Bar(quiet=True)
     call = seconds_of_a_call(lambda: idle(1, 2, "preparing", lambda: None))
     with (
-        patch.object(terminal, "_BAR_AFTER", 0),
+        patch.object(weftex.progress.Bar.__init__, "__defaults__", (0,)),
         patch.object(sys, "stderr", screen),
         patch.object(screen, "isatty", lambda: True),
     ):
@@ -150,7 +150,7 @@ def progress() -> Table:
         "Processor time, one thread, medians of 9 without the bar and with it, in turn. Counting "
         "is what the calls take from the work; the main thread draws meanwhile, here from the "
         "first moment on. The ratio has all noise of the machine. Loading tqdm comes to it, 31 ms, "
-        "so there is a bar for three seconds of work and more only: 1 %."
+        "so a bar appears after half a second of work."
     )
     head = ["method", "output", "time", "calls", "counting", "drawing", "together", "ratio"]
     return notes, head, rows

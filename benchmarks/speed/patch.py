@@ -99,11 +99,6 @@ def copying() -> Table:
     return paper.copying()
 
 
-def edges() -> Table:
-    """The edge metric; see examples/papers/patch_sampling.py."""
-    return paper.edges()
-
-
 def growth() -> Table:
     """How fit and sample grow with the sizes of the sample, the output and the patch."""
     rows = []
@@ -222,4 +217,4 @@ class Truth:
         return squares - 2 * (zones @ asked) + asked @ asked
 
 
-TABLES = (speed, table1, recall, growth, copying, edges)
+TABLES = (speed, table1, recall, growth, copying)

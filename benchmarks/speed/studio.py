@@ -25,8 +25,7 @@ from typing import Any
 
 sys.path.append(str(Path(__file__).resolve().parents[2] / "tests" / "studio"))
 import numpy as np
-from pages import Page
-from processes_of_studio import Process
+from pages import Page, Process
 
 from weftex.io.pictures import write_image
 from weftex.studio.app import static_files

@@ -1,11 +1,9 @@
 """The command: addresses, tokens, what is left when it ends, and what a restart finds."""
 
 import os
-import re
 import runpy
 import signal
 import stat
-import subprocess
 import sys
 import time
 from contextlib import suppress
@@ -14,7 +12,7 @@ from urllib.parse import unquote, urlsplit
 
 import numpy as np
 import pytest
-from pages import Client, Page
+from pages import Page, Process
 
 from weftex.cli import main
 from weftex.io.pictures import write_image
@@ -23,26 +21,6 @@ from weftex.studio.limits import Limits, LruCache
 from weftex.studio.refusals import Refusal
 from weftex.studio.sessions import DAY, Sessions, Store, key_of
 from weftex.studio.studio import Studio
-
-
-class Process:
-    """The command in a process of its own."""
-
-    def __init__(self, folder, *words, browser=False):
-        code = "import sys; from weftex.cli import entry; entry()"
-        words = ["studio", *words, "--data", str(folder), *([] if browser else ["--no-browser"])]
-        self.run = subprocess.Popen(
-            [sys.executable, "-c", code, *words], stderr=subprocess.PIPE, text=True
-        )
-        line = next(line for line in self.run.stderr if "http://" in line)
-        port, self.token = re.search(r"http://127\.0\.0\.1:(\d+)/#token=(\S+)", line).groups()
-        self.client = Client(int(port))
-
-    def end(self, number):
-        self.run.send_signal(number)
-        code = self.run.wait(10)
-        self.run.stderr.close()
-        return code
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="signals are other there")
