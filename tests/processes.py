@@ -18,8 +18,9 @@ ENVIRONMENT = os.environ | {"PYTHONPATH": SRC}
 
 
 def hear_interrupts():
-    """In a child: Ctrl-C counts, though runners in the background start with it ignored."""
-    signal.signal(signal.SIGINT, signal.SIG_DFL)
+    """In a child: signals count, though runners in the background start with them ignored."""
+    for number in (signal.SIGINT, signal.SIGHUP):
+        signal.signal(number, signal.SIG_DFL)
 
 
 def wait_until_it_listens(process):

@@ -157,9 +157,8 @@ class Process:
     """The command in a process of its own."""
 
     def __init__(self, folder, *words, browser=False):
-        code = "from weftex.cli import entry; entry()"
         words = ["studio", *words, "--data", str(folder), *([] if browser else ["--no-browser"])]
-        command = [sys.executable, "-c", code, *words]
+        command = [sys.executable, "-c", "from weftex.cli import entry; entry()", *words]
         self.run = subprocess.Popen(command, stderr=subprocess.PIPE, text=True)
         line = next(line for line in self.run.stderr if "http://" in line)
         port, self.token = re.search(r"http://127\.0\.0\.1:(\d+)/#token=(\S+)", line).groups()

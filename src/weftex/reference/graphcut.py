@@ -20,8 +20,8 @@ from weftex.reference.common import Made, at, checked, fits, made, places, windo
 Place = tuple[int, int]
 #: The terminals: what keeps its old pixels, and what takes new ones.
 OLD, NEW = "old", "new"
-#: The largest difference of a channel; gray values that a gradient has at least, so that flat parts
-#: have a cost. The paper names neither.
+#: The largest difference of a channel, and what is added to the gradient for each channel, so that
+#: seams in flat parts have a finite cost. The paper names neither.
 WHITE, SOFT = 255, 32
 
 
@@ -109,7 +109,7 @@ def graphcut(
         differences = [norm(p, q) for p, q in ((a_s, b_s), (a_t, b_t)) if p and q]
         gradient = [norm(p, q) for p, q in ((a_s, a_t), (b_s, b_t)) if p and q]
         cost, across = sum(differences), sum(gradient)
-        if len(differences) < 2:  # a patch ends here
+        if len(differences) < 2:  # a patch ends here: as if both were like the other one, times two
             cost, across = (4 * cost, 2 * across) if differences else (4 * WHITE * len(a_s), 0)
         return 256 * cost // (across + SOFT * len(a_s)) if gradients else cost
 
@@ -126,21 +126,21 @@ def graphcut(
     def connect(graph: Graph, s: Place, t: Place, new: dict[Place, Place]) -> None:
         """Add what it costs that s and its neighbor t are old or new to the graph."""
         step = t[0] - s[0], t[1] - s[1]
-        a_s, a_t = (tuple(sources[p].tolist()) if sources[p][0] >= 0 else None for p in (s, t))
-        b_s, b_t = new.get(s), new.get(t)
-        if a_s and b_s and a_t and b_t:
-            if m(step, a_s, a_t) == 0:  # Fig. 2: an arc between both
-                graph.join(s, t, m(step, a_s, b_t))
+        old_s, old_t = (tuple(sources[p].tolist()) if sources[p][0] >= 0 else None for p in (s, t))
+        new_s, new_t = new.get(s), new.get(t)
+        if old_s and new_s and old_t and new_t:
+            if m(step, old_s, old_t) == 0:  # Fig. 2: an arc between both
+                graph.join(s, t, m(step, old_s, new_t))
             else:  # Fig. 3: a seam node for the old seam, joined with the new patch
-                graph.join(s, (s, t), m(step, a_s, b_t))
-                graph.join((s, t), t, m(step, b_s, a_t))
-                graph.join((s, t), NEW, m(step, a_s, a_t))
-        elif a_s and b_s and (a_t or b_t):  # t is constrained to be old or new
-            graph.join(s, NEW, m(step, a_s, a_t or b_t))
-            graph.join(s, OLD, m(step, b_s, a_t) if a_t else 0)
-        elif a_t and b_t and (a_s or b_s):
-            graph.join(t, NEW, m(step, a_s or b_s, a_t))
-            graph.join(t, OLD, m(step, a_s, b_t) if a_s else 0)
+                graph.join(s, (s, t), m(step, old_s, new_t))
+                graph.join((s, t), t, m(step, new_s, old_t))
+                graph.join((s, t), NEW, m(step, old_s, old_t))
+        elif old_s and new_s and (old_t or new_t):  # t is constrained to be old or new
+            graph.join(s, NEW, m(step, old_s, old_t or new_t))
+            graph.join(s, OLD, m(step, new_s, old_t) if old_t else 0)
+        elif old_t and new_t and (old_s or new_s):
+            graph.join(t, NEW, m(step, old_s or new_s, old_t))
+            graph.join(t, OLD, m(step, old_s, new_t) if old_s else 0)
 
     number = 0
     while (missing := np.argwhere(sources[..., 0] < 0)).size:
@@ -173,7 +173,7 @@ def norm(p: list[int], q: list[int]) -> int:
 
 
 def chances_of(cost: Any, spread: float) -> list[int]:
-    """Whole numbers in proportion to exp(-cost / spread), which is taken as a power of 1024."""
+    """Whole numbers in proportion to exp(-cost / spread), as (1 + cost / spread / 1024)**-1024."""
     if spread == 0:
         return [int(c == cost.min()) for c in cost]
     power = 1 + np.minimum((cost - cost.min()) / spread, 64.0) / 1024

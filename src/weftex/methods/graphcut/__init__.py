@@ -311,17 +311,17 @@ def cover(method: GraphCut, placement: Placement, sample: Sample, growth: Growth
             patches = matches.patches(drawn, map_)
             if len(patches) == 1:
                 return patches[0]
-            # Minimum cut of old and new pixels; old seams (3.1), surrounded regions (3.2) count.
+            # Not in the paper: of several, the patch whose seams cost least for each new pixel.
             return picture.cheapest(patches, map_)
 
-        # Patches that each cover the first missing pixel, until none is missing (section 4).
+        # Patches that each cover the first missing pixel (section 4), cut with old seams (3.1).
         pasted = 0
         progress = growth.progress(int((growth.done == 0).sum()), "pixels")
         for pixel in picture.missing():
             progress.advance(picture.paste(best_patch(pixel, pasted, centered=False)))
             pasted += 1
 
-        # Patches over the worst seams: an old seam goes where the cut is cheaper (section 4).
+        # Patches over the worst seams (section 4), surrounded by what is there (section 3.2).
         more = round(method.refinements * pasted)
         if not more:
             return

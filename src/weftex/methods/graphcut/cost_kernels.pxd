@@ -1,7 +1,7 @@
 cdef enum:
-    # Costs weighed by gradients: a mean difference of SOFT levels on either side weighs like none.
-    SCALE = 256
-    SOFT = 32
+    WHITE = 255  # the largest difference of a channel
+    SCALE = 256  # steps of a cost that is divided by gradients
+    SOFT = 32  # added to the gradient for each channel: seams in flat parts have a finite cost
 
 cdef class Labeling:
     # The canvas.

@@ -62,8 +62,8 @@ def seam_cost(
     """M(s, t, A, B) of equation (1): the cost of a seam between p and its neighbor q.
 
     |A(p) - B(p)| + |A(q) - B(q)|, or M' of section 5, which divides it by the gradients across the
-    seam. Where one patch ends at the sample's border, the other's half counts four times, and its
-    gradient twice. No patch continues from the label -1.
+    seam. Where one patch ends at the sample's border, the missing half counts like the other, and
+    the seam twice. No patch continues from the label -1.
     """
     cython.declare(at_p=cython.p_const_uchar, at_q=cython.p_const_uchar)
     cython.declare(other=cython.p_const_uchar, b_at_p=cython.int, cost=cython.int)
@@ -76,7 +76,7 @@ def seam_cost(
     cost = 0
     gradient = 0
     if b_at_p < 0 and a_at_q < 0:
-        cost = 1020 * channels
+        cost = 4 * WHITE * channels
     else:
         at_p = cython.address(labeling.pixels[p, 0])
         if label_p >= 0:

@@ -12,8 +12,8 @@ cdef enum:
     REACH = 2  # blocks around those that the cut passes
     STEP = 2  # the number of halvings less at each step
 
-# The source's arc to a block has the cost of the block if it stays old, and the block's arc to the
-# sink its cost if it becomes new.
+# The source is the new patch (the paper's B), the sink the old pixels (A). The source's arc to a
+# block has its cost if it stays old, the block's arc to the sink its cost if it becomes new.
 cdef class Graph(Grid):
     cdef Labeling labeling
     cdef const int[::1] rows
