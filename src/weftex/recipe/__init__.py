@@ -97,7 +97,7 @@ class Recipe(Fields):
         *,
         open_material: Callable[[dict[str, Any]], PreparedMaterial] | None = None,
         open_picture: Callable[[str], Picture] | None = None,
-        fit: Callable[[Any], Model] | None = None,
+        get_model: Callable[[Any], Model] | None = None,
         progress: ProgressCallback | None = None,
         threads: int | None = None,
     ) -> Synthesis:
@@ -105,4 +105,4 @@ class Recipe(Fields):
         from weftex.recipe.opening import open_recipe
 
         found = open_recipe(self, open_material, open_picture)
-        return found.make(fit=fit, progress=progress, threads=threads)
+        return found.make(get_model=get_model, progress=progress, threads=threads)

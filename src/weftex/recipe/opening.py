@@ -14,7 +14,7 @@ from weftex.exemplar import Exemplar
 from weftex.exemplar.material import Material, read_material, role_of_picture
 from weftex.recipe.fields import Fields, gradient
 from weftex.roles import COLOR, Role, role_of
-from weftex.tasks.method_names import may_thin
+from weftex.tasks.synthesize import synthesize_on
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -281,15 +281,20 @@ class OpenedRecipe:
     def make(
         self,
         *,
-        fit: Callable[[Exemplar], Model] | None = None,
+        seed: int | None = None,
+        get_model: Callable[[Exemplar], Model] | None = None,
         progress: ProgressCallback | None = None,
         threads: int | None = None,
     ) -> Synthesis:
-        """Do the task; whoever keeps models of synth gives a `fit` from its sample to one."""
+        """Do the task, with another seed if one is given.
+
+        Whoever keeps models of synth gives `get_model`, which returns the model of its sample.
+        """
         self.check()
-        how: dict[str, Any] = {"seed": self.recipe.seed, "threads": threads, "progress": progress}
+        how: dict[str, Any] = {"seed": self.recipe.seed if seed is None else seed}
+        how |= {"threads": threads, "progress": progress}
         if self.recipe.task == "synth":
-            return self._synth(how, fit or self.recipe.method.fit)
+            return self._synth(how, get_model or self.recipe.method.fit)
         method = self.recipe.method.slug
         how |= {"method": method, **self.recipe.parameters}  # tasks see which were given
         options = dict(self.recipe.options)
@@ -310,24 +315,16 @@ class OpenedRecipe:
         samples = [one.sample for one in self.prepared]
         return fuse(samples, self._label_map, options.pop("size"), **options, **how)
 
-    def _synth(self, how: dict[str, Any], fit: Callable[[Exemplar], Model]) -> Synthesis:
-        method, options = self.recipe.method, self.recipe.options
+    def _synth(self, how: dict[str, Any], get_model: Callable[[Exemplar], Model]) -> Synthesis:
+        options = self.recipe.options
         if options["window"] is not None:
-            model = fit(self.sample)
+            model = get_model(self.sample)
             return model.window(*options["window"], period=options["period"], **how)
         canvas = as_canvas(self.shape, options["tileable"])
-        guide = self._guide("guide")
-        # As `tasks.synthesize`, which guides, best-of and landmarks need; less to import.
-        wanted = options["landmarks"]
-        keep = wanted == "keep" or (wanted == "auto" and not may_thin(method, canvas, self.sample))
-        if guide is None and options["best_of"] == 1 and keep:
-            method.require(canvas)
-            return fit(self.sample).sample(canvas, **how)
-        from weftex.tasks.synthesize import synthesize
-
+        if (guide := self._guide("guide")) is not None:
+            canvas = replace(canvas, guide=guide.pixels)
         how |= {name: options[name] for name in ("best_of", "landmarks")}
-        how |= {"method": method, "guide": guide}
-        return synthesize(self.sample, canvas, **how)
+        return synthesize_on(canvas, self.sample, self.recipe.method, get_model, **how)
 
 
 def pictures_like(materials: Sequence[Material], made: Exemplar) -> dict[str, Picture]:

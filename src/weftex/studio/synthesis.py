@@ -120,14 +120,14 @@ def open_job(recipe: Recipe, session: Session) -> OpenedRecipe:
 def fitted(job: OpenedRecipe, session: Session, sample: Exemplar) -> Model:
     """Return a recipe's method, fitted to its sample."""
     method, names = job.recipe.method, [id_of(spec) for spec in job.recipe.materials]
-    key = "model", *names, method
+    key = "model", *names, method, job.recipe.options["sample_guide"]
     return session.find(lambda: method.fit(sample), lambda _: 8 * size_of(sample), *key)
 
 
 def make(job: OpenedRecipe, session: Session, progress: ProgressCallback) -> Result:
     """Make what a recipe says."""
     start = perf_counter()
-    result = job.make(fit=partial(fitted, job, session), progress=progress)
+    result = job.make(get_model=partial(fitted, job, session), progress=progress)
     result.image  # rendering is part of the work  # noqa: B018
     seconds, folder = perf_counter() - start, any(one.folder for one in job.materials)
     recipe = cast("Recipe", job.recipe)

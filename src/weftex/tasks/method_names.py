@@ -3,22 +3,17 @@
 from __future__ import annotations
 
 import dataclasses
-import math
 from collections.abc import Mapping
 from typing import Any
 
 from weftex import methods
-from weftex.canvas import Canvas
 from weftex.errors import InvalidInputError
-from weftex.exemplar import Exemplar
 from weftex.method import Method
 
 __all__ = ["AUTO", "make_method"]
 
 #: The name that stands for the method that suits the sample best.
 AUTO = "auto"
-
-_REPEATED = 8  # sample areas of an output from which `auto` thins landmarks
 
 
 def is_auto(method: str | Method) -> bool:
@@ -51,10 +46,3 @@ def make_method(method: str | Method, parameters: Mapping[str, Any]) -> Method:
                 )
         return auto(**parameters)
     return methods.make_method(method, parameters)
-
-
-def may_thin(method: Method, canvas: Canvas, exemplar: Exemplar) -> bool:
-    """Return whether landmarks "auto" may thin: `auto` chooses, and the output is large enough."""
-    times = math.prod(canvas.shape) / math.prod(exemplar.shape)
-    plain = canvas.guide is None and canvas.known is None and not exemplar.pieces
-    return method.slug == AUTO and plain and times >= _REPEATED

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import dataclasses
+import math
+from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -11,16 +13,17 @@ from numpy.typing import NDArray
 from weftex.canvas import Canvas, as_canvas
 from weftex.errors import InvalidInputError, shown
 from weftex.exemplar import Exemplar, Sample, load_exemplar
-from weftex.method import Method
+from weftex.method import Method, Model
 from weftex.progress import Progress, ProgressCallback, listening
 from weftex.random import Seed, seed_number
 from weftex.results.synthesis import Synthesis
-from weftex.tasks.method_names import AUTO, make_method, may_thin
+from weftex.tasks.method_names import AUTO, make_method
 
 if TYPE_CHECKING:
     from weftex.quality.score import Rating
 
 _MOST_TRIES = 1000  # outputs of which the best is kept
+_REPEATED = 8  # sample areas of an output from which `auto` thins landmarks
 
 
 def synthesize(
@@ -108,9 +111,7 @@ def synthesize(
         if canvas.guide is not None:
             raise InvalidInputError("the canvas has a guide; give none beside it")
         canvas = dataclasses.replace(canvas, guide=_guide(guide))
-    once = type(best_of) is int and best_of == 1
-    if not once:
-        _check_count(best_of)
+    _check_count(best_of)
     with listening(progress):
         chosen.require(canvas)
         exemplar = load_exemplar(sample)
@@ -118,34 +119,65 @@ def synthesize(
             if canvas.guide is None:
                 raise InvalidInputError("sample_guide has no effect without a guide")
             exemplar = exemplar.changed(guide=_guide(sample_guide))
-        if exemplar.guide is None and canvas.guide is not None:
-            canvas = dataclasses.replace(canvas, guide=_like(canvas.guide, exemplar))
         if fit:
             from weftex.tasks.auto import fitting_canvas
 
             canvas = fitting_canvas(canvas, exemplar, chosen)
-        number = seed_number(seed)
-        how: dict[str, Any] = {"seed": number, "threads": threads, "progress": progress}
-        plain, model = None, None
+        return synthesize_on(
+            *(canvas, exemplar, chosen, chosen.fit),
+            best_of=best_of,
+            landmarks=landmarks,
+            seed=seed_number(seed),
+            threads=threads,
+            progress=progress,
+        )
+
+
+def synthesize_on(
+    canvas: Canvas,
+    exemplar: Exemplar,
+    method: Method,
+    get_model: Callable[[Exemplar], Model],
+    *,
+    best_of: int = 1,
+    landmarks: str = "auto",
+    seed: int,
+    threads: int | None = None,
+    progress: ProgressCallback | None = None,
+) -> Synthesis:
+    """Do what `synthesize` does, with everything loaded.
+
+    `get_model` returns the method's model of the exemplar, which it may have from before.
+    """
+    if exemplar.guide is None and canvas.guide is not None:
+        canvas = dataclasses.replace(canvas, guide=_like(canvas.guide, exemplar))
+    method.require(canvas)  # `sample` does it too, but fitting may take long
+    how: dict[str, Any] = {"threads": threads, "progress": progress}
+    with listening(progress):
+        plain = None
         if landmarks not in ("auto", "keep"):
             from weftex.tasks.landmarks import plain_sample  # loads the analyses
 
             plain = plain_sample(exemplar, landmarks)
-        elif landmarks == "auto" and once and may_thin(chosen, canvas, exemplar):
+        elif landmarks == "auto" and best_of == 1 and _may_thin(method, canvas, exemplar):
             from weftex.tasks.landmarks import thinned
 
-            model = chosen.fit(exemplar)
-            plain = thinned(model, canvas)
-        exemplar = exemplar if plain is None else plain.exemplar
-        if once:
-            if model is None or plain is not None:
-                model = chosen.fit(exemplar)
+            plain = thinned(get_model(exemplar), canvas)
+        model = get_model(exemplar) if plain is None else method.fit(plain.exemplar)
+        if best_of > 1:
+            made = _best_of(best_of, model, canvas, seed, how)
+        else:
             if plain is not None:
                 plain.inform(model)
-            made = model.sample(canvas, **how)
-        else:
-            made = _best_of(best_of, chosen, exemplar, canvas, **how)
-        return made if plain is None else plain.finished(made, number)
+            made = model.sample(canvas, seed=seed, **how)
+        return made if plain is None else plain.finished(made, seed)
+
+
+def _may_thin(method: Method, canvas: Canvas, exemplar: Exemplar) -> bool:
+    """Return whether landmarks "auto" may thin: `auto` chooses, and the output is large enough."""
+    times = math.prod(canvas.shape) / math.prod(exemplar.shape)
+    plain = canvas.guide is None and canvas.known is None and not exemplar.pieces
+    return method.slug == AUTO and plain and times >= _REPEATED
 
 
 def _like(guide: NDArray[Any], exemplar: Exemplar) -> NDArray[Any]:
@@ -172,14 +204,7 @@ def _check_count(count: object) -> None:
 
 
 def _best_of(
-    count: int,
-    method: Method,
-    exemplar: Exemplar,
-    canvas: Canvas,
-    *,
-    seed: Seed = None,
-    threads: int | None = None,
-    progress: ProgressCallback | None = None,
+    count: int, model: Model, canvas: Canvas, first: int, how: dict[str, Any]
 ) -> Synthesis:
     """Make several outputs and return the best one by score and broken things, or the first.
 
@@ -187,15 +212,16 @@ def _best_of(
     """
     from weftex.quality.score import MapsScorer  # loads the measures
 
-    first = seed_number(seed)
     seeds = [(first + further) % 2**64 for further in range(count)]
     kept = seeds[0]
     made_by: dict[int, Synthesis] = {}  # the best so far
     ratings: dict[int, Rating] = {}
-    scorer, model = MapsScorer(exemplar), method.fit(exemplar)
-    steps = Progress(progress, count, "outputs", lambda: made_by[kept].image if made_by else None)
+    scorer = MapsScorer(model.exemplar)
+    steps = Progress(
+        how["progress"], count, "outputs", lambda: made_by[kept].image if made_by else None
+    )
     for number in seeds:
-        made = model.sample(canvas, seed=number, threads=threads, progress=steps.within())
+        made = model.sample(canvas, seed=number, threads=how["threads"], progress=steps.within())
         ratings[number] = scorer.rate(made)
         if not made_by or ratings[number].choice < ratings[kept].choice:
             kept, made_by = number, {number: made}

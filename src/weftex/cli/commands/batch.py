@@ -9,7 +9,6 @@ from collections.abc import Iterator, Sequence
 from time import perf_counter
 from typing import Any, NamedTuple
 
-from weftex.canvas import as_canvas
 from weftex.cli.files import open_materials, pixels_of, plan
 from weftex.cli.options import parse_task
 from weftex.cli.parser import Parser
@@ -344,13 +343,15 @@ class Maker:
 
     def _results(self, job: Job) -> Iterator[tuple[Synthesis, dict[str, Any]]]:
         """All results and their records, or the best ones in the order of their seeds."""
-        canvas = as_canvas(self._opened.shape, self.recipe.options["tileable"])
         keep = self.args.keep_best
         best: list[tuple[float, int, Synthesis, dict[str, Any]]] = []
         for order, (seed, output) in enumerate(job.outputs.items()):
             start = perf_counter()
-            result = self._model.sample(
-                canvas, seed=seed, threads=self.threads, progress=lambda *_: not self._cancelled
+            result = self._opened.make(
+                seed=seed,
+                get_model=lambda _: self._model,
+                threads=self.threads,
+                progress=lambda *_: not self._cancelled,
             )
             record = self._record(job, output, seed, result)
             rating = Rating()
