@@ -100,7 +100,7 @@ def source_of(text: str) -> str:
 def parameters(slug: str) -> str:
     """The list of a method's parameters."""
     from weftex.cli.options import parameters_of
-    from weftex.tasks.method_names import method_class
+    from weftex.registry import method_class
 
     lines = [
         f"* **`{field.name}`**: {field.metadata['help']}. *{values}*\n"

@@ -126,8 +126,8 @@ def _plug_in(host: str, source: Path, output: Path) -> Path:
 def _declared() -> dict[str, list[dict[str, Any]]]:
     """Return the options of dialogs by tasks, as weftex declares them."""
     try:
-        from weftex.methods import METHODS
         from weftex.recipe import SEED, TASKS
+        from weftex.registry import METHODS
     except ImportError as error:
         raise SystemExit(f"{sys.executable} has no weftex to read options from: {error}") from None
 

@@ -13,7 +13,7 @@ from PIL import Image
 
 import weftex
 from weftex.io.pictures import read_image
-from weftex.tasks.method_names import make_method
+from weftex.naming import make_method
 
 ROOT = Path(__file__).parent.parent
 sys.path[:0] = [str(ROOT / "benchmarks" / name) for name in ("speed", "quality")]

@@ -10,9 +10,9 @@ import pytest
 import weftex
 from weftex.errors import InvalidInputError, UnsupportedError
 from weftex.method import CANVAS_KINDS, Method
-from weftex.methods import METHODS
+from weftex.naming import make_method
 from weftex.parameters import bounds, parameter
-from weftex.tasks.method_names import make_method
+from weftex.registry import METHODS
 
 EVERY = list(METHODS)
 FIELDS = [(slug, f) for slug in EVERY for f in dataclasses.fields(METHODS[slug])]

@@ -19,8 +19,8 @@ import pytest
 import weftex
 from commands import weft_run
 from test_dependencies import MODULES
-from weftex.methods import METHODS
 from weftex.quality.figures import FIGURES
+from weftex.registry import METHODS
 
 ROOT = Path(__file__).parent.parent
 PAGES = sorted(p for p in [ROOT / "README.md", *ROOT.glob("docs/**/*.md")] if p.exists())

@@ -38,9 +38,10 @@ import numpy as np
 from sources import code_hash
 
 import weftex
+from weftex.naming import make_method
 from weftex.quality.seams import StepModel, wrap_seam
 from weftex.quality.view import views
-from weftex.tasks.method_names import AUTO, make_method, method_class
+from weftex.registry import AUTO, method_class
 
 ROOT = Path(__file__).resolve().parents[2]
 SURFACES = ROOT / "benchmarks" / "data" / "surfaces" / "MANIFEST.csv"

@@ -17,7 +17,7 @@ import weftex
 from weftex.pages.html import document
 from weftex.quality.faults import as_shown
 from weftex.quality.figures import FIGURES
-from weftex.tasks.method_names import AUTO, method_class
+from weftex.registry import AUTO, method_class
 
 DATA = Path(__file__).resolve().parents[1] / "data"
 JUDGED = DATA / "judged.csv"

@@ -11,7 +11,7 @@ from gallery_page import DATA, flat
 from PIL import Image
 
 import weftex
-from weftex.tasks.method_names import AUTO
+from weftex.registry import AUTO
 
 ROOT = DATA.parents[1]
 #: Headings, and the classes of surfaces below each.

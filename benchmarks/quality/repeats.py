@@ -21,7 +21,6 @@ from pathlib import Path
 import numpy as np
 
 import weftex
-from weftex.methods import METHODS  # noqa: F401  (declares the methods that are named)
 from weftex.naming import method_of
 
 DATA = Path(__file__).parents[1] / "data"

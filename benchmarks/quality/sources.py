@@ -65,7 +65,7 @@ def _names(tree: ast.Module) -> Iterator[str]:
         elif isinstance(node, ast.ImportFrom) and node.module:
             own = {alias.name for alias in node.names}
             names = [node.module, *(f"{node.module}.{name}" for name in own)]
-            if node.module in ("weftex.methods", "weftex.registry") and own & _BY_NAME:
+            if node.module in ("weftex.naming", "weftex.registry") and own & _BY_NAME:
                 yield from (f"weftex.methods.{one.stem}" for one in (HOME / "methods").iterdir())
         for name in names:
             name = name.removeprefix("cython.cimports.")

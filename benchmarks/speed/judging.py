@@ -16,9 +16,9 @@ from typing import Any
 from shared import Table, medians, ms, sample_of, sized, some
 
 import weftex
-from weftex.methods import METHODS
+from weftex.naming import make_method
+from weftex.registry import AUTO, METHODS
 from weftex.tasks.auto import look
-from weftex.tasks.method_names import AUTO, make_method
 
 NAMES = ("bricks", "stone_wall", "leaves", "grass")
 _SIDE, _SIZE = 192, 384  # of the comparison

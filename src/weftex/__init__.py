@@ -33,7 +33,6 @@ if TYPE_CHECKING:
     from weftex.io.pictures import read_image as read_image
     from weftex.io.pictures import write_image as write_image
     from weftex.method import Method as Method
-    from weftex.methods import METHODS as METHODS
     from weftex.methods.ashikhmin import Ashikhmin as Ashikhmin
     from weftex.methods.best_tile import BestTile as BestTile
     from weftex.methods.efros_leung import EfrosLeung as EfrosLeung
@@ -46,6 +45,7 @@ if TYPE_CHECKING:
     from weftex.methods.wei_levoy import WeiLevoy as WeiLevoy
     from weftex.quality.assess import Assessment as Assessment
     from weftex.quality.assess import assess as assess
+    from weftex.registry import METHODS as METHODS
     from weftex.results.synthesis import Synthesis as Synthesis
     from weftex.tasks.analyze import analyze as analyze
     from weftex.tasks.auto import Auto as Auto
@@ -71,7 +71,6 @@ _PUBLIC = {
     "exemplar": ["Exemplar", "load_exemplar"],
     "io.pictures": ["read_image", "write_image"],
     "method": ["Method"],
-    "methods": ["METHODS"],
     "methods.ashikhmin": ["Ashikhmin"],
     "methods.best_tile": ["BestTile"],
     "methods.efros_leung": ["EfrosLeung"],
@@ -84,6 +83,7 @@ _PUBLIC = {
     "methods.wei_levoy": ["WeiLevoy"],
     "quality.assess": ["Assessment", "assess"],
     "results.synthesis": ["Synthesis"],
+    "registry": ["METHODS"],
     "tasks.analyze": ["analyze"],
     "tasks.auto": ["Auto"],
     "tasks.fill": ["fill"],

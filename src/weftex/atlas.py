@@ -25,14 +25,15 @@ from weftex.endless.tiles import TilePlane, belt_of, size_with_periods, torus
 from weftex.errors import InvalidInputError, shown
 from weftex.exemplar import Exemplar, Sample, load_exemplar
 from weftex.method import Method
+from weftex.naming import is_auto, make_method
 from weftex.prepare.landmarks import find_landmarks, has_joint_network
 from weftex.progress import ProgressCallback
 from weftex.random import Seed, seed_number
+from weftex.registry import AUTO
 from weftex.results.pixels import PixelSynthesis
 from weftex.results.scales import RenderedMaps
 from weftex.results.synthesis import Synthesis
 from weftex.tasks.auto.rule import WHOLE
-from weftex.tasks.method_names import AUTO, is_auto, make_method
 from weftex.threads import thread_count
 
 __all__ = ["Atlas", "atlas", "corner_colors"]

@@ -9,19 +9,33 @@ from typing import Any
 
 from weftex.errors import InvalidInputError, shown
 from weftex.method import Method
-from weftex.registry import METHODS
+from weftex.parameters import kind_of
+from weftex.registry import AUTO, METHODS, method_class, owners
 
-__all__ = ["kind_of", "make_method", "method_of", "text_of"]
+__all__ = ["is_auto", "make_method", "method_of", "text_of"]
+
+
+def is_auto(method: str | Method) -> bool:
+    """Whether "auto" is meant, by name or as an object."""
+    return (method.slug if isinstance(method, Method) else method) == AUTO
 
 
 def make_method(method: str | Method, parameters: Mapping[str, Any]) -> Method:
-    """The method with this slug and parameters; errors name the nearest right name."""
-    if not isinstance(method, (str, Method)):
+    """Return the method of this slug, or "auto", with these parameters.
+
+    Errors name the nearest right name, and the methods that have a parameter which "auto" chooses.
+    """
+    if isinstance(method, Method):
+        return dataclasses.replace(method, **parameters)
+    if not isinstance(method, str):
         raise InvalidInputError(f"method is {shown(method)}; it must be a name or a Method")
-    if isinstance(method, str):
-        made: Method = METHODS[method](**parameters)
-        return made
-    return dataclasses.replace(method, **parameters)
+    found = method_class(method)
+    for name in parameters if method == AUTO else ():
+        able = ", ".join(owners(name))
+        if able and name not in (field.name for field in dataclasses.fields(found)):
+            raise InvalidInputError(f"auto has no parameter '{name}'; these methods do: {able}")
+    made: Method = found(**parameters)
+    return made
 
 
 def method_of(text: str) -> Method:
@@ -56,10 +70,3 @@ def text_of(method: Method) -> str:
             value = ",".join(map(str, value)) if field.metadata["count"] else value
             words.append(shlex.quote(f"{field.name}={value}"))
     return " ".join(words)
-
-
-def kind_of(field: dataclasses.Field[Any]) -> type[int] | type[float] | type[str]:
-    """What the text of a parameter is read as."""
-    # A class where the method's module does not postpone its annotations, as ours do.
-    wanted = getattr(field.type, "__name__", str(field.type)).split(" ")[0]
-    return int if wanted == "int" else float if wanted == "float" else str

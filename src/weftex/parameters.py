@@ -10,6 +10,8 @@ from typing import Any
 
 from weftex.errors import InvalidInputError, did_you_mean, shown
 
+__all__ = ["kind_of", "parameter"]
+
 _MOST_WHOLE = 2**63 - 1  # what an integer of a parameter may be; arrays hold no more
 
 
@@ -127,3 +129,10 @@ def bounds(field: dataclasses.Field[Any]) -> str:
     return (
         f"{low:g} or more" if low is not None else f"at most {high:g}" if high is not None else ""
     )
+
+
+def kind_of(field: dataclasses.Field[Any]) -> type[int] | type[float] | type[str]:
+    """Return what the text of a parameter is read as."""
+    # A class where the method's module does not postpone its annotations, as ours do.
+    wanted = getattr(field.type, "__name__", str(field.type)).split(" ")[0]
+    return int if wanted == "int" else float if wanted == "float" else str

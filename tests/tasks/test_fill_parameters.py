@@ -5,8 +5,7 @@ import pytest
 
 import weftex
 from parameters import idle
-from weftex.methods import METHODS
-from weftex.registry import supporting
+from weftex.registry import METHODS, supporting
 
 Y, X = np.indices((48, 56))
 HOLE = ((Y - 21) / 11) ** 2 + ((X - 27) / 14) ** 2 < 1

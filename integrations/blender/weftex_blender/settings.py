@@ -6,8 +6,8 @@ from typing import Any
 
 import bpy
 
-from weftex.methods import METHODS
 from weftex.recipe import SEED, TASKS
+from weftex.registry import METHODS
 
 _AXES = [
     ("NONE", "No", "The result does not repeat"),

@@ -6,9 +6,9 @@ import dataclasses
 from collections.abc import Iterable, Mapping
 from typing import Any
 
-from weftex.methods import METHODS
-from weftex.naming import kind_of
+from weftex.parameters import kind_of
 from weftex.recipe import SEED
+from weftex.registry import METHODS
 
 _AXES = {"no": False, "both": True, "x": "x", "y": "y"}
 _ANSWERS = {"automatic": None, "yes": True, "no": False}

@@ -112,8 +112,8 @@ def _add_parameters(parser: Parser, argv: list[str], name: str) -> list[str]:
                 _refuse_parameter(option)
         if not (parser.build_only or {"-h", "--help", "--effort"} & {*argv, *unknown}):
             return []
-    from weftex.naming import kind_of
-    from weftex.tasks.method_names import method_class
+    from weftex.parameters import kind_of
+    from weftex.registry import method_class
 
     group = parser.add_argument_group(f"method parameters ({name})")
     fields = []
@@ -135,7 +135,7 @@ def _add_parameters(parser: Parser, argv: list[str], name: str) -> list[str]:
 def _refuse_parameter(option: str) -> None:
     """Name the methods that have a parameter which "auto" chooses."""
     name = option[2:].replace("-", "_")
-    from weftex.methods import owners
+    from weftex.registry import owners
 
     if able := owners(name):
         raise InvalidInputError(

@@ -22,13 +22,14 @@ from weftex import (
 )
 from weftex.canvas import as_canvas
 from weftex.errors import shown
+from weftex.naming import make_method
 from weftex.pages.html import Page, document, number, parameters, pictures, show, small, table
 from weftex.progress import Progress, ProgressCallback, listening
 from weftex.quality import FIGURES, SCORE, as_shown
 from weftex.random import seed_number
+from weftex.registry import AUTO
 from weftex.tasks.auto import MARGIN, Auto, AutoModel
 from weftex.tasks.auto.rule import Choice
-from weftex.tasks.method_names import AUTO, make_method
 
 _COLORS = "false colors by place in the sample: more red to the right, more green downwards"
 

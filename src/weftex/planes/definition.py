@@ -21,12 +21,13 @@ from weftex.canvas import as_canvas
 from weftex.errors import InvalidInputError, shown
 from weftex.io.npz import DamageError, one_line_errors, open_npz, write_npz
 from weftex.method import Model
+from weftex.naming import make_method
 from weftex.planes.layout import Layout, Window, check_block
 from weftex.planes.tiff import MOST_DENSITY, TiffStore
 from weftex.random import seed_number
 from weftex.raster.turning import gap_of
+from weftex.registry import AUTO
 from weftex.roles import Role
-from weftex.tasks.method_names import AUTO, make_method
 
 BLOCK = 2048
 _MOST_SIDE = 2**40

@@ -27,7 +27,7 @@ from weftex.planes.record import Record
 from weftex.planes.tiff import KEPT, SUFFIXES
 from weftex.processes import LostError, Workers
 from weftex.progress import Progress, ProgressCallback, listening
-from weftex.tasks.method_names import AUTO
+from weftex.registry import AUTO
 from weftex.threads import in_turn, thread_count
 
 #: Makes blocks of one level for the run of a record, which are done when it gives them.

@@ -220,7 +220,8 @@ def _method(
     task: str, name: Any, given: Any, options: Mapping[str, Any]
 ) -> tuple[Method, dict[str, Any]]:
     """Return the method of a task, and those of its parameters that were given."""
-    from weftex.tasks.method_names import AUTO, make_method, method_class
+    from weftex.naming import make_method
+    from weftex.registry import AUTO, method_class
 
     usual = TASKS[task]
     name = usual.method if name is None else name

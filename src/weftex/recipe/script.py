@@ -11,7 +11,7 @@ from weftex.recipe.declared import TASKS
 from weftex.recipe.fields import Fields
 from weftex.recipe.opening import straighten_arguments
 from weftex.recipe.options import PICTURE
-from weftex.tasks.method_names import AUTO
+from weftex.registry import AUTO
 
 Names = Mapping[str, str]
 

@@ -10,7 +10,7 @@ import weftex
 from weftex import Method
 from weftex.io.pictures import sample_names
 from weftex.io.presets import presets
-from weftex.naming import kind_of
+from weftex.parameters import kind_of
 from weftex.quality import FIGURES
 from weftex.recipe import ATLAS, TASKS
 from weftex.results.drawing import DRAWINGS

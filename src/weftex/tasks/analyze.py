@@ -18,10 +18,10 @@ from weftex.analysis.properties import Evenness, regularity
 from weftex.analysis.scale import DominantScale, dominant_scale
 from weftex.errors import InvalidInputError
 from weftex.exemplar import Exemplar, Sample, load_exemplar
-from weftex.methods import METHODS
 from weftex.parameters import numbers_of
 from weftex.progress import counted
 from weftex.quality import borders_of
+from weftex.registry import METHODS
 from weftex.tasks.auto import Auto
 from weftex.tasks.auto.rule import Choice
 

@@ -12,15 +12,16 @@ import numpy as np
 from weftex.canvas import Canvas, as_canvas
 from weftex.errors import InvalidInputError, shown
 from weftex.exemplar import Exemplar, load_exemplar
+from weftex.naming import is_auto, make_method
 from weftex.prepare.combining import paired
 from weftex.progress import listening
 from weftex.random import seed_number
 from weftex.raster.arrays import as_array
 from weftex.raster.boxes import cell_sums
 from weftex.raster.masks import grown
+from weftex.registry import AUTO
 from weftex.results.pixels import PixelSynthesis
 from weftex.seams.boundary import cut_around
-from weftex.tasks.method_names import AUTO, is_auto, make_method
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

@@ -16,12 +16,12 @@ from weftex.errors import InvalidInputError, did_you_mean, shown
 from weftex.exemplar import Exemplar, Sample, load_exemplar
 from weftex.label_maps import Gradient, labels_of, map_picture
 from weftex.method import Method
+from weftex.naming import is_auto, make_method
 from weftex.prepare.combining import combined, of_one_kind, paired
 from weftex.progress import ProgressCallback, listening
 from weftex.random import Seed, seed_number
 from weftex.results.pixels import PixelSynthesis
 from weftex.tasks.fusion import Fusion, Material
-from weftex.tasks.method_names import is_auto, make_method
 
 #: The method for fusion; what "auto" stands for here.
 DEFAULT = "refinement"

@@ -14,10 +14,11 @@ from weftex.canvas import Canvas, as_canvas
 from weftex.errors import InvalidInputError, shown
 from weftex.exemplar import Exemplar, Sample, load_exemplar
 from weftex.method import Method, Model
+from weftex.naming import make_method
 from weftex.progress import Progress, ProgressCallback, listening
 from weftex.random import Seed, seed_number
+from weftex.registry import AUTO
 from weftex.results.synthesis import Synthesis
-from weftex.tasks.method_names import AUTO, make_method
 
 if TYPE_CHECKING:
     from weftex.quality.score import Rating

@@ -15,9 +15,9 @@ from weftex.exemplar import Exemplar, Sample, load_exemplar
 from weftex.method import Method
 from weftex.progress import ProgressCallback, listening
 from weftex.random import Seed
+from weftex.registry import AUTO
 from weftex.results.synthesis import Synthesis
 from weftex.tasks.fill import fill
-from weftex.tasks.method_names import AUTO
 
 _SHARE = 8  # the border that may change is 1 / 8 of the shorter side
 _LEAST = 3  # borders that must fit into a side, so that most of it is kept

@@ -55,7 +55,7 @@ def _whole(
     commands: Mapping[str, str], built: Callable[[str, list[str]], Parser], file: Any
 ) -> argparse.ArgumentParser:
     """All commands as one parser, each with the parameters of all methods that it takes."""
-    from weftex.methods import METHODS
+    from weftex.registry import METHODS
 
     whole = argparse.ArgumentParser("weftex", description="Texture synthesis from samples.")
     whole.add_argument("--version", "-V", action="store_true", help="print the version")

@@ -15,8 +15,7 @@ def run(argv: list[str]) -> None:
     parser = Parser("methods", "List the methods, or the parameters of one.", "")
     parser.add_argument("method", metavar="NAME", nargs="?", help="method whose parameters to list")
     name = parser.parse(argv).method
-    from weftex.methods import METHODS
-    from weftex.tasks.method_names import AUTO, method_class
+    from weftex.registry import AUTO, METHODS, method_class
 
     if name is None:
         print(_LINE.format("NAME", "METHOD", *_ABILITIES))

@@ -22,8 +22,8 @@ from weftex.endless.boxes import Box, PlaneRequest
 from weftex.errors import InvalidInputError
 from weftex.exemplar import Exemplar
 from weftex.method import Method, Model
-from weftex.methods import make_method
 from weftex.methods.lattices import LatticeModel, is_strained
+from weftex.naming import make_method
 from weftex.parameters import parameter
 from weftex.progress import Progress, ProgressCallback, counted
 from weftex.results.synthesis import Synthesis

@@ -12,8 +12,7 @@ from weftex.analysis.lattice import Lattice
 from weftex.canvas import Canvas
 from weftex.errors import InvalidInputError
 from weftex.exemplar import Exemplar
-from weftex.methods import make_method
-from weftex.naming import text_of
+from weftex.naming import make_method, text_of
 from weftex.raster.boxes import box_sums
 from weftex.results.synthesis import Synthesis
 from weftex.tasks.auto.findings import Findings, like_itself
