@@ -1,4 +1,4 @@
-"""Presets: chains of steps in the data folder, whatever a page sends as one."""
+"""Workflows: chains of steps in the data folder, whatever a page sends as one."""
 
 import json
 

@@ -110,9 +110,9 @@ class Border:
         return max(self.steps / _STEPS, (self.seam or 0.0) / _LIMIT)
 
     def __str__(self) -> str:
-        text = f"its step is {self.steps:g} times the usual one (at most {_STEPS:g})"
+        text = f"values change {self.steps:g} times as much there as inside (at most {_STEPS:g})"
         if self.seam is not None:
-            text += f" and {self.seam:.0%} of it stands out (at most {_LIMIT:.0%})"
+            text += f", and {self.seam:.0%} of the border shows a seam (at most {_LIMIT:.0%})"
         return text
 
 

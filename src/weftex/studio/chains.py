@@ -1,4 +1,4 @@
-"""Presets of people: chains of steps with a name, which the page replays on other photos.
+"""Workflows: chains of steps with a name, which the page replays on other photos.
 
 A step is a recipe, or an estimate of maps. Its materials are pictures called "photo" or "step 2",
 the result of an earlier step; any other picture belongs to the photo that the chain was made with.
@@ -46,13 +46,13 @@ class Chains:
         with self._lock:
             chains = self.all()
             if steps is None and name not in chains:
-                raise Refusal(404, "there is no such preset; another page removed it", "name")
+                raise Refusal(404, "there is no such workflow; another page removed it", "name")
             new = _checked_name(name if to is None else to)
             if new in chains and (steps is not None or to not in (None, name)):
-                raise Refusal(409, f"the preset {shown(new)} exists; choose another name", "name")
+                raise Refusal(409, f"the workflow {shown(new)} exists; choose another name", "name")
             if steps is not None:
                 if len(chains) >= _MOST:
-                    raise Refusal(413, f"there are {_MOST} presets, the limit; remove one")
+                    raise Refusal(413, f"there are {_MOST} workflows, the limit; remove one")
                 chains[new] = _checked_steps(steps)
             elif to is not None:
                 chains = {new if k == name else k: chain for k, chain in chains.items()}

@@ -81,7 +81,7 @@ def test_results_are_retouched_and_nothing_is_lost(tab: Any, address: str, photo
 
 @pytest.mark.parametrize("browser", ["chromium", "firefox"], indirect=True)
 def test_steps_are_repeated_on_another_photo(tab: Any, address: str, photo: Path) -> None:
-    """Estimate, tile, enlarge: a preset. A painted hole ends one, and what was made stays."""
+    """Estimate, tile, enlarge: a workflow. A painted hole ends one, and what was made stays."""
     one, page = at_make(tab, address, photo)
     page.click("[data-task=maps]")
     page.click("text=Estimate maps")
@@ -95,9 +95,9 @@ def test_steps_are_repeated_on_another_photo(tab: Any, address: str, photo: Path
     for side in ("Width", "Height"):
         one.write(side, "200")
     make(one, "quilting · 1")
-    page.click("text=Save as preset")
+    page.click("text=Save as workflow")
     page.wait_for_selector("dialog li:nth-child(3):last-child")
-    page.fill("[aria-label='Name of the preset']", "Larger set")
+    page.fill("[aria-label='Name of the workflow']", "Larger set")
     page.click("dialog button.main")
     page.wait_for_selector("[aria-label='Name of Larger set']")
     page.click("dialog >> text=Close")
@@ -107,9 +107,9 @@ def test_steps_are_repeated_on_another_photo(tab: Any, address: str, photo: Path
     page.click("text=Fill the hole")
     page.wait_for_selector(".strip [aria-current] >> text=Hole filled")
     one.settle()
-    page.click("text=Save as preset")
+    page.click("text=Save as workflow")
     page.wait_for_selector("dialog li:nth-child(4) >> text=its hole was painted on another photo")
-    page.fill("[aria-label='Name of the preset']", "Healed")
+    page.fill("[aria-label='Name of the workflow']", "Healed")
     page.click("dialog button.main")
     page.wait_for_selector("[aria-label='Name of Healed']")
     page.click("dialog >> text=Close")
@@ -117,7 +117,7 @@ def test_steps_are_repeated_on_another_photo(tab: Any, address: str, photo: Path
     page.click("[aria-label='Open another image']")
     page.click(".samples button:has-text('pebbles')")
     page.wait_for_selector(".panel h2 >> text=pebbles")
-    page.click("text=Apply a preset")
+    page.click("text=Apply a workflow")
     page.click("[aria-label='Apply Healed to this photo']")
     page.wait_for_selector(".stage-message >> text=its hole was painted on another photo")
     assert "quilting · 1" in page.inner_text(".strip [aria-current]")

@@ -2,7 +2,7 @@ import { chainOf, replay, tiedBy } from "../chains.js";
 import { dialog, fill, h, icon, iconButton } from "../dom.js";
 import { t } from "../strings.js";
 
-/** The presets: the steps of the present result can be saved as one, and each can be applied to the photo. */
+/** The workflows: the steps of the present result can be saved as one, and each can be applied to the photo. */
 export async function showPresets(app) {
   const body = h("div", { class: "parameters" });
   const error = h("p", { class: "note error", role: "alert", hidden: true });
