@@ -21,6 +21,7 @@ import tempfile
 from collections.abc import Iterator
 from pathlib import Path
 
+import numpy as np
 from PIL import Image
 
 import weftex
@@ -65,7 +66,10 @@ def pictures_of(file: str) -> Iterator[Image.Image]:
     elif file.endswith(".tif"):
         yield from zooms(file)
     elif file.endswith((".png", ".jpg", ".webp")):
-        yield Image.open(file).convert("RGB")
+        picture = Image.open(file)
+        if picture.mode.startswith("I"):  # 16 bits, which Pillow would clip
+            picture = Image.fromarray((np.asarray(picture) // 257).astype(np.uint8))
+        yield picture.convert("RGB")
     elif file.startswith("sample:"):
         yield Image.fromarray(weftex.load_exemplar(file).pixels.squeeze()).convert("RGB")
 
