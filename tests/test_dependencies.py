@@ -2,8 +2,7 @@
 
 The graph has an arrow for every import statement of every module, wherever it stands (in functions
 and under TYPE_CHECKING too), for every cimport, also of declarations (`.pxd`), and for every string
-that names a module of weftex. `weftex/__init__.py` and the table of `weftex.registry` name modules
-that are imported when somebody asks for them; they are left out.
+that names a module of weftex. The lazy tables of `weftex/__init__.py` and `registry` are left out.
 """
 
 import ast

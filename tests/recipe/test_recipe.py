@@ -16,8 +16,10 @@ from strategies import cases
 from weftex.errors import InvalidInputError
 from weftex.io.pictures import read_image, write_image
 from weftex.recipe import MATERIAL, TASKS, Recipe
+from weftex.recipe.command_line import command_of
 from weftex.recipe.declared import options_of
 from weftex.recipe.opening import open_recipe
+from weftex.recipe.script import python_of
 
 SHARES = st.sampled_from([0.25, 0.5, 0.75])
 COLOR = st.sampled_from([[255, 0, 9], [0, 7, 120], [4]])
@@ -92,7 +94,7 @@ def test_json_and_commands_are_read_again(given):
         assert "\n" not in str(error)
         return
     assert Recipe.from_json(recipe.as_json(), local=True) == recipe
-    line = recipe.command(output="out.png")
+    line = command_of(recipe)
     words = shlex.split(line)
     assert words[0] == "weftex" and "&&" not in words
     again = parsed([*words[1:], "--allow-huge"])
@@ -155,9 +157,10 @@ MADE = {
 @pytest.mark.parametrize("name", MADE)
 def test_command_and_python_make_the_bytes_of_the_recipe(pictures, name):
     recipe = Recipe.from_json({"seed": 3, **MADE[name]}, local=True)
-    made = recipe.make()
-    assert open_recipe(recipe).shape == made.shape
-    *before, last = (shlex.split(one)[1:] for one in recipe.command("by_command.png").split(" && "))
+    job = open_recipe(recipe)
+    made, commands = job.make(), command_of(recipe, "by_command.png").split(" && ")
+    assert job.shape == made.shape
+    *before, last = (shlex.split(one)[1:] for one in commands)
     for words in (*before, [*last, "--save-source", "source.npz"]):
         assert weft_run(*words, "--quiet") == 0, words
     assert np.array_equal(read_image("by_command.png").pixels, made.image)
@@ -165,8 +168,8 @@ def test_command_and_python_make_the_bytes_of_the_recipe(pictures, name):
         maps = [spec["path"] for spec in recipe.materials]
         assert weft_run("replay", "source.npz", *maps, "-o", "replayed.png", "--quiet") == 0
         assert np.array_equal(read_image("replayed.png").pixels, made.image)
-    exec(compile(recipe.python(), "script", "exec"), {})
-    assert Path("out.png").read_bytes() == Path("by_command.png").read_bytes(), recipe.python()
+    exec(compile(python_of(recipe), "script", "exec"), {})
+    assert Path("out.png").read_bytes() == Path("by_command.png").read_bytes(), python_of(recipe)
 
 
 #: A command of each task, quick, and values that change its result or are refused.

@@ -28,10 +28,7 @@ def made(slug, given, photo):
     return result.image.tobytes() + result.source.tobytes()
 
 
-ABLE = [slug for slug in METHODS if slug in supporting("known")]
-
-
-@pytest.mark.parametrize("slug", ABLE)
+@pytest.mark.parametrize("slug", supporting("known"))
 def test_a_parameter_has_an_effect_or_is_refused(slug):
     given = SETTINGS.get(slug, {})
     plain = [made(slug, given, photo) for photo in PHOTOS]

@@ -8,6 +8,7 @@ from weftex.analysis.canvas_lattice import FITTING_STRAIN, CanvasLattice
 from weftex.canvas import Canvas
 from weftex.errors import InvalidInputError
 from weftex.recipe import Recipe
+from weftex.recipe.opening import open_recipe
 
 RNG = np.random.default_rng(8)
 Y, X = np.indices((360, 350))
@@ -62,7 +63,7 @@ def test_the_nearest_size_that_fits_is_found():
     vectors, wrap = (31.05, 0.1, 15.4, 26.2), (True, True)
     recipe = {"materials": [{"sample": "bricks"}], "size": [100, 120], "tileable": True}
     recipe |= {"fit": True, "method": "near-regular", "parameters": {"lattice": list(vectors)}}
-    made = Recipe.from_json(recipe).make().shape
+    made = open_recipe(Recipe.from_json(recipe)).make().shape
     strains = {
         (y, x): CanvasLattice(vectors, Canvas(y, x, wrap)).strain
         for y in range(60, 141)

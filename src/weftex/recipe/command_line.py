@@ -9,8 +9,10 @@ from typing import Any
 
 from weftex.errors import InvalidInputError
 from weftex.recipe.declared import GRADIENT, MATERIAL, PREPARATION, SEED, TASKS
-from weftex.recipe.fields import Fields, checked_material
 from weftex.recipe.options import PICTURE, Option, plain
+from weftex.recipe.recipe import Recipe, checked_material
+
+__all__ = ["command_of"]
 
 Words = Sequence[str]
 
@@ -92,8 +94,14 @@ def path_of(spec: Mapping[str, Any], names: Mapping[str, str]) -> str:
     return f"{spec.get('name') or 'material'}/"
 
 
-def command_of(recipe: Fields, output: str, names: Mapping[str, str]) -> str:
-    """Return the commands of a recipe; see `Recipe.command`."""
+def command_of(
+    recipe: Recipe, output: str = "out.png", names: Mapping[str, str] | None = None
+) -> str:
+    """Return the commands that make the same; empty if the command line cannot say it.
+
+    An `output` that ends with a slash is a folder; `names` are other names of the pictures.
+    """
+    names = names or {}
     lines, paths, specs = list[list[str]](), list[str](), list[dict[str, Any]]()
     first = recipe.materials[0]
     together = recipe.task == "synth" and all(
@@ -159,7 +167,7 @@ def _map_words(given: Any, names: Mapping[str, str]) -> list[str]:
     return words
 
 
-def _method_words(recipe: Fields) -> list[str]:
+def _method_words(recipe: Recipe) -> list[str]:
     """Return the method, if it is not the usual one, and its parameters."""
     slug = recipe.method.slug
     words = [] if slug == TASKS[recipe.task].method else ["--method", slug]

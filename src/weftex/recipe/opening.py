@@ -12,7 +12,7 @@ from weftex.canvas import as_canvas
 from weftex.errors import InvalidInputError
 from weftex.exemplar import Exemplar
 from weftex.exemplar.material import Material, read_material, role_of_picture
-from weftex.recipe.fields import Fields, gradient
+from weftex.recipe.recipe import Recipe, gradient
 from weftex.roles import COLOR, Role, role_of
 from weftex.tasks.synthesize import synthesize_on
 
@@ -154,7 +154,7 @@ def _usable(exemplar: Exemplar, mask: str, open_picture: OpenPicture) -> NDArray
 
 
 def open_recipe(
-    recipe: Fields,
+    recipe: Recipe,
     open_material: Callable[[dict[str, Any]], PreparedMaterial] | None = None,
     open_picture: OpenPicture | None = None,
 ) -> OpenedRecipe:
@@ -174,7 +174,7 @@ def open_recipe(
 class OpenedRecipe:
     """A recipe whose materials are in memory."""
 
-    recipe: Fields
+    recipe: Recipe
     prepared: tuple[PreparedMaterial, ...]
     open_picture: OpenPicture
 

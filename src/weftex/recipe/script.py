@@ -8,10 +8,12 @@ from typing import Any
 
 from weftex.recipe.command_line import path_of
 from weftex.recipe.declared import TASKS
-from weftex.recipe.fields import Fields
 from weftex.recipe.opening import straighten_arguments
 from weftex.recipe.options import PICTURE
+from weftex.recipe.recipe import Recipe
 from weftex.registry import AUTO
+
+__all__ = ["python_of"]
 
 Names = Mapping[str, str]
 
@@ -23,8 +25,9 @@ for name, pixels in made.maps.items():
     weftex.write_image(f"out_{name}.{suffix}", pixels)"""
 
 
-def python_of(recipe: Fields, output: str, names: Names) -> str:
-    """Return a script; see `Recipe.python`."""
+def python_of(recipe: Recipe, output: str = "out.png", names: Names | None = None) -> str:
+    """Return a script that makes the same; the arguments are those of `command_of`."""
+    names = names or {}
     several = len(recipe.materials) > 1
     variables = [f"sample{k}" if several else "sample" for k, _ in enumerate(recipe.materials, 1)]
     lines: list[str] = []
@@ -82,7 +85,7 @@ def _load_lines(variable: str, spec: Mapping[str, Any], names: Names) -> list[st
     return lines
 
 
-def _synth(recipe: Fields, variables: list[str], names: Names) -> list[str]:
+def _synth(recipe: Recipe, variables: list[str], names: Names) -> list[str]:
     options = dict(recipe.options)
     size, window = options.pop("size"), options.pop("window")
     lines = [f"size = {size!r}"]
@@ -107,11 +110,11 @@ def _synth(recipe: Fields, variables: list[str], names: Names) -> list[str]:
     return [*lines[1:], f"made = {method}.fit(sample).window(*{window!r}, {how})"]
 
 
-def _tile(recipe: Fields, variables: list[str], names: Names) -> list[str]:
+def _tile(recipe: Recipe, variables: list[str], names: Names) -> list[str]:
     return [_call(recipe, "tile", variables, recipe.options, names)]
 
 
-def _fill(recipe: Fields, variables: list[str], names: Names) -> list[str]:
+def _fill(recipe: Recipe, variables: list[str], names: Names) -> list[str]:
     options = dict(recipe.options)
     mask = options.pop("mask")
     first = [variables[0]] + ([repr(names.get(mask, mask))] if mask != "alpha" else [])
@@ -119,7 +122,7 @@ def _fill(recipe: Fields, variables: list[str], names: Names) -> list[str]:
     return [_call(recipe, "fill", first, options, names)]
 
 
-def _fuse(recipe: Fields, variables: list[str], names: Names) -> list[str]:
+def _fuse(recipe: Recipe, variables: list[str], names: Names) -> list[str]:
     options = dict(recipe.options)
     given, size = options.pop("map"), options.pop("size")
     if isinstance(given, str):
@@ -134,7 +137,7 @@ _SCRIPTS = {"synth": _synth, "tile": _tile, "fill": _fill, "fuse": _fuse}
 
 
 def _call(
-    recipe: Fields, task: str, first: list[str], options: Mapping[str, Any], names: Names
+    recipe: Recipe, task: str, first: list[str], options: Mapping[str, Any], names: Names
 ) -> str:
     """The call of a task, with all options that have not their defaults."""
     declared = TASKS[recipe.task].options

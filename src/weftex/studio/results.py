@@ -12,6 +12,8 @@ import weftex
 from weftex import Exemplar
 from weftex.exemplar.material import Material
 from weftex.quality import FIGURES, borders_of, borders_of_each, draw_borders, fault_maps
+from weftex.recipe.command_line import command_of
+from weftex.recipe.script import python_of
 from weftex.results.drawing import DRAWINGS
 from weftex.studio.materials import maps_of
 from weftex.studio.pictures import formats_of, shown
@@ -49,8 +51,8 @@ def described(made: Result, session: Session) -> dict[str, Any]:
         "formats": {name: formats_of(picture) for name, picture in made.pictures.items()},
         "file": made.stem,
         "density": made.pictures[made.main].density,
-        "command": made.recipe.command(made.output, names),
-        "python": made.recipe.python(made.output, names),
+        "command": command_of(made.recipe, made.output, names),
+        "python": python_of(made.recipe, made.output, names),
     }
 
 

@@ -9,7 +9,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import partial
 from time import perf_counter
-from typing import Any, cast
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -130,8 +130,7 @@ def make(job: OpenedRecipe, session: Session, progress: ProgressCallback) -> Res
     result = job.make(get_model=partial(fitted, job, session), progress=progress)
     result.image  # rendering is part of the work  # noqa: B018
     seconds, folder = perf_counter() - start, any(one.folder for one in job.materials)
-    recipe = cast("Recipe", job.recipe)
-    return Result(recipe, result, job.materials[0].name, folder, job.pictures, seconds)
+    return Result(job.recipe, result, job.materials[0].name, folder, job.pictures, seconds)
 
 
 _LARGEST = 1024  # pixels a side of a window

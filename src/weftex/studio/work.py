@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 from time import perf_counter
-from typing import Any, cast
+from typing import Any
 
 from weftex.errors import CancelledError, InvalidInputError, WeftexError, shown
 from weftex.recipe import Recipe
@@ -59,7 +59,7 @@ def made_of(recipe: Recipe, job: Job) -> Result:
     session = job.session
     job(0, 1, "reading", lambda: None)
     ready = open_job(recipe, session)
-    recipe = cast(Recipe, ready.recipe)
+    recipe = ready.recipe
     job.to_show = results.preview_of(ready.prepared[0].exemplar)
     first, *others = recipe.materials
 

@@ -1,4 +1,4 @@
-"""The fields of a recipe, checked, from JSON and as JSON."""
+"""A recipe: checked, from JSON and as JSON."""
 
 from __future__ import annotations
 
@@ -25,8 +25,8 @@ _MOST_MATERIALS, _MOST_TRIES = 8, 16
 
 
 @dataclass(frozen=True)
-class Fields:
-    """What to make."""
+class Recipe:
+    """What to make: all that a result depends on."""
 
     task: str  # one of `TASKS`
     materials: tuple[dict[str, Any], ...]  # what it is made from, see `checked_material`
