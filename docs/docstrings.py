@@ -1,7 +1,8 @@
 """For mkdocstrings: docstrings as the site can render them.
 
-Parameters that share a line get one each, `**` between numbers is no emphasis, public names are
-links, and the parameters of a method's class are listed with their meaning, range and default.
+Parameters that share a line get one each, with its own part of a text whose parts are divided by
+semicolons. `**` between numbers is no emphasis, public names are links, and the parameters of a
+method's class are listed with their meaning, range and default.
 """
 
 from __future__ import annotations
@@ -24,10 +25,17 @@ ENTRIES = {path.rpartition(".")[2]: path for path in re.findall(r"^::: (\S+)$", 
 
 
 def split(found: re.Match[str]) -> str:
-    """One entry for each name."""
-    return "".join(
-        f"{name}{found[2] or ''}\n{found[3].rstrip()}\n" for name in found[1].split(", ")
-    )
+    """One entry for each name, with its own part of the text and of the type if they have parts."""
+    names, kind, text = found[1].split(", "), found[2] or "", found[3]
+    parts = " ".join(text.split()).removesuffix(".").split("; ")
+    kinds = kind.removeprefix(" : ").split(", ")
+    if len(kinds) != len(names) or "optional" in kinds:
+        kinds = [kind.removeprefix(" : ")] * len(names)
+    own = [f"    {part[0].upper()}{part[1:]}." for part in parts]
+    if len(own) != len(names):
+        own = [text.rstrip()] * len(names)
+    rows = zip(names, kinds, own, strict=True)
+    return "".join(f"{name}{kind and f' : {one}'}\n{said}\n" for name, one, said in rows)
 
 
 def linked(found: re.Match[str]) -> str:
@@ -47,8 +55,8 @@ def parameters(cls: type) -> str:
 
     rows = ["Parameters", "----------"]
     for field, values in parameters_of(cls):  # type: ignore[arg-type]
-        text = field.metadata["help"]
-        rows += [f"{field.name} : {field.type}", f"    {text[0].upper()}{text[1:]}. *{values}*"]
+        text, values = (f"{one[0].upper()}{one[1:]}" for one in (field.metadata["help"], values))
+        rows += [f"{field.name} : {field.type}", f"    {text}. *{values}.*"]
     return "\n".join(rows)
 
 

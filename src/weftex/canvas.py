@@ -31,7 +31,7 @@ class Canvas:
     Parameters
     ----------
     height, width : int
-        Size in pixels, 1 or more; at most 2**30 pixels in all.
+        Number of rows of pixels, 1 or more; number of columns, at most 2**30 pixels in all.
     wrap : (bool, bool)
         Whether the output repeats without a seam vertically and horizontally.
     known : array (H, W) or (H, W, C), optional
@@ -39,9 +39,9 @@ class Canvas:
     hole : bool array (H, W), optional
         True where `known` is to be filled.
     known_from : (int, int), optional
-        Position of the canvas in the sample (row, column), if the known pixels are part of it.
+        Row and column of the canvas in the sample, if the known pixels are part of the sample.
     known_maps : mapping of str to array
-        Maps of the known pixels, by the names of the sample's, if they are not part of it.
+        Maps of the known pixels, by the names of the sample's maps, if these pixels are not in it.
     origin : (int, int)
         Row and column of the canvas's corner in an endless plane, from -2**40 to 2**40.
     guide : array (H, W) or (H, W, C), optional

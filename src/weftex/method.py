@@ -39,7 +39,7 @@ CANVAS_NAMES = {"guide": "a guide", "known": "known pixels", "wrap": "tileable o
 
 
 class Model(ABC):
-    """A fitted method, as `Method.fit` returns it: immutable, picklable, shared by threads.
+    """A fitted method, as `Method.fit` returns it. It never changes; threads can share it.
 
     Attributes
     ----------
@@ -85,7 +85,7 @@ class Model(ABC):
         Raises
         ------
         UnsupportedError, InvalidInputError
-            If the method cannot make such an output, or a parameter has no effect on it.
+            If the method cannot make such an output; if a parameter has no effect on it.
         CancelledError
             If `progress` returned False.
         """
@@ -175,9 +175,9 @@ class Model(ABC):
         Parameters
         ----------
         top, left : int
-            Upper left corner of the window, from -2**40 to 2**40.
+            First row of the window, from -2**40 to 2**40; first column, in the same range.
         height, width : int
-            Size of the window.
+            Number of rows of the window; number of columns.
         seed : int, numpy Generator or None
             Seed of the plane: give the same one for each window.
         period : int or (int, int), optional
@@ -188,7 +188,7 @@ class Model(ABC):
         Raises
         ------
         UnsupportedError
-            If the method makes no windows, or none of a plane that repeats.
+            If the method cannot make windows, or not with a period.
         InvalidInputError
             If the period is too short for the method.
 

@@ -37,30 +37,30 @@ def parameter(
     Parameters
     ----------
     default : object
-        None means that it follows from the sample; say how in `default_text`.
+        Default value. None means that it depends on the sample; say how in `default_text`.
     help : str
-        One line.
+        One line that says what the parameter does.
     low, high : float, optional
-        Inclusive bounds.
+        Smallest allowed value; largest allowed value.
     unit : str
-        Of the value, for people.
+        Unit of the value, such as "px".
     choices : sequence of str
         The allowed values of a text.
     default_text, hole_text : str
-        What None stands for; the default in holes, if it is another one.
+        The default in words, if `default` is None; the default in holes, if it is another one.
     needs : (field, values), optional
-        The parameter does something only while `field` has one of these values; setting it
-        otherwise is refused, not ignored.
+        The parameter has an effect only if `field` has one of these values. It is an error to set
+        it otherwise.
     needs_canvas : str
-        Likewise for a kind of canvas, see `CANVAS_KINDS`.
+        The parameter has an effect only for this kind of canvas, such as "known" (holes).
     idle_canvas : str
         A kind of canvas on which the parameter has no effect.
     count : int
-        Number of numbers in the value, a tuple or a text with commas.
+        Number of numbers, if the value is a tuple, or a text with commas.
     parity : str
-        "odd" or "even"; 0, where `low` allows it, is both.
+        "odd" or "even". 0 is always allowed if `low` allows it.
     control : str
-        The slider of the studio that sets it: "size" of features, "variety" or "softness" of seams.
+        Slider of the studio that sets it: "size" of features, "variety", or "softness" of seams.
     """
     return dataclasses.field(
         default=default,

@@ -156,20 +156,20 @@ def _skew_and_square(
 
 @dataclass(frozen=True)
 class Evenness:
-    """How far a sample is from looking the same everywhere; 0 throughout is even.
+    """How much a sample differs from place to place; 0 is perfectly even.
 
     Attributes
     ----------
     light : float
-        Share of the variance that slow lighting has, a quadratic surface; up to 0.2 by chance.
+        Share of the variance that slow changes of light explain; up to 0.2 by chance.
     light_range : float
-        By how many gray levels of 255 that surface differs from its darkest to its lightest place.
+        Difference between the darkest and the brightest of this light, in gray levels of 255.
     large_forms : float
-        Share of the rest of the variance that forms larger than an eighth of the sample have; up
-        to 0.3 in a sample that shows many things.
+        Share of the remaining variance that forms larger than an eighth of the sample explain. A
+        sample of many features has up to 0.3.
     perspective : (float, float)
-        How many times larger things are at the bottom than at the top, and at the right than at
-        the left; 1 where they are of one size, or that cannot be told.
+        Size of features at the bottom over that at the top, and at the right over that at the
+        left. 1 if they are equal, or if this cannot be measured.
     """
 
     light: float
@@ -179,7 +179,7 @@ class Evenness:
 
     @property
     def lit_unevenly(self) -> bool:
-        """Whether uneven light should be removed; False if large forms may be its cause."""
+        """Whether uneven light should be removed; False if large forms may be the cause."""
         lit = self.light > _LIGHT and self.light_range > _LIGHT_RANGE
         return lit and self.large_forms <= FORMS
 

@@ -74,15 +74,15 @@ class Exemplar(Displayable):
         The pixels of its maps.
     pieces : bool
         The sample consists of separate parts, such as turned copies or several photos.
-    turn, copy_shape : str and (int, int), or None
-        For a sample of turned copies: which copies, and the size of one; see
-        `weftex.prepare.turned`.
+    turn, copy_shape : str or None, (int, int) or None
+        Which copies `weftex.prepare.turned` added, None if it was not used; height and width of
+        one of these copies, None without them.
 
     Raises
     ------
     InvalidInputError
-        For an empty picture, an unsupported dtype, NaN or infinity, or a mask or map of a size
-        that does not fit.
+        If the image is empty, its dtype is not supported, it contains NaN or infinity, or the size
+        of a mask or map does not fit.
 
     Examples
     --------

@@ -13,14 +13,14 @@ from weftex.raster.turning import TURNS, Box, boxes_of, turned_pixels
 def turned(sample: Sample, turn: str) -> Exemplar:
     """Add mirrored or rotated copies to a sample, so that methods choose from more pixels.
 
-    The copies lie in one picture, a masked line of pixels between any two, so that every method
-    takes pieces from all of them and none from two at once. The vectors of normal maps are turned
-    with their pixels, whether y is up (OpenGL) or down (DirectX), as the map's name says.
+    All copies are in one image. A masked line of pixels separates any two, so that no patch is
+    copied from two at once. The vectors of normal maps are rotated too, with y up (OpenGL) or down
+    (DirectX), as the name of the map says.
 
     Parameters
     ----------
     sample : path, array, PIL image or Exemplar
-        A material that has no way up, or no left and right.
+        A material without an up direction, or without a difference of left and right.
     turn : {"flip", "half", "4", "8"}
         Copies beside the sample: mirrored left to right; rotated by 180 degrees; rotated by 90,
         180 and 270 degrees; or these and all mirrored.
@@ -33,12 +33,12 @@ def turned(sample: Sample, turn: str) -> Exemplar:
     Raises
     ------
     FileError, InvalidInputError
-        If the sample cannot be read or has turned copies already, or `turn` is unknown.
+        If the sample cannot be read; if it already has such copies, or `turn` is unknown.
 
     Notes
     -----
-    Coordinates of results are those in the sample, whichever copy is shown; `Synthesis.render`
-    takes maps of the sample, and turns them alike.
+    Results have the coordinates of the sample itself, not of a copy. `Synthesis.render` takes maps
+    of the sample, and rotates them in the same way.
 
     Examples
     --------

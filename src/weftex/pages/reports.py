@@ -55,15 +55,15 @@ class Report(Page):
     Attributes
     ----------
     sample, result : uint8 array (H, W, 3)
-        Both pictures as shown on the page.
+        The image of the sample on the page; the image of the result on the page.
     name, result_name : str
-        Names of sample and result.
+        Name of the sample; name of the result.
     assessment : Assessment
         All measures of the result.
     real : dict of str to float or None
-        The same measures of the sample's halves, each as if made from the other.
+        The same measures of the halves of the sample, as if one was made from the other.
     maps : dict of str to uint8 array (H, W, 3)
-        "broken" and, with a source, "source" and "use" (of the sample).
+        Images of the page: "broken" and, with a source, "source" and "use" (of the sample).
     provenance : dict
         How the result was made, if it is known.
     notes : tuple of str

@@ -76,10 +76,9 @@ def unpacked(facts: Iterable[Any], arrays: Mapping[str, NDArray[Any]]) -> list[E
 
 @dataclass(frozen=True, eq=False)
 class Definition:
-    """All that the pixels of a plane depend on, and the blocks that its files are made of.
+    """All that the pixels of a plane depend on, and the size of its blocks.
 
-    `stems` has the file name of each map. `reason` says why "auto" chose the method, with its
-    notes, a line each.
+    `stems` has the file name of each map. `reason` says why "auto" chose the method.
     """
 
     exemplar: Exemplar

@@ -28,8 +28,8 @@ class PlaneFile:
     path : str
         The file.
     part : (int, int), optional
-        Number, from 1, and count, if a process makes only a part of the full-resolution blocks, as
-        with `--part` of the command line; `stream` always makes all.
+        Number of the part, from 1, and number of parts, if this process makes only one part, as
+        with `--part` of the command line. `stream` always makes all.
     """
 
     definition: Definition

@@ -71,8 +71,8 @@ def stream(
 ) -> Written:
     """Write an image of any size to a file, block by block.
 
-    To resume an interrupted run, call it again with the same arguments. The bytes are those of an
-    uninterrupted run. Only `threads` and `progress` may differ.
+    To resume an interrupted run, call it again with the same arguments. The result is the same as
+    without the interruption. Only `threads` and `progress` may differ.
 
     Parameters
     ----------
@@ -82,7 +82,7 @@ def stream(
         ``.tif``: a tiled BigTIFF with smaller versions. Maps become files beside each other, such
         as ``plane_normal.tif``.
     size : int or (int, int)
-        Height and width, up to 2**20 each.
+        Height and width of the image, up to 2**20 each.
     method, tileable
         As for `weftex.synthesize`.
     seed : int, numpy Generator or None
@@ -105,6 +105,8 @@ def stream(
         If an argument is out of range, or a run with other arguments began the file.
     FileError
         If the file cannot be written, or the disk is too small.
+    CancelledError
+        If `progress` returned False. Finished blocks are kept.
 
     Examples
     --------
@@ -290,6 +292,8 @@ def repair(
     ------
     FileError
         If there is no plane, or it cannot be written.
+    CancelledError
+        If `progress` returned False. Finished blocks are kept.
     """
     return write_plane(open_plane(path), repair=True, threads=threads, progress=progress)
 

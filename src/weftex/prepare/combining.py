@@ -22,13 +22,13 @@ FLAT = "flat"
 def together(samples: Sequence[Sample]) -> Exemplar:
     """Make one sample of several photos of a material; methods choose from all of them.
 
-    A masked line separates any two, so that no patch is of two samples.
+    A masked line separates any two, so that no patch is copied from two photos.
 
     Parameters
     ----------
     samples : sequence of path, array, PIL image or Exemplar
-        Photos of one dtype and from one distance; gray and color may be mixed. Maps that all of
-        them have are kept, paired by role.
+        Photos of one dtype, taken from one distance; gray and color may be mixed. Only maps that
+        all of them have are kept.
 
     Returns
     -------
@@ -37,7 +37,7 @@ def together(samples: Sequence[Sample]) -> Exemplar:
     Raises
     ------
     FileError, InvalidInputError
-        If a sample cannot be read, the list is empty, or dtypes differ.
+        If a sample cannot be read; if the list is empty, or dtypes differ.
 
     Examples
     --------

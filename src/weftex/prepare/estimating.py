@@ -46,38 +46,38 @@ def estimate_maps(
 ) -> Exemplar:
     """Estimate maps that a photo or a map set lacks.
 
-    The height of a photo is its brightness without structure finer than a pixel (noise) or wider
-    than an eighth of the photo (light): dark pixels are deep. This is right for pits and dark
-    joints, and wrong for paint, stains, and light joints between dark bricks (use `invert`; see
-    `light_joints`). A sample that has a height or normals keeps them, and the other maps are
-    computed from these. The roughness is a guess, as a photo does not show it: 0.65, and up to
-    0.1 more where fine detail is strong.
+    The height is the brightness of the photo, without noise and without changes wider than an
+    eighth of the photo: dark pixels are deep. This is right for pits and dark joints. It is wrong
+    for paint and stains, and for light joints between dark bricks: there, use `invert`; see
+    `light_joints`. A sample that has a height or normals keeps them, and the other maps are
+    computed from these. The roughness is a guess, because a photo does not show it: 0.65, and up
+    to 0.1 more where fine detail is strong.
 
     Parameters
     ----------
     sample : path, array, PIL image or Exemplar
         A photo, a map set, or a single height or normal map. If it is tileable, so are the maps.
     maps : sequence of {"height", "normal_gl", "normal_dx", "ao", "roughness"}, optional
-        The maps to add; by default all that are missing, with normals whose y points up.
+        The maps to add. By default all that are missing, with normals whose green points up.
     relief : float
-        Height of the surface, from its deepest to its highest pixel, in pixels; up to 1000. Has
-        no effect if it has normals and no height.
+        Height difference between the deepest and the highest pixel, in pixels, up to 1000. No
+        effect if the sample has normals and no height.
     invert : bool
         Bright pixels are deep.
     radius : int
-        Of the ambient occlusion; see `occlusion_from_height`.
+        Radius of the ambient occlusion in pixels; see `occlusion_from_height`.
 
     Returns
     -------
     Exemplar
-        The same with more maps: height as uint16 (white is high), all others as uint8.
+        The sample with more maps: height as uint16 (white is high), all others as uint8.
 
     Raises
     ------
     FileError
         If the photo cannot be read.
     InvalidInputError
-        If it has such a map, or a value is out of range.
+        If the sample already has a map of `maps`, or a value is out of range.
 
     Examples
     --------

@@ -30,19 +30,18 @@ _DARKEST = 1e-4  # of the brightest; darker than that is black, whose light nobo
 def even_light(sample: Sample, degree: int = 2) -> Exemplar:
     """Divide a photo by the light that fell on it, so that it is equally bright all over.
 
-    The light is taken for a smooth surface, a polynomial in x and y for each color channel. It is
-    fitted to the logarithms of the values, as light multiplies, with less weight on outliers.
-    Before, a shadow with a soft border is removed, if the photo has an area that is darker by one
-    factor, a quarter or more, and bluer, as what only the sky lights.
-    Integers are taken for sRGB values, floats for linear values.
+    First, a shadow with a soft border is removed, if an area is evenly darker by a quarter or more
+    and also bluer, as in light from the sky alone. Then the light is modeled as a polynomial in x
+    and y for each color channel. It is fitted to the logarithms of the values, with less weight on
+    outliers. Integers are read as sRGB values, floats as linear values.
 
     Parameters
     ----------
     sample : path, array, PIL image or Exemplar
-        The photo. Pixels outside its mask do not count for the fit, but are evened too.
+        The photo. Pixels outside its mask do not influence the fit, but are corrected too.
     degree : int
         Degree of the polynomial, 1 to 8: 2 for a lamp, a window or dark corners. Higher degrees
-        follow more complex light, but may take large features for light.
+        follow more complex light, but may remove large dark features too.
 
     Returns
     -------
@@ -53,7 +52,7 @@ def even_light(sample: Sample, degree: int = 2) -> Exemplar:
     Raises
     ------
     FileError, InvalidInputError
-        If the sample cannot be read or used.
+        If the sample cannot be read; if it cannot be used, or `degree` is out of range.
 
     Examples
     --------

@@ -35,10 +35,9 @@ def straighten(
 ) -> Exemplar:
     """Rotate, shear or rectify a photo, so that its lattice or a rectangle in it is straight.
 
-    With a lattice, the sides of its right-angled piece (a tile; two courses of a running bond)
-    become level and upright; rows are rotated. The result is the largest central part of the
-    photo's proportions without empty corners. With corners, the perspective is corrected and they
-    become the corners of the result.
+    By a lattice, rows become level, and the joints across them upright. The result is the largest
+    central part of the photo without empty corners, in the photo's proportions. By four corners,
+    the perspective is corrected, and the rectangle becomes the whole result.
 
     Parameters
     ----------
@@ -46,24 +45,24 @@ def straighten(
         The photo. Maps, mask and guide are straightened with it, and the vectors of normal maps
         are rotated to fit the straightened heights.
     lattice : Lattice, or x1, y1, x2, y2, optional
-        Of the photo; found in it by default.
+        Lattice of the photo. By default, weftex finds it.
     corners : eight numbers, optional
         x and y in pixels of the corners of a rectangle in the scene: top left, top right, bottom
-        right, bottom left. Its proportions follow from the perspective if that is clear, for a
-        photo that was not cropped to one side, otherwise from the lengths of the sides.
+        right, bottom left. Its proportions follow from the perspective if that is clear and the
+        photo was not cropped to one side, otherwise from the lengths of the sides.
 
     Returns
     -------
     Exemplar
-        Resampled, in the same dtype; lengths of level and upright vectors stay as they are.
+        The straight photo, with the same dtype and the same scale.
 
     Raises
     ------
     FileError
         If the sample cannot be read.
     InvalidInputError
-        If no lattice or rows are found, or the corners are not those of a convex shape inside the
-        photo, in this order.
+        If no lattice or rows are found, or the corners are outside the photo, not convex, or not in
+        this order.
 
     Examples
     --------
@@ -89,15 +88,14 @@ def scaled(sample: Sample, times: float) -> Exemplar:
     """Scale a sample and its maps by Lanczos's filter.
 
     Sides are rounded to whole pixels, so that a tileable sample stays tileable. Normals keep their
-    slopes and lengths, and heights their values, which are shares of the relief in meters. Labels,
-    mask and guide take the nearest pixel.
+    slopes, and heights their values. Labels, mask and guide take the nearest pixel.
 
     Parameters
     ----------
     sample : path, array, PIL image or Exemplar
         The sample. If it is `tileable`, the filter wraps around.
     times : float
-        Number of pixels along a side after over before, above 0 and at most 8.
+        Factor for both sides, such as 0.5 for half the size; above 0 and at most 8.
 
     Raises
     ------

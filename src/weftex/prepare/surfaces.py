@@ -31,7 +31,7 @@ def normals_from_height(
     Parameters
     ----------
     height : array (H, W)
-        uint8 or uint16 from deep to high, or floats.
+        Height of each pixel, as uint8, uint16 or floats; larger is higher.
     relief : float
         Height in pixels of the largest integer, or of 1.0 for floats; up to 1000.
     y_up : bool
@@ -39,7 +39,7 @@ def normals_from_height(
     tileable : bool
         The surface wraps around; otherwise its border is repeated.
     dtype : {uint8, uint16, float32, float64}
-        Integers store -1 to 1 from 0 to their maximum; floats store -1 to 1.
+        Type of the result. Integers from 0 to their maximum mean -1 to 1; floats are -1 to 1.
 
     Returns
     -------
@@ -69,10 +69,10 @@ def height_from_normals(
 ) -> Floats:
     """Return the height of a surface with these normals (Frankot and Chellappa, 1988).
 
-    The surface whose slopes are nearest to those of the normals in least squares, by a Fourier
-    transform. It inverts `normals_from_height` up to a constant: with 16 bits the error is below
-    0.1 % of the relief. With 8 bits it is 1 % or more of a relief of 6 pixels, and slow slopes are
-    uncertain. Of a tileable surface, patterns with a period of two pixels are lost.
+    A Fourier transform finds the surface whose slopes are nearest to the normals in least squares.
+    For normals of 16 bits, the error is below 0.1 % of the relief. For 8 bits, it is 1 % or more of
+    a relief of 6 pixels, and gentle slopes are uncertain. In a tileable surface, patterns with a
+    period of two pixels are lost.
 
     Parameters
     ----------
@@ -133,15 +133,15 @@ def occlusion_from_height(
 ) -> NDArray[np.float32]:
     """Return ambient occlusion: the share of a bright sky that reaches each pixel of a surface.
 
-    In each of 16 directions the highest slope to a pixel within the radius is the horizon. Light
-    from above it arrives, weighted by the cosine, which is 1 / (1 + slope**2) of the sky there.
+    In each of 16 directions, the steepest slope to a pixel within the radius is the horizon. Light
+    from above the horizon arrives, weighted by the cosine: a share of 1 / (1 + slope**2).
 
     Parameters
     ----------
     height, relief, tileable
         As for `normals_from_height`.
     radius : int
-        Distance in pixels at which a surface can still occlude, 1 or more.
+        Largest distance in pixels at which a surface takes light away, 1 or more.
 
     Returns
     -------

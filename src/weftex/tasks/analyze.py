@@ -39,9 +39,9 @@ class Band:
     Attributes
     ----------
     period : float
-        Period of its strongest ring, in pixels.
+        Period of the strongest ring in this quarter of an octave, in pixels.
     power, background : float
-        `power` is the power of that ring, 1 for the strongest; `background` that around it.
+        Power of that ring, 1 for the strongest; power of the rings around it.
     """
 
     period: float
@@ -56,7 +56,7 @@ class Ratings:
     Attributes
     ----------
     found, given : Rated or None
-        The lattice of the sample, and the one passed to `analyze`.
+        The lattice that was found; the lattice that was passed to `analyze`.
     runners_up : tuple of Rated
         Other possible lattices, best first.
     """
@@ -73,9 +73,9 @@ class Analysis:
     Attributes
     ----------
     name, dtype, maps : str, str, tuple of str
-        Name of the sample (`name`), type of its pixels (`dtype`) and names of its maps (`maps`).
+        Name of the sample; type of its pixels; names of its maps.
     height, width, channels, colors : int
-        Size in pixels, number of channels, and number of different colors.
+        Number of rows; number of columns; number of channels; number of different colors.
     alpha : bool
         Whether the last channel is alpha.
     scale : float
@@ -83,7 +83,7 @@ class Analysis:
     confidence : float
         Confidence of the scale, 0 to 1. The lattice has its own, `lattice.confidence`.
     scale_source : {"lattice", "period", "things", "none"}
-        What the scale was measured by: lattice, strongest period, or size of single features.
+        From what the scale was measured: the lattice, the strongest period, or single features.
     spectrum : tuple of Band
         Power by period, coarse to fine.
     regularity : float
@@ -94,11 +94,11 @@ class Analysis:
     ratings : Ratings
         Ratings of the lattice and of others.
     border_steps : (float, float)
-        Step at the border over the steps inside, downwards and to the right; 1 is no seam.
+        Change of color at the border over the change inside, down and across; 1 is no seam.
     tiles : (bool, bool)
-        Whether the sample tiles without a seam, downwards and to the right, as `tile --check` says.
+        Whether the sample is tileable, down and across, as `tile --check` says.
     evenness : Evenness
-        Faults of light, perspective and variety that `choice.warnings` puts into words.
+        Faults of light, perspective and variety; `choice.warnings` has them in words.
     choice : Choice
         The method that "auto" chooses for twice the sample's size, and why.
     windows : dict of str to int or None
@@ -199,8 +199,8 @@ def analyze(
     sample : path, array, PIL image or Exemplar
         The material; see `weftex.load_exemplar`.
     lattice : Lattice, (x1, y1, x2, y2) or str, optional
-        Also rate this lattice. For rows, one vector is the step from row to row, and the other, of
-        one pixel, the direction of the rows.
+        Also rate this lattice. For rows, one vector is the step from row to row. The other is one
+        pixel long, and has the direction of the rows.
     runners_up : int
         Number of other lattices to list, 0 to 24; 3 by default.
 

@@ -46,10 +46,10 @@ def fuse(
     progress: ProgressCallback | None = None,
     **parameters: Any,
 ) -> PixelSynthesis:
-    """Synthesize one picture of several materials, arranged by a label map.
+    """Synthesize one image of several materials, arranged by a label map.
 
-    Each region of the map and the belts around it are synthesized from the region's sample. In a
-    belt both materials overlap, and a minimum cut places the boundary where it shows least.
+    Each region of the map is synthesized from its sample, and a little beyond its border. So two
+    materials overlap in a belt. A minimum cut places their boundary where it shows least.
 
     Parameters
     ----------
@@ -57,11 +57,11 @@ def fuse(
         Two or more, of one dtype, all with alpha or none. Gray samples become color if another has
         color. Maps are paired by role.
     label_map : path, array, PIL image, Gradient or "gradient"
-        A picture with one color for each sample; an integer array (H, W) of labels from 0; or a
-        `weftex.label_maps.Gradient`, a transition from one sample to the next; "gradient" is
+        An image with one color for each sample, or an integer array (H, W) of labels from 0, or a
+        `weftex.label_maps.Gradient`: a transition from one sample to the next. "gradient" is
         ``Gradient()``, from the top to the bottom.
     size : int or (int, int), optional
-        Height and width of the output: those of the map by default, and needed with a gradient.
+        Height and width of the output. By default those of the map; a gradient needs a size.
     colors : sequence of colors, optional
         The label map's color of each sample. By default, colors belong to the samples in the order
         in which they appear, row by row from the upper left corner.
@@ -71,8 +71,8 @@ def fuse(
     mixed : mapping of color to (int, int), optional
         Further colors, or labels, of regions that merge two samples, with the samples' numbers.
     boundary : {"cut", "merged"}
-        "cut" only cuts. "merged" also synthesizes a belt along each cut from a sample merged of the
-        two materials, as the paper does. The belt is half as wide as the larger of their windows.
+        "cut" only cuts. "merged" also fills a belt along each cut with a mixture of both materials,
+        as in the paper. The belt is half as wide as the larger of their windows.
     belt_width : int, optional
         Width in pixels of the belt that a boundary may use. By default 1.5 times the larger window
         of its two materials; less in narrow regions.
@@ -97,7 +97,7 @@ def fuse(
     Raises
     ------
     InvalidInputError
-        If samples differ in kind, a color has no sample or a sample no color, the map is of
+        If dtypes or channels differ, a color has no sample or a sample no color, the map has
         another size, or a value is out of range.
     UnsupportedError
         If the method cannot fuse.

@@ -61,7 +61,7 @@ class GraphCut(Method):
 
     placement: str = parameter(
         "subpatch",
-        "square patches (subpatch), the entire sample where it matches, or at random positions",
+        "what is placed: squares (subpatch), or the entire sample, where it matches or at random",
         choices=("subpatch", "entire", "random"),
     )
     patch_size: int | None = parameter(

@@ -74,7 +74,7 @@ class Refinement(WindowedMethod):
     )
     search: str = parameter(
         "coherent",
-        "coherent follows the sources of neighbors, coarse to fine; nearest compares all windows",
+        "windows to compare: those of the neighbors' sources (coherent), or all (nearest, slow)",
         choices=("coherent", "nearest"),
     )
     iterations: int = parameter(

@@ -84,7 +84,7 @@ class WeiLevoy(WindowedMethod):
     )
     search: str = parameter(
         "tsvq",
-        "tsvq searches part of a tree of windows; full compares all windows and is slower",
+        "search of a part of a tree of windows (tsvq), or of all windows (full), which is slower",
         choices=("tsvq", "full"),
     )
     tree_size: int = parameter(
