@@ -234,8 +234,8 @@ def atlas(
     chosen = make_method(method, parameters)
     if not is_auto(chosen):
         chosen.require(A_BLOCK)
-    elif parameters:
-        raise InvalidInputError(f"{next(iter(parameters))} has no effect on an atlas")
+    elif chosen != make_method(AUTO, {}):
+        raise InvalidInputError("effort has no effect on an atlas")
     exemplar = load_exemplar(sample)
     number, wish = seed_number(seed), _as_size(tile_size, exemplar)
     vectors = getattr(chosen, "lattice", None) or sure_vectors(exemplar)

@@ -12,7 +12,7 @@ from weftex.method import Method
 from weftex.parameters import kind_of
 from weftex.registry import AUTO, METHODS, method_class, owners
 
-__all__ = ["is_auto", "make_method", "method_of", "text_of"]
+__all__ = ["is_auto", "make_method", "method_for", "method_of", "text_of"]
 
 
 def is_auto(method: str | Method) -> bool:
@@ -36,6 +36,17 @@ def make_method(method: str | Method, parameters: Mapping[str, Any]) -> Method:
             raise InvalidInputError(f"auto has no parameter '{name}'; these methods do: {able}")
     made: Method = found(**parameters)
     return made
+
+
+def method_for(
+    task: str, usual: str, method: str | Method, parameters: Mapping[str, Any]
+) -> Method:
+    """Return the method of a task, which has a usual one in place of "auto"."""
+    if not is_auto(method):
+        return make_method(method, parameters)
+    if isinstance(method, Method) and method != type(method)():
+        raise InvalidInputError(f"effort has no effect on {task}")
+    return make_method(usual, parameters)
 
 
 def method_of(text: str) -> Method:

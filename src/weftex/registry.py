@@ -17,10 +17,12 @@ from weftex.errors import InvalidInputError, did_you_mean, shown
 if TYPE_CHECKING:
     from importlib.metadata import EntryPoint
 
-__all__ = ["AUTO", "METHODS", "method_class"]
+__all__ = ["AUTO", "FOR_HOLES", "METHODS", "method_class"]
 
 #: The slug that stands for the method that suits the sample best; it is not in `METHODS`.
 AUTO = "auto"
+#: The method for holes where "auto" has no better one.
+FOR_HOLES = "patch-sampling"
 
 _GROUP = "weftex.methods"
 #: Modules and classes; a module is imported when its method is asked for.

@@ -44,8 +44,7 @@ def parse_task(
     parser.add_argument("--method", metavar="NAME", help=text)
     parser.share("--threads", "--quiet", "--allow-huge")
     name = _named(parser.filled(argv))
-    wanted = TASKS[task].parameters_of if name in ("", "auto") else name
-    fields = _add_parameters(parser, argv, wanted)
+    fields = _add_parameters(parser, argv, TASKS[task].usual_method, name)
     args = parser.parse(argv)
     check_numbers(args)
     given = vars(args)
@@ -101,23 +100,22 @@ def _named(argv: list[str]) -> str:
     return found
 
 
-def _add_parameters(parser: Parser, argv: list[str], name: str) -> list[str]:
+def _add_parameters(parser: Parser, argv: list[str], usual: str, named: str) -> list[str]:
     """Add the parameters of a method, if the arguments have an option that may be one."""
     unknown = parser.unknown(argv)
     if not (unknown or parser.build_only or {"-h", "--help"} & {*argv}):
         return []
-    if name == "auto":
-        for option in unknown:
-            if option != "--effort":  # finding owners imports all methods
-                _refuse_parameter(option)
-        if not (parser.build_only or {"-h", "--help", "--effort"} & {*argv, *unknown}):
-            return []
     from weftex.parameters import kind_of
-    from weftex.registry import method_class
+    from weftex.registry import AUTO, method_class
 
+    is_named = named not in ("", AUTO)
+    name = named if is_named else usual
+    found = [*parameters_of(method_class(name), parser.command in ("fill", "tile"))]
+    fields = [field.name for field, _ in found]
+    if not is_named:
+        _refuse_others(unknown, fields, parser.command)
     group = parser.add_argument_group(f"method parameters ({name})")
-    fields = []
-    for field, values in parameters_of(method_class(name), parser.command in ("fill", "tile")):
+    for field, values in found:
         kind = kind_of(field)
         group.add_argument(
             "--" + field.name.replace("_", "-"),
@@ -126,21 +124,27 @@ def _add_parameters(parser: Parser, argv: list[str], name: str) -> list[str]:
             metavar=field.metadata["unit"].upper() or ("TEXT" if kind is str else "N"),
             help=f"{field.metadata['help']} [{values}]".replace("%", "%%"),
         )
-        fields.append(field.name)
-    if name == "auto":
+    if name == AUTO:
         group.description = "--method NAME --help shows the parameters of another method"
     return fields
 
 
-def _refuse_parameter(option: str) -> None:
-    """Name the methods that have a parameter which "auto" chooses."""
-    name = option[2:].replace("-", "_")
-    from weftex.registry import owners
+#: What methods must support for a command.
+_KINDS = {"fill": {"known"}, "tile": {"known"}, "fuse": {"known", "many"}}
 
-    if able := owners(name):
-        raise InvalidInputError(
-            f"{option} belongs to a method, so name one: --method {' or '.join(able)}"
-        )
+
+def _refuse_others(options: list[str], own: list[str], command: str) -> None:
+    """Name the methods that have a parameter which the usual method lacks."""
+    from weftex.registry import METHODS, owners
+
+    for option in options:
+        name = option[2:].replace("-", "_")
+        kinds = _KINDS.get(command, set())
+        able = [one for one in owners(name) if kinds <= METHODS[one].supports]
+        if able and name not in own:
+            raise InvalidInputError(
+                f"{option} belongs to a method, so name one: --method {' or '.join(able)}"
+            )
 
 
 def check_numbers(args: argparse.Namespace) -> None:

@@ -25,6 +25,7 @@ from weftex.recipe.options import (
     Kind,
     Option,
 )
+from weftex.registry import AUTO, FOR_HOLES
 
 _PREPARATION, _QUALITY, _SETS = "preparation of the sample", "quality", "map sets"
 
@@ -150,7 +151,7 @@ class Task(NamedTuple):
     least: int  # the number of materials
     most: int
     method: str  # where none is named
-    parameters_of: str  # the method that parameters belong to then
+    usual_method: str  # the method that parameters belong to then
 
 
 #: The tasks by the names of their commands.
@@ -175,7 +176,7 @@ TASKS = {
             Option("period", SIZE, "with --window: number of pixels after which the endless "
                    "texture repeats", metavar="WxH|N", heading="tiling", local=True),
         ),
-        tuple(MATERIAL), 1, 1000, "auto", "auto",
+        tuple(MATERIAL), 1, 1000, AUTO, AUTO,
     ),
     "tile": Task(
         _by_name(
@@ -184,7 +185,7 @@ TASKS = {
             Option("axes", AXES, "make the photo tileable along both axes (default), or only along "
                    "x or y", True, given_flag="--tileable", metavar="x|y"),
         ),
-        ("maps", "map_weights"), 1, 1, "auto", "patch-sampling",
+        ("maps", "map_weights"), 1, 1, AUTO, FOR_HOLES,
     ),
     "fill": Task(
         _by_name(
@@ -197,7 +198,7 @@ TASKS = {
             Option("match_tone", FLAG, "match the tone of the filling to its surroundings",
                    default_text="yes if weftex chooses the method", heading=_QUALITY),
         ),
-        ("maps", "repeats", "map_weights"), 1, 2, "auto", "patch-sampling",
+        ("maps", "repeats", "map_weights"), 1, 2, AUTO, FOR_HOLES,
     ),
     "fuse": Task(
         _by_name(

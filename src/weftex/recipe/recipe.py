@@ -231,7 +231,7 @@ def _method(
         raise InvalidInputError(f"parameters is {shown(given)}; it must be an object")
     own = {key: value for key, value in (given or {}).items() if value is not None}
     if name == AUTO and task != "synth" and (own or usual.method != AUTO):
-        name = usual.parameters_of
+        name = usual.usual_method
         if "effort" in own:
             raise InvalidInputError(f"effort has no effect on {task}")
     belts: Iterable[str] = ()

@@ -12,14 +12,14 @@ import numpy as np
 from weftex.canvas import Canvas, as_canvas
 from weftex.errors import InvalidInputError, shown
 from weftex.exemplar import Exemplar, load_exemplar
-from weftex.naming import is_auto, make_method
+from weftex.naming import is_auto, make_method, method_for
 from weftex.prepare.combining import paired
 from weftex.progress import listening
 from weftex.random import seed_number
 from weftex.raster.arrays import as_array
 from weftex.raster.boxes import cell_sums
 from weftex.raster.masks import grown
-from weftex.registry import AUTO
+from weftex.registry import AUTO, FOR_HOLES
 from weftex.results.pixels import PixelSynthesis
 from weftex.seams.boundary import cut_around
 
@@ -35,9 +35,6 @@ if TYPE_CHECKING:
 
     #: A path, a PIL image or a bool array (H, W), True where the photo is to be filled.
     Mask = str | os.PathLike[str] | NDArray[np.bool_] | Any
-
-#: The method for holes where "auto" has no better one.
-DEFAULT = "patch-sampling"
 
 #: Pixels around a hole that are used at least; more if the method needs them.
 _LEAST_REACH = 256
@@ -127,8 +124,7 @@ def fill(
     True
     """
     by_sample = is_auto(method) and not parameters
-    method = DEFAULT if is_auto(method) else method
-    chosen = make_method(method, parameters)
+    chosen = method_for("fill", FOR_HOLES, method, parameters)
     if not isinstance(overlap, numbers.Integral) or isinstance(overlap, bool) or overlap < 0:
         raise InvalidInputError(f"overlap is {overlap!r}; it must be a whole number, 0 or more")
     if match_tone is not None and not isinstance(match_tone, bool):
@@ -166,7 +162,8 @@ def fill(
     usable = ~hole if inside else np.ones(source.shape, bool)
     if source.mask is not None:
         usable &= source.mask
-    given = frozenset(parameters) if isinstance(method, str) else None
+    # What was given stays as it is; a method that is an object was given with all its values.
+    given = frozenset(parameters) if isinstance(method, str) or is_auto(method) else None
     reach = max(_LEAST_REACH, chosen.hole_reach)
     region = Region(hole, canvas.wrap, usable if inside else None, reach)
     if inside:
@@ -210,7 +207,7 @@ def _filled_by_auto(near: Exemplar, part: Canvas, how: dict[str, Any]) -> Synthe
     from weftex.tasks.auto import choose_for_hole
 
     choice = choose_for_hole(near, part)
-    if choice.method == DEFAULT:
+    if choice.method == FOR_HOLES:
         return None
     method = make_method(choice.method, choice.parameters)
     assert part.hole is not None and near.mask is not None

@@ -16,7 +16,7 @@ from weftex.errors import InvalidInputError, did_you_mean, shown
 from weftex.exemplar import Exemplar, Sample, load_exemplar
 from weftex.label_maps import Gradient, labels_of, map_picture
 from weftex.method import Method
-from weftex.naming import is_auto, make_method
+from weftex.naming import make_method, method_for
 from weftex.prepare.combining import combined, of_one_kind, paired
 from weftex.progress import ProgressCallback, listening
 from weftex.random import Seed, seed_number
@@ -112,13 +112,12 @@ def fuse(
     (80, 90, 3)
     """
     number = seed_number(seed)
-    method = DEFAULT if is_auto(method) else method
     if boundary not in BOUNDARIES:
         raise InvalidInputError(
             f"boundary is {shown(boundary)}{did_you_mean(str(boundary), BOUNDARIES)}"
         )
     of_belts: dict[str, Any] = {}
-    chosen = make_method(method, {})
+    chosen = method_for("fuse", DEFAULT, method, {})
     if boundary == "merged":
         chosen, of_belts = parted(chosen, parameters, as_canvas(1, tileable))
     else:
