@@ -1,8 +1,8 @@
 """Repetition penalties: what it costs to show the same part of a sample again.
 
-A `Repetition` is the policy; a penalty applies it to one output. For each patch, the method says
-where the next one comes to lie (`Penalty.next_patch`), and multiplies the cost of each candidate
-offset by a factor of 1 or more (`Penalty.of`). Clearly better matches are never given up.
+A `Repetition` is the policy; a penalty applies it to one output. For each patch, it says by which
+factor, 1 or more, the cost of each candidate offset is multiplied (`PatchPenalty.of`,
+`salience.SaliencePenalty.of`). Clearly better matches are never given up.
 
 Graph cuts leave no boxes, so `repeat_kernels` count pixels. The square patches of quilting and the
 blocks of near-regular synthesis are compared with those around by their offsets, in their kernels.
@@ -49,17 +49,6 @@ class Offsets(NamedTuple):
     allowed: NDArray[np.bool_]  # of every 2**halvings-th pixel of the sample, both ways
     halvings: int
     first: tuple[int, int] = (0, 0)  # the pixel of the sample that `allowed` begins with
-    copy: int = 0  # which oriented copy of the sample
-
-
-class Penalty(Protocol):
-    """A repetition penalty for one output."""
-
-    def next_patch(self, pixel: tuple[int, int]) -> None:
-        """Prepare for a patch at a pixel of the canvas; all patches before it are pasted."""
-
-    def of(self, offsets: Offsets) -> NDArray[np.float64]:
-        """Factor for the cost of each candidate offset, 1 or more; undefined where not allowed."""
 
 
 @dataclass(frozen=True)
@@ -98,7 +87,7 @@ class Usage:
         self._changing: list[NDArray[np.int64]] = []
 
     def next_patch(self, pixel: tuple[int, int]) -> None:
-        """See `Penalty.next_patch`."""
+        """Prepare for a patch at a pixel of the canvas; all patches before it are pasted."""
         if self._changing:
             here = np.ix_(*self._changing)
             self.source[here] = self.output.source[:: self.step, :: self.step][here]
@@ -143,7 +132,7 @@ class PatchPenalty:
         self._reach = np.array([size, size, self._aligned], np.int32)
 
     def of(self, offsets: Offsets) -> NDArray[np.float64]:
-        """See `Penalty.of`; the pixel is the patch's upper left corner."""
+        """Factor for the cost of each offset, 1 or more; the pixel is the patch's corner."""
         here = tuple(
             slice(first >> offsets.halvings, (first >> offsets.halvings) + n)
             for first, n in zip(offsets.first, offsets.allowed.shape, strict=True)

@@ -8,6 +8,7 @@ distances from the patch.
 """
 
 import cython
+from cython.cimports.libc.string import memset
 
 
 @cython.cfunc
@@ -107,73 +108,117 @@ def count_squares(
 @cython.cfunc
 @cython.nogil
 @cython.exceptval(check=False)
-def weigh_pixel(
-    pixel: cython.p_const_int,
+def weigh_cell(
+    pixels: cython.const[cython.int][:, ::1],
     weights: cython.const[cython.int][:, ::1],
+    spans: cython.const[cython.int][:, ::1],
+    missing: cython.const[cython.longlong][:, ::1],
+    holes: cython.const[cython.int][:, ::1],
+    plane: cython.int[:, ::1],
+) -> cython.void:
+    """Fill in what the pixels that show a cell weigh, seen from each missing pixel."""
+    cython.declare(v=cython.Py_ssize_t, u=cython.int, k=cython.Py_ssize_t, row=cython.Py_ssize_t)
+    cython.declare(shift=cython.int, begin=cython.int)
+    cython.declare(to=cython.p_int, weight=cython.p_const_int)
+    down: cython.Py_ssize_t = weights.shape[0] // 2
+    along: cython.int = cython.cast(cython.int, weights.shape[1] // 2)
+    for v in range(plane.shape[0]):
+        to = cython.address(plane[v, 0])
+        memset(to, 0, plane.shape[1] * cython.sizeof(cython.int))
+        for k in range(pixels.shape[0]):
+            row = down + v + pixels[k, 0]
+            if row < 0 or row >= weights.shape[0]:
+                continue
+            shift = along + pixels[k, 1]
+            weight = cython.address(weights[row, 0]) + shift
+            begin = max(holes[v, 0], spans[row, 0] - shift)
+            for u in range(begin, min(holes[v, 1], spans[row, 1] - shift)):
+                to[u] += weight[u]
+        for u in range(holes[v, 0], holes[v, 1]):
+            to[u] &= cython.cast(cython.int, missing[v, u])
+
+
+@cython.cfunc
+@cython.nogil
+@cython.exceptval(check=False)
+def count_beside(
+    pixels: cython.const[cython.int][:, ::1],
     near: cython.const[cython.int][::1],
-    copy: cython.const[cython.int][::1],
-    y: cython.Py_ssize_t,
-    x: cython.Py_ssize_t,
-    missing: cython.bint,
-    sums: cython.p_longlong,
-) -> cython.longlong:
-    """Add a pixel at a distance that shows the same cell, see `sum_copies`; return its weight."""
-    up: cython.Py_ssize_t = weights.shape[0] // 2
-    left: cython.Py_ssize_t = weights.shape[1] // 2
-    if pixel[3] != copy[1]:
-        sums[5] += y * y + x * x <= near[1]
-    sums[3] += missing and pixel[2] != copy[0] and y * y + x * x <= near[0]
-    if missing and -up <= y <= up and -left <= x <= left:
-        return weights[y + up, x + left]
-    return 0
+    mirrored: cython.const[cython.int][::1],
+    own: cython.const[cython.int][::1],
+    missing: cython.const[cython.longlong][:, ::1],
+    sums: cython.longlong[:, :, ::1],
+) -> cython.void:
+    """Count the offsets at which a cell of one copy lies beside pixels of other copies of it."""
+    cython.declare(k=cython.Py_ssize_t, y=cython.Py_ssize_t, x=cython.Py_ssize_t)
+    cython.declare(down=cython.Py_ssize_t, along=cython.Py_ssize_t)
+    cython.declare(away=cython.Py_ssize_t, reach=cython.Py_ssize_t)
+    reach = 0
+    while (reach + 1) * (reach + 1) <= near[0]:
+        reach += 1
+    for k in range(pixels.shape[0]):
+        if pixels[k, 2] == own[0]:
+            continue
+        down = own[1] + pixels[k, 0]
+        along = own[2] + pixels[k, 1]
+        for y in range(max(0, -reach - down), min(sums.shape[1], reach - down + 1)):
+            for x in range(max(0, -reach - along), min(sums.shape[2], reach - along + 1)):
+                away = (down + y) * (down + y) + (along + x) * (along + x)
+                if away <= near[0]:
+                    sums[3, y, x] -= missing[own[1] + y, own[2] + x]
+                if away <= near[1]:
+                    sums[5, y, x] += mirrored[pixels[k, 2]] != mirrored[own[0]]
 
 
 def sum_copies(
     cells: cython.const[cython.int][:, ::1],
     where: cython.const[cython.int][:, ::1],
-    weights: cython.const[cython.int][:, ::1],
-    near: cython.const[cython.int][::1],
     own: cython.const[cython.int][:, ::1],
-    copy: cython.const[cython.int][::1],
-    missing: cython.const[cython.uchar][:, ::1],
-    places: cython.const[cython.uchar][:, ::1],
-    sums: cython.longlong[:, :, ::1],
+    weights: cython.const[cython.int][:, ::1],
+    spans: cython.const[cython.int][:, ::1],
+    near: cython.const[cython.int][::1],
+    mirrored: cython.const[cython.int][::1],
+    missing: cython.const[cython.longlong][:, ::1],
+    holes: cython.const[cython.int][:, ::1],
+    plane: cython.int[:, ::1],
+    sums: cython.longlong[:, :, :, ::1],
 ):
-    """Add up, for each offset of an oriented copy, what it would repeat where pixels are missing.
+    """Add up what the offsets of each oriented copy would repeat where pixels are missing.
 
     Of cell k of the sample, `cells` has the first of its rows in `where`, the pixels of the canvas
-    that show it, and its salience; `where` the distance from the pixel in cells, the copy that is
-    shown, and whether it is mirrored. `own` are the cells of the copy, whose number and mirroring
-    are in `copy`. `near`: squared distances within which another copy is beside one, and a mirrored
-    copy close to one; -1 where none is mirrored. The middle of `missing` is the pixel.
+    that show it, the first of its rows in `own`, how often it is shown, and its salience. `own`: a
+    copy, and where it has the cell, from its last row and column on, so that an offset and this
+    place add up to a row and a column of `missing`, which is -1 or 0. `where`: distances in cells
+    from the first pixel of `missing`, and the copy that is shown. `spans` and `holes` are where
+    rows of `weights` and of `missing` begin and end. `near`: squared distances within which another
+    copy is beside one, and a mirrored copy close to one.
     The sums: salience times weight, salience, pixels, cells beside another copy, cells, and cells
     close to a mirrored copy, these whether missing or not, as a cut may run there.
     """
-    cython.declare(y=cython.Py_ssize_t, x=cython.Py_ssize_t, new=cython.bint, cell=cython.int)
-    cython.declare(i=cython.Py_ssize_t, j=cython.Py_ssize_t, total=cython.p_longlong)
-    cython.declare(weight=cython.longlong, k=cython.int, pixel=cython.p_const_int)
-    up: cython.Py_ssize_t = missing.shape[0] // 2
-    left: cython.Py_ssize_t = missing.shape[1] // 2
-    for y in range(places.shape[0]):
-        for x in range(places.shape[1]):
-            if not places[y, x]:
-                continue
-            total = cython.address(sums[y, x, 0])
-            for i in range(max(0, y - up), min(own.shape[0], y - up + missing.shape[0])):
-                for j in range(max(0, x - left), min(own.shape[1], x - left + missing.shape[1])):
-                    new = missing[i - y + up, j - x + left]
-                    if not new and near[1] < 0:
-                        continue
-                    cell = own[i, j]
-                    weight = 0
-                    for k in range(cells[0, cell], cells[0, cell + 1]):
-                        pixel = cython.address(where[k, 0])
-                        weight += weigh_pixel(
-                            pixel, weights, near, copy, pixel[0] - i + y, pixel[1] - j + x,
-                            new, total,
-                        )  # fmt: skip
-                    if new:
-                        total[0] += weight * cells[2, cell]
-                        total[1] += cells[2, cell]
-                        total[2] += cells[1, cell]
-                        total[4] += 1
+    cython.declare(cell=cython.Py_ssize_t, k=cython.Py_ssize_t, y=cython.Py_ssize_t)
+    cython.declare(
+        x=cython.Py_ssize_t,
+        total=cython.p_longlong,
+        new=cython.pointer(cython.const[cython.longlong]),
+    )
+    cython.declare(weight=cython.p_const_int, used=cython.longlong, salience=cython.int)
+    area: cython.Py_ssize_t = sums.shape[2] * sums.shape[3]
+    pixels: cython.const[cython.int][:, ::1]
+    with cython.nogil:  # beside other threads
+        for cell in range(cells.shape[1] - 1):
+            pixels = where[cells[0, cell] : cells[0, cell + 1]]
+            used = cells[2, cell]
+            salience = cells[3, cell]
+            weigh_cell(pixels, weights, spans, missing, holes, plane)
+            for k in range(cells[1, cell], cells[1, cell + 1]):
+                count_beside(pixels, near, mirrored, own[k], missing, sums[own[k, 0]])
+                for y in range(sums.shape[2]):
+                    weight = cython.address(plane[own[k, 1] + y, own[k, 2]])
+                    new = cython.address(missing[own[k, 1] + y, own[k, 2]])
+                    total = cython.address(sums[own[k, 0], 0, y, 0])
+                    for x in range(sums.shape[3]):
+                        total[x] += cython.cast(cython.longlong, weight[x]) * salience
+                    for x in range(sums.shape[3]):
+                        total[area + x] += new[x] & salience
+                        total[2 * area + x] += new[x] & used
+                        total[4 * area + x] -= new[x]

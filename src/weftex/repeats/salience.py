@@ -7,9 +7,8 @@ from numpy.typing import NDArray
 
 from weftex.exemplar import Exemplar
 from weftex.raster.turning import TURNS, Box, turned_pixels
-from weftex.repeats import Offsets, Output, Repetition
+from weftex.repeats import Output, Repetition
 from weftex.repeats import repeat_kernels as kernels
-from weftex.search.windows import Windows
 
 #: What repeats count for: strength apart, see `Repetition`.
 _CELLS = 16  # of the sample's shorter side, or up to twice as many, are looked at
@@ -31,7 +30,7 @@ class SaliencePenalty:
     """Salient features that repeat nearby, and cells of the sample that are used more than others.
 
     `boxes` are those of the oriented copies that the sample is a picture of, see `prepare.turned`,
-    or of the sample alone; `first` has the pixels of the first one.
+    or of the sample alone; `small` are its pixels and mask, a pixel for each cell.
     """
 
     def __init__(
@@ -39,112 +38,134 @@ class SaliencePenalty:
         policy: Repetition,
         exemplar: Exemplar,
         output: Output,
-        first: Windows,
         boxes: list[Box],
+        small: tuple[NDArray[np.uint8], NDArray[np.uint8]],
     ) -> None:
-        self.policy, self.output, self.shape = policy, output, first.shape
-        self.cell, cells = _salient_cells(first.pixels, first.usable)
-        side = self.cell
+        self.policy, self.output, self.shape = policy, output, boxes[0][2:]
+        side = self.cell = cell_side(self.shape)
         height, width = (-(-n // side) for n in self.shape)
         salience = np.zeros((height, width), np.int32)
-        salience[: cells.shape[0], : cells.shape[1]] = cells
-        self.salience = salience.ravel()
+        salience[: small[1].shape[0], : small[1].shape[1]] = _salience(*small)
         rows, columns = (np.arange(n) // side for n in self.shape)
-        own = (rows[:, None] * width + columns).astype(np.int32)
         #: Of each pixel of the exemplar, the cell of the sample, and the copy.
-        self.cell_of = own if exemplar.turn is None else turned_pixels(own, exemplar.turn)
+        self.cell_of = (rows[:, None] * width + columns).astype(np.uint32)
+        if exemplar.turn is not None:
+            self.cell_of = turned_pixels(self.cell_of, exemplar.turn)
         self.copy_of = np.zeros(exemplar.shape, np.int32)
-        self.cells = []
+        # Of all copies the cells, and where they are, see `repeat_kernels.sum_copies`.
+        self.most = [-(-max(box[axis] for box in boxes) // side) for axis in (2, 3)]
+        own = []
         for number, (top, left, high, wide) in enumerate(boxes):
             self.copy_of[top : top + high, left : left + wide] = number
-            middles = [
-                np.minimum(np.arange(0, n, side) + side // 2, n - 1) + start
-                for n, start in ((high, top), (wide, left))
-            ]
-            self.cells.append(np.ascontiguousarray(self.cell_of[np.ix_(*middles)]))
+            y, x = np.indices((-(-high // side), -(-wide // side))).reshape(2, -1)
+            v, u = (np.minimum(side * k + side // 2, n - 1) for k, n in ((y, high), (x, wide)))
+            from_last = self.most[0] - 1 - y, self.most[1] - 1 - x
+            own.append([self.cell_of[top + v, left + u], np.full_like(y, number), *from_last])
+        every = np.concatenate(own, axis=1)
+        every = every[:, np.argsort(every[0], kind="stable")]
+        self.own = np.ascontiguousarray(every[1:].T, np.int32)
+        self.cells = np.zeros((4, salience.size + 1), np.int32)
+        self.cells[1] = np.searchsorted(every[0], np.arange(salience.size + 1))
+        self.cells[3, :-1] = salience.ravel()
         ways = [[(0, False)]] if exemplar.turn is None else TURNS[exemplar.turn]
         self.mirrored = np.array([mirrored for row in ways for _, mirrored in row], np.int32)
-        near, close = (int((far * min(height, width)) ** 2) for far in (_NEAR, _CLOSE))
-        self.near = np.array([near, close if self.mirrored.any() else -1], np.int32)
+        near = [int((far * min(height, width)) ** 2) for far in (_NEAR, _CLOSE)]
+        self.near = np.array(near, np.int32)
         # What lies around a hole stays, so repeats in line with it do not count more.
         line, self._far = (_IN_LINE, _LINE_FAR) if output.canvas.hole is None else (0.0, _FAR)
         self.weights = _weights(self.shape, side, line, self._far)
+        self.spans = _spans(self.weights)
 
-    def next_patch(self, pixel: tuple[int, int]) -> None:
-        """See `Penalty.next_patch`."""
-        source, cell_of, side = self.output.source, self.cell_of.ravel(), self.cell
-        rows, columns = self._lines(pixel)
-        shown = source[np.ix_(rows[0], columns[0])]
-        v, u = np.nonzero(shown >= 0)
-        label = shown[v, u]
-        cell, copy = cell_of[label], self.copy_of.ravel()[label]
-        order = np.argsort(cell, kind="stable")
-        at = [rows[1][v] // side, columns[1][u] // side, copy, self.mirrored[copy]]
-        self._where = np.ascontiguousarray(np.stack(at, 1).astype(np.int32)[order])
-        some = source[::side, ::side]
-        counts = np.bincount(cell_of[some[some >= 0]], minlength=len(self.salience))
-        self._mean = max(float(counts.mean()), 1.0 / len(counts))
-        first = np.searchsorted(cell[order], np.arange(len(self.salience) + 1))
-        self._cells = np.zeros((3, len(first)), np.int32)
-        self._cells[0], self._cells[1, :-1], self._cells[2, :-1] = first, counts, self.salience
-        self._missing = self._missing_around(pixel, max(self.cells[0].shape))
-
-    def of(self, offsets: Offsets) -> NDArray[np.float64]:
-        """See `Penalty.of`."""
-        own, strength, allowed = self.cells[offsets.copy], self.policy.strength, offsets.allowed
-        rows, columns = ((np.arange(n) << offsets.halvings) // self.cell for n in allowed.shape)
-        asked, (v, u) = np.zeros(own.shape, np.uint8), np.nonzero(allowed)
-        asked[rows[v], columns[u]] = 1
-        sums = np.zeros((*own.shape, 6), np.int64)
-        copy = np.array([offsets.copy, self.mirrored[offsets.copy]], np.int32)
-        kernels.sum_copies(
-            self._cells, self._where, self.weights, self.near, own, copy, self._missing, asked, sums
-        )
-        repeats, salience, used, beside, area, mirrored = np.moveaxis(sums, 2, 0)
+    def of(
+        self, pixel: tuple[int, int], allowed: list[NDArray[np.bool_]], halvings: int
+    ) -> list[NDArray[np.float64]]:
+        """Factors for the costs of a patch at the offsets of each copy, 1 or more if allowed."""
+        # The box of all cells that are allowed in some copy.
+        places = np.concatenate([np.argwhere(each) for each in allowed]) << halvings
+        first, last = places.min(axis=0) // self.cell, places.max(axis=0) // self.cell
+        sums = self._sums(pixel, len(allowed), first, last - first + 1)
+        repeats, salience, used, beside, area, mirrored = np.moveaxis(sums, 1, 0)
+        strength = self.policy.strength
         factors = self.policy.factors(
             nearby=repeats / np.maximum(_UNIT * salience, 1),
             use=used / np.maximum(area * self._mean, 1),
         )
         factors += strength * np.minimum(_BESIDE * beside / np.maximum(area, 1), _MOST_BESIDE)
-        factors[mirrored > _SHARE * own.size] += strength * _NEVER
-        result: NDArray[np.float64] = factors[np.ix_(rows, columns)]
-        return result
+        factors[mirrored > _SHARE * (self.cells.shape[1] - 1)] += strength * _NEVER
+        found = []
+        for own, each in zip(factors, allowed, strict=True):
+            lines = [(np.arange(n) << halvings) // self.cell for n in each.shape]
+            y, x = (np.clip(at, a, b) - a for at, a, b in zip(lines, first, last, strict=True))
+            found.append(own[np.ix_(y, x)])
+        return found
+
+    def _sums(
+        self, pixel: tuple[int, int], copies: int, first: NDArray[np.intp], size: NDArray[np.intp]
+    ) -> NDArray[np.int64]:
+        """See `repeat_kernels.sum_copies`, for the offsets of a box of cells."""
+        source, cell_of, cells = self.output.source, self.cell_of.ravel(), self.cells.copy()
+        rows, columns = self._lines(pixel)
+        shown = source[np.ix_(rows[0], columns[0])]
+        v, u = np.nonzero(shown >= 0)
+        label = shown[v, u]
+        cell = cell_of[label]
+        # The distances of cells from the last one of a copy at the first offset.
+        away = [
+            np.arange(low - n + 1, low + count)
+            for low, n, count in zip(first, self.most, size, strict=True)
+        ]
+        missing = self._missing_at(pixel, [-line for line in away])
+        at = [rows[1][v] + away[0][0], columns[1][u] + away[1][0], self.copy_of.ravel()[label]]
+        small = np.uint16 if cells.size < 2**16 else np.uint32  # which is sorted faster
+        order = np.argsort(cell.astype(small), kind="stable")
+        where = np.ascontiguousarray(np.stack(at, 1)[order], np.int32)
+        some = source[:: self.cell, :: self.cell]
+        cells[0, 1:] = np.bincount(cell, minlength=cells.shape[1] - 1).cumsum()
+        cells[2, :-1] = np.bincount(cell_of[some[some >= 0]], minlength=cells.shape[1] - 1)
+        self._mean = max(float(cells[2, :-1].mean()), 1.0 / (cells.shape[1] - 1))
+        sums = np.zeros((copies, 6, *size), np.int64)
+        kernels.sum_copies(
+            cells, where, self.own, self.weights, self.spans, self.near, self.mirrored, missing,
+            _spans(missing), np.empty(missing.shape, np.int32), sums,
+        )  # fmt: skip
+        return sums
 
     def _lines(self, pixel: tuple[int, int]) -> list[NDArray[np.int32]]:
-        """The rows and the columns nearby: every `cell`-th, and its distance in pixels."""
+        """The rows and the columns nearby: every `cell`-th, and its distance in cells."""
         lines, canvas = [], self.output.canvas
         for at, side, n, wraps in zip(pixel, self.shape, canvas.shape, canvas.wrap, strict=True):
-            reach = -(-int((1 + self._far) * side) // self.cell) * self.cell
-            away = np.arange(-reach, reach + 1, self.cell)
-            line = at + away
+            reach = -(-int((1 + self._far) * side) // self.cell)
+            away = np.arange(-reach, reach + 1)
+            line = at + self.cell * away
             inside = np.full(len(line), True) if wraps else (line >= 0) & (line < n)
             lines.append(np.array([(line % n)[inside], away[inside]], np.int32))
         return lines
 
-    def _missing_around(self, pixel: tuple[int, int], count: int) -> NDArray[np.uint8]:
-        """1 where pixels are missing, of every `cell`-th up to `count` cells away."""
-        away = np.arange(-count, count + 1) * self.cell
-        rows, columns = (at + away for at in pixel)
+    def _missing_at(
+        self, pixel: tuple[int, int], away: list[NDArray[np.int_]]
+    ) -> NDArray[np.int64]:
+        """-1 where the pixels at these distances in cells are missing, else 0."""
+        rows, columns = (at + self.cell * line for at, line in zip(pixel, away, strict=True))
         (height, width), (wrap_y, wrap_x) = self.output.canvas.shape, self.output.canvas.wrap
         missing: NDArray[np.bool_] = self.output.done[np.ix_(rows % height, columns % width)] == 0
         missing &= (wrap_y | ((rows >= 0) & (rows < height)))[:, None]
         missing &= wrap_x | ((columns >= 0) & (columns < width))
-        return missing.view(np.uint8)
+        return -missing.astype(np.int64)
 
 
-def _salient_cells(
-    pixels: NDArray[np.uint8], usable: NDArray[np.uint8]
-) -> tuple[int, NDArray[np.int32]]:
-    """The side of cells in pixels, and how far the color of each is from the mean, squared."""
-    side, shape = 1, usable.shape
-    while min(shape) >= 2 * side * _CELLS:
-        side *= 2
-        pixels, usable = _halved(pixels, usable)
+def cell_side(shape: tuple[int, ...]) -> int:
+    """The side of the cells of a sample in pixels, a power of 2."""
+    return 1 << max((min(shape) // _CELLS).bit_length() - 1, 0)
+
+
+def _salience(pixels: NDArray[np.uint8], usable: NDArray[np.uint8]) -> NDArray[np.int32]:
+    """How far the color of each pixel is from the mean, squared."""
     away = np.square(pixels - pixels[usable != 0].sum(axis=0) / max((usable != 0).sum(), 1))
     away = away.sum(axis=2) * (usable != 0)
     mean = float(away.sum() / max((usable != 0).sum(), 1))
     away = np.minimum(away / mean, _MOST) if mean else (usable != 0).astype(np.float64)
-    return side, np.rint(_LEVELS * away).astype(np.int32)
+    found: NDArray[np.int32] = np.rint(_LEVELS * away).astype(np.int32)
+    return found
 
 
 def _weights(shape: tuple[int, ...], cell: int, line: float, far: float) -> NDArray[np.int32]:
@@ -159,13 +180,8 @@ def _weights(shape: tuple[int, ...], cell: int, line: float, far: float) -> NDAr
     return weights
 
 
-def _halved(
-    pixels: NDArray[np.uint8], usable: NDArray[np.uint8]
-) -> tuple[NDArray[np.uint8], NDArray[np.uint8]]:
-    """Rounded means of squares of four pixels, usable if all four are."""
-    rows, columns = (n // 2 * 2 for n in usable.shape)
-    upper, lower = pixels[:rows:2, :columns], pixels[1:rows:2, :columns]
-    total = np.add(upper[:, ::2], upper[:, 1::2], dtype=np.uint16) + lower[:, ::2] + lower[:, 1::2]
-    upper, lower = usable[:rows:2, :columns], usable[1:rows:2, :columns]
-    half = upper[:, ::2] & upper[:, 1::2] & lower[:, ::2] & lower[:, 1::2]
-    return (total + 2 >> 2).astype(np.uint8), half
+def _spans(values: NDArray[np.integer]) -> NDArray[np.int32]:
+    """The first column of each row that is not 0, and the one after the last."""
+    some = values != 0
+    first, last = some.argmax(axis=1), some.shape[1] - some[:, ::-1].argmax(axis=1)
+    return np.stack([first, np.where(some.any(axis=1), last, first)], 1).astype(np.int32)

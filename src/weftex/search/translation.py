@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 class Spectra:
     """Transforms of a picture (H, W, K) and its mask (H, W), for sums of squared differences.
 
-    Both pictures of a comparison have transforms of the same `size`; smaller ones are padded with
-    0.
+    Or of several pictures (n, H, W, K). Both sides of a comparison have transforms of the same
+    `size`; smaller ones are padded with 0.
     """
 
     def __init__(
@@ -21,8 +21,8 @@ class Spectra:
         self.size = size
         shown = pixels * (mask != 0)[..., None].astype(np.float64)
         self.energy = int((shown**2).sum())
-        parts = [(mask != 0)[None], (shown**2).sum(axis=2)[None], shown.transpose(2, 0, 1)]
-        spectra = np.fft.rfft2(np.concatenate(parts), size)
+        parts = [mask != 0, (shown**2).sum(axis=-1), *np.moveaxis(shown, -1, 0)]
+        spectra = np.fft.rfft2(np.stack(parts), size)
         self.mask, self.square, self.channels = spectra[0], spectra[1], spectra[2:]
 
 
@@ -42,10 +42,12 @@ def overlap_mismatch(
 ) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
     """Return sums of squared differences where both masks are set, and the number of such pixels.
 
-    Both are for each place of the other picture's corner, as in `window_mismatch`.
+    Both are for each place of the other picture's corner, as in `window_mismatch`. There may be
+    several other pictures.
     """
     product = picture.square * other.mask.conj() + picture.mask * other.square.conj()
-    product -= 2 * (picture.channels * other.channels.conj()).sum(axis=0)
+    for one, another in zip(picture.channels, other.channels, strict=True):
+        product -= 2 * one * another.conj()
     area = _rounded(picture.mask * other.mask.conj(), picture.size)
     return _rounded(product, picture.size), area
 

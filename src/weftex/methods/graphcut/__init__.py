@@ -18,14 +18,14 @@ from weftex.exemplar import Exemplar
 from weftex.exemplar.turns import turned
 from weftex.method import Method
 from weftex.methods.graphcut.cutting import CutCanvas, WorstSeams
-from weftex.methods.graphcut.entire import EntirePatchMatching, OrientedMatching
+from weftex.methods.graphcut.entire import EntirePatchMatching
 from weftex.methods.graphcut.placement import Patch, Placement, draw_offsets
 from weftex.methods.graphcut.sample import PATCH_SHARE, Sample, check_boundary, patch_shape_for
 from weftex.methods.graphcut.subpatch import SubPatchMatching
 from weftex.methods.pixels import Growth, PixelModel
 from weftex.parameters import parameter
 from weftex.repeats import PatchPenalty, Repetition
-from weftex.repeats.salience import SaliencePenalty
+from weftex.repeats.salience import SaliencePenalty, cell_side
 from weftex.search.windows import windows_of
 from weftex.threads import quick_map
 
@@ -142,7 +142,6 @@ class GraphCut(Method):
         default_text="any shift",
         needs=("placement", ("entire",)),
     )
-
     orientations: str = parameter(
         "upright",
         "orientations of the entire sample: upright, also rotated by 180 degrees, or all eight",
@@ -287,10 +286,9 @@ def placement_of(
     if variety > 0:
         # Things that are shown both ways up look less alike.
         policy = Repetition(variety, nearby=0.3 if sample.boxes else 0.4, use=0.05)
-        first = sample.part(boxes[0]).windows
-        penalty = SaliencePenalty(policy, sample.exemplar, growth, first, boxes)
-    if sample.boxes:
-        return OrientedMatching(sample, growth, penalty)
+        small = sample.part(boxes[0]).levels(cell_side(boxes[0][2:]))[-1]
+        cells = small.pixels, small.mask
+        penalty = SaliencePenalty(policy, sample.exemplar, growth, boxes, cells)
     return EntirePatchMatching(sample, growth, lattice=method.lattice, penalty=penalty)
 
 

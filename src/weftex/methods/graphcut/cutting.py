@@ -140,7 +140,7 @@ def _graph(labeling: cost_kernels.Labeling, height: int, width: int) -> graph_ke
         labeling,
         choice=np.empty((height, width), np.uint8),
         side=np.empty((height, width), np.uint8),
-        near=np.empty((2, height, width), np.uint8),
+        near=np.empty((height, width), np.uint8),
         costs=np.empty(max(height, width), np.int32),
         arcs=np.empty((height, width, 4), np.int32),
         source=np.empty((height, width), np.int32),

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 from operator import call
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,7 +23,7 @@ from weftex.methods.graphcut.sample import (
 )
 from weftex.methods.pixels import Growth
 from weftex.raster.arrays import fast_size
-from weftex.repeats import Offsets, Penalty
+from weftex.repeats.salience import SaliencePenalty
 from weftex.search.translation import Spectra, overlap_mismatch
 
 _AROUND = 32  # pixels around a hole that are matched, or half as many as it is wide
@@ -30,13 +31,25 @@ _DRIFT = 16  # in photos a tile lies up to 1/16 of its shorter side off the latt
 _MOST = 4.0  # pixels, at most
 _LEAST = 0.75  # pixels, so that there is a whole one at each multiple of the vectors
 _UNIT = 1 << 16  # of `CanvasLattice.phase`
+#: Pyramids of what is around a pixel, by the shape of the copies that may cover it.
+Around = dict[tuple[int, int], list[Level]]
+
+
+class Copy(NamedTuple):
+    """The sample, or one of its oriented copies."""
+
+    corner: tuple[int, int]  # where it lies in the picture of copies
+    shape: tuple[int, int]
+    levels: list[Level]
+    reach: list[int]  # from a pixel that it covers, in whole pixels of all levels
+    places: dict[bool, list[NDArray[np.uint8]]]  # that may lie on a pixel, centered there or not
 
 
 class EntirePatchMatching:
     """The entire sample is shifted over the canvas, to where it matches or, `random`, anywhere.
 
-    `lattice` limits the shifts to multiples of its vectors. `copy` is the number of an oriented
-    copy, `copies` that of all.
+    Of a picture of oriented copies each patch is one copy, but for `random`. `lattice` limits the
+    shifts of a sample without copies to multiples of its vectors.
     """
 
     def __init__(
@@ -46,19 +59,26 @@ class EntirePatchMatching:
         *,
         random: bool = False,
         lattice: tuple[float, ...] | None = None,
-        copy: int = 0,
-        penalty: Penalty | None = None,
+        penalty: SaliencePenalty | None = None,
     ) -> None:
-        self.growth, self.canvas, self.random, self.copy = growth, growth.canvas, random, copy
-        self.usable = sample.windows.usable
-        self.size = size_on(growth.canvas, sample.windows.shape)
-        self.reduction = sample.reduction_for(self.size, self.usable)
-        self.levels = sample.levels(self.reduction)
-        self.penalty = penalty
-        self._spectra: dict[int, Spectra] = {}
+        self.canvas, self.random = growth.canvas, random
+        boxes = [] if random else sample.boxes
+        parts = [sample.part(box) for box in boxes] or [sample]
+        sizes = [size_on(growth.canvas, part.windows.shape) for part in parts]
+        # Quarter turns of a sample that is not square have other sides.
+        self.size = max(y for y, _ in sizes), max(x for _, x in sizes)
+        both = zip(parts, sizes, strict=True)
+        self.reduction = min(part.reduction_for(n, part.windows.usable) for part, n in both)
+        self.copies: list[Copy] = []
+        self._alike: dict[tuple[int, int], list[Copy]] = {}  # the copies of each shape
+        for part, box in zip(parts, boxes or [(0, 0, 0, 0)], strict=True):
+            shape, levels = part.windows.usable.shape, part.levels(self.reduction)
+            reach = [-(-(n - 1) // self.reduction) * self.reduction for n in shape]
+            self.copies.append(Copy(box[:2], shape, levels, reach, {}))
+            self._alike.setdefault(shape, []).append(self.copies[-1])
+        self.levels, self.penalty = self.copies[0].levels, penalty
+        self._spectra: dict[tuple[tuple[int, int], int], Spectra] = {}
         self._on_canvas = Level(growth.pixels, growth.done)
-        # How far the sample reaches from a pixel that it covers, in whole pixels of all levels.
-        self._reach = [-(-(n - 1) // self.reduction) * self.reduction for n in self.usable.shape]
         self._holes = holes_of(growth)
         self._lattice = None
         if lattice:
@@ -69,74 +89,71 @@ class EntirePatchMatching:
     def matches(
         self, pixel: tuple[int, int], number: int, centered: bool, map_: Callable[..., Any] = map
     ) -> Matches:
-        """See `Placement.matches`."""
-        pixel = self.in_hole(pixel)
-        if self.penalty is not None:
-            self.penalty.next_patch(pixel)
-        return self.match(pixel, centered, map_)
-
-    def in_hole(self, pixel: tuple[int, int]) -> tuple[int, int]:
-        """The nearest pixel in the rows and columns of the hole."""
+        """See `Placement.matches`; the offsets of all copies lie one under the other."""
+        # The nearest pixel in the rows and columns of the hole.
         y, x = (min(max(at, a), b - 1) for at, (a, b) in zip(pixel, self._holes, strict=True))
-        return y, x
+        boxes = {shape: self._around((y, x), some[0].reach) for shape, some in self._alike.items()}
+        places = [self._allowed(copy, (y, x), centered, boxes) for copy in self.copies]
+        k = min(coarsest(boxes[c.shape], p) for c, p in zip(self.copies, places, strict=True))
+        allowed = [some[k] != 0 for some in places]
+        costs = [np.zeros(some.shape) for some in allowed]
+        factors = [np.ones(some.shape) for some in allowed]
+        if not self.random:
+            jobs: list[Callable[[], Any]] = [partial(self._mismatch, boxes, allowed, k)]
+            if self.penalty is not None:
+                jobs.append(partial(self.penalty.of, (y, x), allowed, k))
+            costs, factors = [*map_(call, jobs), factors][:2]
+        tops = [0, *np.cumsum([len(some) for some in allowed]).tolist()]
 
-    def match(
-        self,
-        pixel: tuple[int, int],
-        centered: bool,
-        map_: Callable[..., Any] = map,
-        halvings: int | None = None,
-    ) -> Matches:
-        """Match all offsets, on the given level or the coarsest one that can be."""
+        def patches(drawn: list[tuple[int, int]], map_: Callable[..., Any]) -> list[Patch]:
+            found: dict[tuple[int, int], Patch] = {}
+            for n, copy in enumerate(self.copies):
+                own = [at for at in drawn if tops[n] <= at[0] < tops[n + 1]]
+                if not own:
+                    continue
+                here = [(v - tops[n], u) for v, u in own]
+                box = boxes[copy.shape]
+                full = in_full_size(here, box[: k + 1], copy.levels, places[n], copy.reach, map_)
+                cut = self._clipped(copy, (y, x), full, [float(factors[n][at]) for at in here])
+                found |= zip(own, cut, strict=True)
+            return [found[at] for at in drawn]
+
+        return Matches(
+            stacked(costs, np.inf), stacked(factors, 1.0), stacked(allowed, False), k, patches
+        )
+
+    def _allowed(
+        self, copy: Copy, pixel: tuple[int, int], centered: bool, boxes: Around
+    ) -> list[NDArray[np.uint8]]:
+        """The pixels of a copy that may lie on the pixel, on all levels.
+
+        In the middle where that is possible, and on the lattice, or near it if there are pixels
+        around.
+        """
+        if self._lattice is None and centered in copy.places:
+            return copy.places[centered]
         # Eighths of the sample that cover the pixel. With fewer, little of it overlaps the canvas,
         # and it matches worse; with more, it covers little that is missing.
         low, high = (2, 6) if centered else (2, 4) if self.penalty is None else (1, 6)
-        middle = np.zeros_like(self.usable)
-        rows, columns = (slice(n * low // 8, n * high // 8 + 1) for n in self.usable.shape)
-        middle[rows, columns] = self.usable[rows, columns]
-        boxes = levels_of(box_of(self._on_canvas, *self._lines(pixel)), self.reduction)
-        places = self._allowed(pixel, middle, bool(boxes[0].mask.any()))
-        k = coarsest(boxes, places) if halvings is None else halvings
-        allowed = places[k] != 0
-        costs, factors = np.zeros(allowed.shape), np.ones(allowed.shape)
-        if not self.random:
-
-            def mismatch() -> NDArray[np.float64]:
-                return self._mismatch(boxes[k], allowed, k)
-
-            def penalty() -> NDArray[np.float64]:
-                if self.penalty is None:
-                    return factors
-                return self.penalty.of(Offsets(pixel, allowed, k, copy=self.copy))
-
-            costs, factors = map_(call, (mismatch, penalty))
-
-        def patches(drawn: list[tuple[int, int]], map_: Callable[..., Any]) -> list[Patch]:
-            full = in_full_size(drawn, boxes[: k + 1], self.levels, places, self._reach, map_)
-            return self._clipped(pixel, full, [float(factors[place]) for place in drawn])
-
-        return Matches(costs, factors, allowed, k, patches)
-
-    def _allowed(
-        self, pixel: tuple[int, int], middle: NDArray[np.uint8], near: bool
-    ) -> list[NDArray[np.uint8]]:
-        """The pixels of the sample that may lie on the pixel, on all levels.
-
-        In the middle where that is possible, and on the lattice, or `near` it too.
-        """
+        usable = copy.levels[0].mask
+        middle = np.zeros_like(usable)
+        rows, columns = (slice(n * low // 8, n * high // 8 + 1) for n in copy.shape)
+        middle[rows, columns] = usable[rows, columns]
         if self._lattice is not None:
-            on = self._on_lattice(self._lattice, pixel, self._drift if near else _LEAST)
-            for some in (middle, self.usable):
+            near = self._drift if boxes[copy.shape][0].mask.any() else _LEAST
+            on = self._on_lattice(self._lattice, copy.shape, pixel, near)
+            for some in (middle, usable):
                 if (found := on & (some != 0)).any():
-                    return on_smaller(found, len(self.levels))
-        return on_levels(middle if middle.any() else self.usable, self.levels)
+                    return on_smaller(found, len(copy.levels))
+        copy.places[centered] = on_levels(middle if middle.any() else usable, copy.levels)
+        return copy.places[centered]
 
     def _on_lattice(
-        self, lattice: CanvasLattice, pixel: tuple[int, int], most: float
+        self, lattice: CanvasLattice, shape: tuple[int, int], pixel: tuple[int, int], most: float
     ) -> NDArray[np.bool_]:
         """Mark the pixels that lattice shifts lead to a pixel of the canvas, `most` pixels off."""
         first = lattice.phase(*np.add(pixel, self.canvas.origin)) / _UNIT
-        y, x = (np.arange(n) - at for n, at in zip(self.usable.shape, first, strict=True))
+        y, x = (np.arange(n) - at for n, at in zip(shape, first, strict=True))
         rest = []  # of multiples of the vectors
         for down, along in np.linalg.inv(lattice.sample).T:
             times = np.add.outer(down * y, along * x)
@@ -145,48 +162,57 @@ class EntirePatchMatching:
         found: NDArray[np.bool_] = (abs(off[0]) <= most) & (abs(off[1]) <= most)
         return found
 
-    def _lines(self, pixel: tuple[int, int]) -> list[NDArray[np.int32]]:
-        """The rows and columns that the sample may cover with this pixel, -1 beyond the canvas."""
+    def _around(self, pixel: tuple[int, int], reaches: list[int]) -> list[Level]:
+        """The pyramid of all that a copy may cover with this pixel."""
         lines = []
         for at, reach, (low, high), n, wraps in zip(
-            pixel, self._reach, self._holes, self.canvas.shape, self.canvas.wrap, strict=True
+            pixel, reaches, self._holes, self.canvas.shape, self.canvas.wrap, strict=True
         ):
             line = np.arange(at - reach, at + reach + self.reduction)
             around = max((high - low) // 2, _AROUND)
             low, high = max(low - around, 0), min(high + around, n)
             line = line % n if wraps else np.where((line >= low) & (line < high), line, -1)
             lines.append(line.astype(np.int32))
-        return lines
+        return levels_of(box_of(self._on_canvas, *lines), self.reduction)
 
-    def _mismatch(self, box: Level, allowed: NDArray[np.bool_], k: int) -> NDArray[np.float64]:
-        """C(t) over the overlap, for each pixel of the sample that may come to lie on this one.
+    def _mismatch(
+        self, boxes: Around, allowed: list[NDArray[np.bool_]], k: int
+    ) -> list[NDArray[np.float64]]:
+        """C(t) over the overlap, for each pixel of each copy that may come to lie on this one.
 
         Sums of products by FFT (section 5).
         """
-        level = self.levels[k]
-        size = [fast_size(n) for n in box.mask.shape]
-        if k not in self._spectra:  # boxes of a level have one size
-            self._spectra[k] = level.spectra_of(size)
-        both = overlap_mismatch(box.spectra_of(size), self._spectra[k])
-        # Place (0, 0) of the corner has the last pixel within reach on this one.
-        rows, columns = (reach >> k for reach in self._reach)
-        total, area = (
-            a[: rows + 1, : columns + 1][::-1, ::-1][: allowed.shape[0], : allowed.shape[1]]
-            for a in both
-        )
-        costs: NDArray[np.float64] = total / np.maximum(area, 1)
-        if area[allowed].any():  # the sample might lie apart from everything
-            costs[area == 0] = np.inf
-        return costs
+        found: list[NDArray[np.float64]] = []
+        for shape, alike in self._alike.items():
+            box, levels = boxes[shape][k], [copy.levels[k] for copy in alike]
+            size = [fast_size(n) for n in box.mask.shape]
+            if (shape, k) not in self._spectra:  # boxes of a level have one size
+                whole = (
+                    np.stack(a) for a in zip(*((x.pixels, x.mask) for x in levels), strict=True)
+                )
+                self._spectra[shape, k] = Level(*whole).spectra_of(size)
+            totals, areas = overlap_mismatch(box.spectra_of(size), self._spectra[shape, k])
+            # Place (0, 0) of the corner has the last pixel within reach on this one.
+            rows, columns = (reach >> k for reach in alike[0].reach)
+            height, width = levels[0].mask.shape
+            for total, area in zip(totals, areas, strict=True):
+                total, area = (
+                    a[: rows + 1, : columns + 1][::-1, ::-1][:height, :width] for a in (total, area)
+                )
+                costs = total / np.maximum(area, 1)
+                if area[allowed[len(found)]].any():  # the sample might lie apart from everything
+                    costs[area == 0] = np.inf
+                found.append(costs)
+        return found
 
     def _clipped(
-        self, pixel: tuple[int, int], found: list[tuple[int, int]], factors: list[float]
+        self, copy: Copy, pixel: tuple[int, int], found: list[tuple[int, int]], factors: list[float]
     ) -> list[Patch]:
-        """The part of the sample that is on the canvas if these pixels of it lie on this one."""
+        """The part of a copy that is on the canvas if these pixels of it lie on this one."""
         tops, lengths, sources = [], [], []
-        for p, at, side, size, (low, high), wraps in zip(
-            pixel, np.array(found).reshape(-1, 2).T, self.usable.shape, self.size, self._holes,
-            self.canvas.wrap, strict=True,
+        for p, at, corner, side, size, (low, high), wraps in zip(
+            pixel, np.array(found).T, copy.corner, copy.shape, size_on(self.canvas, copy.shape),
+            self._holes, self.canvas.wrap, strict=True,
         ):  # fmt: skip
             start = p - at
             if wraps:
@@ -196,9 +222,19 @@ class EntirePatchMatching:
                 first, last = np.maximum(start, low), np.minimum(start + side, high)
             tops.append(first)
             lengths.append(last - first)
-            sources.append(first - start)
+            sources.append(first - start + corner)
         boxes = (part.tolist() for part in (*tops, *lengths, *sources))
         return [Patch(*box) for box in zip(*boxes, factors, strict=True)]
+
+
+def stacked(parts: list[NDArray[Any]], fill: Any) -> NDArray[Any]:
+    """Arrays one under the other; `fill` beside narrow ones."""
+    whole = np.full((sum(map(len, parts)), max(part.shape[1] for part in parts)), fill)
+    top = 0
+    for part in parts:
+        whole[top : top + len(part), : part.shape[1]] = part
+        top += len(part)
+    return whole
 
 
 def holes_of(growth: Growth) -> list[tuple[int, int]]:
@@ -225,63 +261,3 @@ def on_smaller(places: NDArray[np.bool_], count: int) -> list[NDArray[np.uint8]]
         either = copies[-1][:rows:2, :columns] | copies[-1][1:rows:2, :columns]
         copies.append(either[:, ::2] | either[:, 1::2])
     return copies
-
-
-class OrientedMatching:
-    """Entire patch matching where the sample is a picture of copies: each patch is of one copy."""
-
-    def __init__(self, sample: Sample, growth: Growth, penalty: Penalty | None) -> None:
-        self.boxes, self.penalty = sample.boxes, penalty
-        self.ways = [
-            EntirePatchMatching(sample.part(box), growth, copy=number, penalty=penalty)
-            for number, box in enumerate(self.boxes)
-        ]
-        # Quarter turns of a sample that is not square have other sides.
-        height, width = (max(sides) for sides in zip(*(way.size for way in self.ways), strict=True))
-        self.size, self.reduction = (height, width), self.ways[0].reduction
-        self.levels = self.ways[0].levels
-
-    def matches(
-        self, pixel: tuple[int, int], number: int, centered: bool, map_: Callable[..., Any] = map
-    ) -> Matches:
-        """See `Placement.matches`; the offsets of all copies lie one under the other."""
-        pixel = self.ways[0].in_hole(pixel)
-        if self.penalty is not None:
-            self.penalty.next_patch(pixel)
-        found = [way.match(pixel, centered, map_) for way in self.ways]
-        least = min(each.halvings for each in found)
-        found = [
-            each if each.halvings == least else way.match(pixel, centered, map_, least)
-            for way, each in zip(self.ways, found, strict=True)
-        ]
-        tops = np.cumsum([0, *(len(each.allowed) for each in found)])
-        shape = tops[-1], max(each.allowed.shape[1] for each in found)
-        costs, factors, allowed = np.full(shape, np.inf), np.ones(shape), np.zeros(shape, bool)
-        for top, each in zip(tops[:-1], found, strict=True):
-            here = np.s_[top : top + each.allowed.shape[0], : each.allowed.shape[1]]
-            costs[here], factors[here], allowed[here] = each.costs, each.factors, each.allowed
-
-        def patches(drawn: list[tuple[int, int]], map_: Callable[..., Any]) -> list[Patch]:
-            return self._in_copies(found, tops[:-1].tolist(), drawn, map_)
-
-        return Matches(costs, factors, allowed, least, patches)
-
-    def _in_copies(
-        self,
-        found: list[Matches],
-        tops: list[int],
-        drawn: list[tuple[int, int]],
-        map_: Callable[..., Any],
-    ) -> list[Patch]:
-        """The patches of drawn offsets, the matches of each copy from row `tops` on."""
-        which = np.searchsorted(tops, [y for y, _ in drawn], side="right") - 1
-        patches: dict[tuple[int, int], Patch] = {}
-        for k, (top, left, _, _) in enumerate(self.boxes):
-            own = [at for at, of in zip(drawn, which, strict=True) if of == k]
-            if not own:
-                continue
-            cut = found[k].patches([(y - tops[k], x) for y, x in own], map_)
-            for at, patch in zip(own, cut, strict=True):
-                corner = {"source_top": patch.source_top + top}
-                patches[at] = patch._replace(**corner, source_left=patch.source_left + left)
-        return [patches[at] for at in drawn]

@@ -22,7 +22,7 @@ cdef class Graph(Grid):
     cdef const int[::1] from_columns
     cdef unsigned char[:, ::1] choice  # of each pixel
     cdef unsigned char[:, ::1] side  # of each block: 1 on the new side of the cut
-    cdef unsigned char[:, :, ::1] near  # scratch of `narrow`
+    cdef unsigned char[:, ::1] near  # scratch of `narrow`
     cdef int[::1] costs  # scratch of `add_within`
     cdef long long before  # the cost of the seams that the patch may change, before it
 

@@ -309,14 +309,13 @@ def narrow(graph: Graph, halvings: cython.int) -> cython.void:
     """
     cython.declare(i=cython.Py_ssize_t, j=cython.Py_ssize_t, may=cython.int)
     cython.declare(v=cython.Py_ssize_t, u=cython.Py_ssize_t, near=cython.int)
+    cython.declare(inside=cython.bint)
     block: cython.Py_ssize_t = 1 << halvings
     height: cython.Py_ssize_t = blocks(graph.rows.shape[0], halvings)
     width: cython.Py_ssize_t = blocks(graph.columns.shape[0], halvings)
-    has: cython.uchar[:, ::1] = graph.near[0]  # OLD and NEW, if a block has such pixels
-    along: cython.uchar[:, ::1] = graph.near[1]  # likewise it and the blocks beside it
+    has: cython.uchar[:, ::1] = graph.near  # OLD and NEW, if a block has such pixels
     for i in range(height):
-        for j in range(width):
-            has[i, j] = 0
+        memset(cython.address(has[i, 0]), 0, width)
     for i in range(graph.rows.shape[0]):
         for j in range(graph.columns.shape[0]):
             may = graph.choice[i, j]
@@ -325,15 +324,11 @@ def narrow(graph: Graph, halvings: cython.int) -> cython.void:
             has[i >> halvings, j >> halvings] |= may
     for i in range(height):
         for j in range(width):
-            near = OLD if j < REACH or j + REACH >= width else NOTHING
-            for u in range(max(0, j - REACH), min(j + REACH + 1, width)):
-                near |= has[i, u]
-            along[i, j] = near
-    for i in range(height):
-        for j in range(width):
-            near = OLD if i < REACH or i + REACH >= height else NOTHING
+            inside = REACH <= i < height - REACH and REACH <= j < width - REACH
+            near = NOTHING if inside else OLD
             for v in range(max(0, i - REACH), min(i + REACH + 1, height)):
-                near |= along[v, j]
+                for u in range(max(0, j - REACH), min(j + REACH + 1, width)):
+                    near |= has[v, u]
             if near == EITHER:
                 continue
             for v in range(i * block, min((i + 1) * block, graph.rows.shape[0])):

@@ -10,21 +10,6 @@ from cython.cimports.libc.string import memchr, memcpy, memset
 from cython.cimports.weftex.raster.difference_kernels import squared
 
 
-@cython.cfunc
-@cython.inline
-@cython.nogil
-@cython.exceptval(check=False)
-def mean_of(
-    upper: cython.p_const_uchar, lower: cython.p_const_uchar, channels: cython.Py_ssize_t
-) -> cython.uchar:
-    """The rounded mean of a square of four pixels."""
-    total: cython.int = upper[0]
-    total += upper[channels]
-    total += lower[0]
-    total += lower[channels]
-    return cython.cast(cython.uchar, (total + 2) >> 2)
-
-
 def halve(
     whole: cython.const[cython.uchar][:, :, ::1],
     counting: cython.const[cython.uchar][:, ::1],
@@ -34,6 +19,7 @@ def halve(
     """Fill in means of squares of four pixels, rounded; those count all of whose pixels do."""
     cython.declare(i=cython.Py_ssize_t, j=cython.Py_ssize_t, k=cython.Py_ssize_t)
     cython.declare(upper=cython.p_const_uchar, lower=cython.p_const_uchar, half=cython.p_uchar)
+    cython.declare(total=cython.int)
     channels: cython.Py_ssize_t = pixels.shape[2]
     for i in range(pixels.shape[0]):
         upper = cython.address(counting[2 * i, 0])
@@ -44,16 +30,13 @@ def halve(
         upper = cython.address(whole[2 * i, 0, 0])
         lower = cython.address(whole[2 * i + 1, 0, 0])
         half = cython.address(pixels[i, 0, 0])
-        if channels == 3:  # most pictures; the loop for any number is slower
-            for j in range(pixels.shape[1]):
-                for k in range(3):
-                    half[3 * j + k] = mean_of(upper + 6 * j + k, lower + 6 * j + k, 3)
-            continue
         for j in range(pixels.shape[1]):
             for k in range(channels):
-                half[channels * j + k] = mean_of(
-                    upper + 2 * channels * j + k, lower + 2 * channels * j + k, channels
-                )
+                total = 2 + upper[k] + upper[channels + k] + lower[k] + lower[channels + k]
+                half[k] = cython.cast(cython.uchar, total >> 2)
+            upper += 2 * channels
+            lower += 2 * channels
+            half += channels
 
 
 def copy_box(

@@ -8,7 +8,6 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
-from itertools import chain
 from typing import Any
 
 import numpy as np
@@ -229,11 +228,9 @@ def _blank(rows: int, columns: int, like: Level) -> Level:
 
 def on_levels(allowed: NDArray[np.uint8], levels: list[Level]) -> list[NDArray[np.uint8]]:
     """The allowed pixels that each level has."""
-    result = []
-    for k, level in enumerate(levels):
-        height, width = level.mask.shape
-        result.append(np.ascontiguousarray(allowed[:: 1 << k, :: 1 << k][:height, :width]))
-    return result
+    shapes = [level.mask.shape for level in levels]
+    every = [allowed[:: 1 << k, :: 1 << k][:high, :wide] for k, (high, wide) in enumerate(shapes)]
+    return [np.ascontiguousarray(some) for some in every]
 
 
 def coarsest(boxes: list[Level], allowed: list[NDArray[np.uint8]]) -> int:
@@ -259,27 +256,14 @@ def in_full_size(
     The corner of the box lies on place - offset of the sample, in full size. All lists go from the
     full size on; `map_` may use threads.
     """
-    steps = []
     for k in range(len(boxes) - 2, -1, -1):
         box, sample, at = boxes[k], samples[k], np.array(offset, np.int32) >> k
         both = box.pixels, box.mask, sample.pixels, sample.mask
-        steps.append(partial(kernels.nudge, *both, allowed[k], at, sample.all_count))
-    # Places side by side often lead to the same one, which is looked up once in full size.
-    for some in (steps[:-1], steps[-1:]):
+        nudge = partial(kernels.nudge, *both, allowed[k], at, sample.all_count)
+        # Places side by side often lead to the same one, which is looked up once.
         different = list(dict.fromkeys(places))
-        parts = [different[k : k + _TOGETHER] for k in range(0, len(different), _TOGETHER)]
-        found = chain.from_iterable(map_(partial(_in_larger, some), parts))
-        larger = dict(zip(different, found, strict=True))
+        found = 2 * np.array(different, np.int32)
+        list(map_(nudge, [found[i : i + _TOGETHER] for i in range(0, len(found), _TOGETHER)]))
+        larger = dict(zip(different, map(tuple, found.tolist()), strict=True))
         places = [larger[place] for place in places]
     return places
-
-
-def _in_larger(
-    steps: Sequence[Callable[..., Any]], places: list[tuple[int, int]]
-) -> list[tuple[int, int]]:
-    """The best matches on one larger level after the other."""
-    found = np.array(places, np.int32)
-    for nudge in steps:
-        found *= 2
-        nudge(found)
-    return [(y, x) for y, x in found.tolist()]

@@ -22,7 +22,7 @@ from weftex.methods.graphcut.sample import (
 from weftex.methods.pixels import Growth
 from weftex.random import draw
 from weftex.raster.boxes import box_sums
-from weftex.repeats import Offsets, Penalty
+from weftex.repeats import Offsets, PatchPenalty
 from weftex.search.translation import window_mismatch
 from weftex.search.windows import windows_of
 
@@ -78,7 +78,7 @@ class SubPatchMatching:
             sample.made[self.size] = arranged_for(sample, self.size)
         self._arranged: Arranged = sample.made[self.size]
         self.reduction, self.levels = self._arranged.reduction, self._arranged.levels
-        self.penalty: Penalty | None = None
+        self.penalty: PatchPenalty | None = None
         self._on_canvas = Level(growth.pixels, growth.done)
         # Where the hole of a block of a plane ends.
         self._ends: list[int] | None = None
