@@ -59,9 +59,7 @@ def rows(page):
     """Rows of all tables of a page, without their heads."""
     lines = [line for line in page.read_text("utf-8").splitlines() if line.startswith("|")]
     cells = [[cell.strip() for cell in line.strip("|").split("|")] for line in lines]
-    found = [
-        Row(*four) for four in cells if set("".join(four)) != {"-"} and four[0] != "in the paper"
-    ]
+    found = [Row(*four) for four in cells if set("".join(four)) != {"-"} and four[0] != "paper"]
     assert len(found) >= 3
     return found
 

@@ -25,7 +25,7 @@ def test_maps_can_be_named(photos, capsys):
     words = ["synth", "photos", "-o", "out", "--size", 50, "--seed", 1]
     assert weft_run(*words, "--maps", "color=wood.png,height=leaves.png") == 0
     err = capsys.readouterr().err
-    assert "map: wood.png is color, the picture\n" in err
+    assert "map: wood.png is color, the main map\n" in err
     assert "map: leaves.png is height\n" in err
     files = {"color": "wood.png", "height": "leaves.png"}
     exemplar = weftex.load_exemplar("photos", files=files)

@@ -74,7 +74,7 @@ def test_folders_of_every_convention(tmp_path, which):
     assert len([line for line in told if "ignored: it is a preview" in line]) == sum(
         role is None and file.endswith(("g",)) for file, role in FOLDERS[which].items()
     )
-    assert sum(line.endswith("is color, the picture") for line in told) == 1
+    assert sum(line.endswith("is color, the main map") for line in told) == 1
 
 
 def test_the_deeper_of_two_is_taken(tmp_path):
@@ -94,7 +94,7 @@ def test_the_deeper_of_two_is_taken(tmp_path):
         "normal.jpg is ignored: normal.png is not a JPEG",
     ]
     write_image(folder / "color.bmp", noise((24, 24, 3)))
-    with pytest.raises(weftex.FileError, match="two pictures named 'color'; keep one"):
+    with pytest.raises(weftex.FileError, match="two images named 'color'; keep one"):
         read_material(folder)
 
 

@@ -50,7 +50,7 @@ class Role:
         return self.kind == "color"
 
     def __str__(self) -> str:
-        about = {"normal": "y up or down is not said", "normal_gl": "y up", "normal_dx": "y down"}
+        about = {"normal": "direction of y unknown", "normal_gl": "y up", "normal_dx": "y down"}
         more = ", ".join(self.channels) or about.get(self.name)
         return f"{self.name} ({more})" if more else self.name
 

@@ -124,7 +124,7 @@ def run_task(task: str, argv: list[str]) -> None:
         text = "image to fill the holes from, in place of the photo"
         parser.add_argument("--sample", metavar="FILE", help=text)
     if task == "synth":
-        text = "folder for pictures of how the result was composed: sources, patches, seams"
+        text = "folder for images that show how the result was composed: sources, patches, seams"
         parser.under["output"].add_argument("--debug", metavar="DIR", help=text)
         parser.share(*BLOCKS)
     parser.share("--output", "--preset", "--verbose", "--save-source")

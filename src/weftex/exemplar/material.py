@@ -136,7 +136,7 @@ class Material:
             return converted
         lines = [
             f"map: {os.path.basename(picture.path)} is {self.roles[name]}"
-            + (", the picture" if name == self.main else "")
+            + (", the main map" if name == self.main else "")
             for name, picture in self.pictures.items()
         ]
         return lines + [f"map: {note}" for note in self.notes] + converted

@@ -188,7 +188,7 @@ def check_spec(spec: Any, given: str, max_pixels: int | None) -> None:
         if space in ("CIELAB", "ICCLAB", "ITULAB"):
             raise file_error(given, f"holds {space} colors; convert it to RGB first")
     if spec.deep or spec.depth > 1:
-        raise file_error(given, "is a deep or volume picture; weftex reads flat ones")
+        raise file_error(given, "is a deep or volume image; weftex reads flat images")
     if str(spec.format) not in READ_AS:
         raise file_error(given, f"holds {spec.format} pixels; weftex reads uint8, uint16 and float")
     if str(spec.format) == "double" and spec.tile_width:  # OpenImageIO 3.2 reads them wrong
@@ -239,7 +239,7 @@ def check_fit(given: str, form: Format, pixels: NDArray[Any], alpha: bool) -> No
     colors = (shape[2] if len(shape) == 3 else 1) - alpha
     dtype = "float32" if pixels.dtype.kind == "f" else pixels.dtype.name
     if len(shape) not in (2, 3) or 0 in shape:
-        problem = f"pixels of shape {shape} are no picture; use (H, W) or (H, W, C), not empty"
+        problem = f"pixels of shape {shape} are not an image; use (H, W) or (H, W, C), not empty"
     elif colors < 1:
         problem = "alpha needs at least one channel of color beside it"
     elif dtype not in ("uint8", "uint16", "float32"):

@@ -49,7 +49,7 @@ def _listed(name: str, given: str) -> tuple[dict[str, str], list[str]]:
         if stem in paths:
             pair = sorted((full, paths[stem]), key=_depth)
             if _depth(pair[0]) == _depth(pair[1]):
-                raise file_error(given, f"has two pictures named '{show(stem)}'; keep one")
+                raise file_error(given, f"has two images named '{show(stem)}'; keep one")
             left, kept = (show(os.path.basename(path)) for path in pair)
             why = "has more bits" if _depth(pair[0])[0] < _depth(pair[1])[0] else "is not a JPEG"
             notes.append(f"{left} is ignored: {kept} {why}")

@@ -151,7 +151,7 @@ def read_image(path: StrPath, *, max_pixels: int | None = MAX_PIXELS) -> Picture
         # The reader that goes with the suffix is asked first, and some claim any file.
         if source.format_name() != kind:
             raise file_error(
-                given, f"is a {kind} picture under the name of another format; rename it"
+                given, f"is a {kind} image under the name of another format; rename it"
             )
         spec = source.spec()
         check_spec(spec, given, max_pixels)

@@ -97,7 +97,7 @@ def _received(most: int | None) -> str:
     """Copy standard input to a file, and return its path."""
     source = sys.stdin.buffer
     if source.isatty():
-        raise FileError("- is standard input, which is a terminal here; send a picture through it")
+        raise FileError("- is standard input, which is a terminal here; send an image through it")
     try:
         head = source.read(16)
     except OSError as error:

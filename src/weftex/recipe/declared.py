@@ -202,7 +202,7 @@ TASKS = {
     ),
     "fuse": Task(
         _by_name(
-            Option("map", Kind("map", "a picture, or what a gradient takes", str, _map),
+            Option("map", Kind("map", "an image, or what a gradient takes", str, _map),
                    "image with one color for each sample, or 'gradient'", metavar="MAP"),
             Option("colors", COLORS, "map colors of the samples, in their order, as #rrggbb or "
                    "gray levels", metavar="C,C,..."),

@@ -216,7 +216,7 @@ DENSITY = Kind(
     lambda value: f"{_number_text(value)}px/m",
 )  # fmt: skip
 FLAG = Kind("bool", "true or false", str, _a(bool))
-PICTURE = Kind("picture", "a picture", str, _word)
+PICTURE = Kind("picture", "an image", str, _word)
 DEGREE = WHOLE._replace(bare="2", values=r"[-+]?\d+")
 NUMBERS = _listed("numbers", "numbers with commas between them", float, _number, _number_text)
 WINDOW = _listed("window", "TOP,LEFT,HEIGHT,WIDTH, such as -100,0,256,256", int, _whole, count=4)
