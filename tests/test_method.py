@@ -199,8 +199,7 @@ def test_unsupported_canvases_are_refused_with_those_that_can():
     ):
         with pytest.raises(UnsupportedError) as caught:
             method.require(canvas)
-        message = str(caught.value)
-        start, able = message.split("; these methods do: ")
+        start, able = str(caught.value).split("; these methods do: ")
         assert start == f"humble does not support {CANVAS_KINDS[kind]}"
         assert able.split(", ") == [s for s in EVERY if kind in METHODS[s].supports]
 

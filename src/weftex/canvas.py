@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from weftex.errors import InvalidInputError, shown
+from weftex.errors import InvalidInputError, is_whole, shown
 from weftex.exemplar import Exemplar
 from weftex.raster.arrays import as_mask, check_guide, check_pixels
 
@@ -22,6 +22,16 @@ MAX_PIXELS = 2**30
 #: How far from its own origin a window of an endless plane may begin, in pixels.
 FAR = 2**40
 _WHITE = {"uint8": 255, "uint16": 65535}  # 1 in floating point
+#: Canvas kinds that a method may declare in `supports`, in words for messages.
+CANVAS_KINDS = {
+    "wrap": "tileable output",
+    "known": "hole filling",
+    "guide": "following a guide",
+    "many": "several samples in one picture",
+    "random_access": "windows of an endless plane",
+}
+#: The thing that a canvas of a kind has.
+CANVAS_NAMES = {"guide": "a guide", "known": "known pixels", "wrap": "tileable output"}
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,7 +86,7 @@ class Canvas:
     def __post_init__(self) -> None:
         for name in ("height", "width"):
             value = getattr(self, name)
-            if not isinstance(value, numbers.Integral) or isinstance(value, bool) or value < 1:
+            if not is_whole(value, 1):
                 raise InvalidInputError(
                     f"{name} is {shown(value)}; it must be an integer of 1 or more"
                 )

@@ -6,7 +6,10 @@ fix; the command line prints that line and exits with code 2.
 
 from __future__ import annotations
 
+import math
+import numbers
 from collections.abc import Iterable
+from typing import TypeGuard
 
 __all__ = [
     "CancelledError",
@@ -15,6 +18,7 @@ __all__ = [
     "UnsupportedError",
     "WeftexError",
     "did_you_mean",
+    "is_whole",
     "missing_packages",
     "shown",
 ]
@@ -83,6 +87,12 @@ def shown(value: object) -> str:
     except Exception:  # anybody's own, or an integer of more digits than Python prints
         text = f"a {type(value).__name__}"
     return text if len(text) <= _LONGEST else text[: _LONGEST - 3] + "..."
+
+
+def is_whole(value: object, least: int, most: float = math.inf) -> TypeGuard[int]:
+    """Return whether a value is an integer, also of NumPy, within bounds; True is none."""
+    whole = isinstance(value, numbers.Integral) and not isinstance(value, bool)
+    return whole and least <= value <= most  # type: ignore[operator]
 
 
 def did_you_mean(name: str, known: Iterable[str]) -> str:

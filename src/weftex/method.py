@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import dataclasses
 import itertools
-import numbers
 from abc import ABC, abstractmethod
 from collections.abc import Iterator
 from typing import Any, ClassVar, Self
@@ -12,10 +11,10 @@ from typing import Any, ClassVar, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from weftex.canvas import Canvas, as_canvas
+from weftex.canvas import CANVAS_KINDS, CANVAS_NAMES, Canvas, as_canvas
 from weftex.endless.boxes import A_BLOCK, Box, PlaneRequest, as_period, box_of
 from weftex.endless.grid import Sizes
-from weftex.errors import InvalidInputError, UnsupportedError, did_you_mean, shown
+from weftex.errors import InvalidInputError, UnsupportedError, did_you_mean, is_whole, shown
 from weftex.exemplar import Exemplar, Sample, load_exemplar
 from weftex.parameters import check_value, numbers_of
 from weftex.progress import ProgressCallback, listening
@@ -25,17 +24,6 @@ from weftex.results.synthesis import Synthesis
 from weftex.threads import in_turn, thread_count
 
 __all__ = ["Method", "Model"]
-
-#: Canvas kinds that a method may declare in `supports`, in words for messages.
-CANVAS_KINDS = {
-    "wrap": "tileable output",
-    "known": "hole filling",
-    "guide": "following a guide",
-    "many": "several samples in one picture",
-    "random_access": "windows of an endless plane",
-}
-#: The thing that a canvas of a kind has.
-CANVAS_NAMES = {"guide": "a guide", "known": "known pixels", "wrap": "tileable output"}
 
 
 class Model(ABC):
@@ -142,17 +130,15 @@ class Model(ABC):
         >>> [one.shape for one in model.samples(2, 64, seed=1, channels_first=True)]
         [(3, 64, 64), (3, 64, 64)]
         """
-        whole = isinstance(count, numbers.Integral) and not isinstance(count, bool)
-        if count is not None and not (whole and count >= 0):
+        if count is not None and not is_whole(count, 0):
             raise InvalidInputError(f"count is {shown(count)}; it must be 0 or more, or None")
         first, at_once = seed_number(seed), thread_count(threads)
         canvas = as_canvas(size, tileable)
 
         def one(k: int) -> NDArray[Any]:
             image = self.sample(canvas, seed=(first + k) % 2**64, threads=1).image
-            if not channels_first:
-                return image
-            return np.ascontiguousarray(np.moveaxis(np.atleast_3d(image), -1, 0))
+            planes = np.moveaxis(np.atleast_3d(image), -1, 0)
+            return np.ascontiguousarray(planes) if channels_first else image
 
         return in_turn(one, range(count) if count is not None else itertools.count(), at_once)
 

@@ -2,22 +2,20 @@
 
 from __future__ import annotations
 
-import numbers
 import os
 import sys
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from typing import Any
 
-from weftex.errors import InvalidInputError, shown
+from weftex.errors import InvalidInputError, is_whole, shown
 
 __all__ = ["in_turn", "thread_count"]
 
 
 def thread_count(threads: int | None) -> int:
     """The number of threads: `threads`, which must be 1 or more, or one per usable processor."""
-    whole = isinstance(threads, numbers.Integral) and not isinstance(threads, bool)
-    if threads is not None and not (whole and threads >= 1):
+    if threads is not None and not is_whole(threads, 1):
         raise InvalidInputError(f"threads is {shown(threads)}; it must be an integer of 1 or more")
     threads = None if threads is None else int(threads)
     return threads or _processors()

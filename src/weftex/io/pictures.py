@@ -30,7 +30,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from weftex.errors import FileError, InvalidInputError, WeftexError, did_you_mean, shown
+from weftex.errors import FileError, InvalidInputError, WeftexError, did_you_mean, is_whole, shown
 from weftex.io import temporary as temporaries
 from weftex.io.formats import (
     COLOR_SPACES,
@@ -130,8 +130,7 @@ def read_image(path: StrPath, *, max_pixels: int | None = MAX_PIXELS) -> Picture
     FileError
         If the file is missing, unreadable, damaged, cut short, too large or not a picture.
     """
-    whole = isinstance(max_pixels, numbers.Integral) and not isinstance(max_pixels, bool)
-    if max_pixels is not None and not (whole and max_pixels >= 1):
+    if max_pixels is not None and not is_whole(max_pixels, 1):
         raise InvalidInputError(f"max_pixels is {shown(max_pixels)}; it must be 1 or more, or None")
     name, given = locate(path)
     kind = kind_of(name, given)

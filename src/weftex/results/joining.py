@@ -20,10 +20,8 @@ from weftex.exemplar import Exemplar
 from weftex.raster.arrays import Floats
 from weftex.raster.mixing import Kind
 from weftex.results import height_kernels as kernels
+from weftex.results.sources import Window
 from weftex.threads import thread_map
-
-#: (top, left, height, width) in output pixels.
-Window = tuple[int, int, int, int]
 
 _FEW = 32  # different colors: a drawing or a map of labels, which has no tones between
 _HEIGHTS = 24.0  # sample pixels in which what raises an edge of a height map falls to a third

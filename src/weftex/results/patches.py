@@ -11,7 +11,8 @@ from weftex.canvas import MAX_PIXELS, Canvas
 from weftex.io.npz import DamageError
 from weftex.raster.mixing import Mixing
 from weftex.results import paste_kernels
-from weftex.results.synthesis import Place, Synthesis, Window
+from weftex.results.sources import Place, Window
+from weftex.results.synthesis import Synthesis
 
 _MOST_LAYERS = 4  # of patches that show at one pixel
 

@@ -11,7 +11,8 @@ from weftex.canvas import Canvas
 from weftex.io.npz import DamageError
 from weftex.raster.mixing import Mixing
 from weftex.results import paste_kernels
-from weftex.results.synthesis import Place, Synthesis, Window
+from weftex.results.sources import Place, Window
+from weftex.results.synthesis import Synthesis
 
 
 class PixelSynthesis(Synthesis):

@@ -13,12 +13,11 @@ from weftex.exemplar import Exemplar
 from weftex.exemplar.exemplar import as_map
 from weftex.raster.arrays import check_pixels
 from weftex.raster.levels import resized, scale_between
+from weftex.results.sources import Window
 from weftex.roles import as_role
 
 if TYPE_CHECKING:
     from fractions import Fraction
-
-    Window = tuple[int, int, int, int]
 
 
 class RenderedMaps(Mapping[str, NDArray[Any]]):

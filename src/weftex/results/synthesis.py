@@ -1,9 +1,9 @@
-"""The answer to the question which sample pixel goes where; pictures are rendered from it."""
+"""A result: pictures are rendered from the sample pixels that it is made of."""
 
 from __future__ import annotations
 
 import os
-from abc import ABC, abstractmethod
+from abc import abstractmethod
 from collections.abc import Mapping
 from typing import Any, ClassVar
 
@@ -17,20 +17,14 @@ from weftex.exemplar.turns import as_copies, as_made_from
 from weftex.io.display import Displayable
 from weftex.io.npz import one_line_errors
 from weftex.raster.mixing import Mixing
-from weftex.raster.turning import in_first_copy
 from weftex.results import drawing, scales
 from weftex.results.cloning import TONE_REACH, join_filling
 from weftex.results.files import ABOUT, Facts, arrays_of, read_result, write_result
 from weftex.results.joining import PastedPieces, join_steps, reach_of
-
-#: (top, left, height, width) in output pixels.
-Window = tuple[int, int, int, int]
-Place = tuple[int, int]
-
-_BAND = 256  # rows whose layers are in memory at once
+from weftex.results.sources import Place, SourceMap, Window
 
 
-class Synthesis(Displayable, ABC):
+class Synthesis(Displayable, SourceMap):
     """A result: its image, its maps, and the sample pixels that they come from.
 
     Functions and models return it. `load` reads one from a file; `from_source` makes one.
@@ -63,10 +57,6 @@ class Synthesis(Displayable, ABC):
         Maximum number of threads of `render`.
     """
 
-    #: The arrays that say where pixels come from, by the name of the parameter, and their types.
-    ARRAYS: ClassVar[Mapping[str, type]] = {}
-    #: Arrays that only some results have; None without them.
-    OPTIONAL: ClassVar[Mapping[str, type]] = {}
     #: Every kind of result by its arrays.
     _KINDS: ClassVar[list[type[Synthesis]]] = []
 
@@ -89,13 +79,12 @@ class Synthesis(Displayable, ABC):
         copy_shape: tuple[int, int] | None = None,
         threads: int = 1,
     ) -> None:
-        self.canvas, self.exemplar, self.threads = canvas, exemplar, threads
-        self.sample_shape, self.known_from = sample_shape, known_from
+        if isinstance(exemplar, Exemplar) and exemplar.turn is not None:
+            turn, copy_shape = exemplar.turn, exemplar.copy_shape
+        super().__init__(canvas, sample_shape, known_from, turn, copy_shape)
+        self.exemplar, self.threads = exemplar, threads
         self.provenance, self.tone_reach = provenance or {}, tone_reach
         self._picture, self.match_tone, self.is_window = picture, match_tone, is_window
-        self.turn, self.copy_shape = turn, copy_shape
-        if isinstance(exemplar, Exemplar) and exemplar.turn is not None:
-            self.turn, self.copy_shape = exemplar.turn, exemplar.copy_shape
 
     def __repr__(self) -> str:
         about = {"method": "by", "seed": "seed"}
@@ -108,23 +97,8 @@ class Synthesis(Displayable, ABC):
         return None if self.exemplar is None else (self.image, self.exemplar.alpha)
 
     @abstractmethod
-    def _layers(self, window: Window) -> tuple[NDArray[np.int32], NDArray[np.float32]]:
-        """Coordinates and weights as `layers` returns them, -1 and 0 for known pixels."""
-
-    @abstractmethod
     def _lay(self, out: NDArray[Any], pixels: NDArray[Any], window: Window, mixing: Mixing) -> None:
         """Paste the pixels of (H, W, C) over `out`, which is a multiple of the window's size."""
-
-    @abstractmethod
-    def _moved_arrays(
-        self, shape: tuple[int, int], sample: tuple[int, int], to: Place, source_to: Place
-    ) -> dict[str, NDArray[Any]]:
-        """The arrays of the same result on a larger canvas and sample; see `moved`."""
-
-    @classmethod
-    @abstractmethod
-    def _check(cls, canvas: Canvas, sample: tuple[int, int], arrays: dict[str, Any]) -> None:
-        """Raise `npz.DamageError` unless kernels may trust these arrays, read from a file."""
 
     def moved(
         self, canvas: Canvas, exemplar: Exemplar, *, to: Place, source_to: Place
@@ -139,16 +113,6 @@ class Synthesis(Displayable, ABC):
             known_from=canvas.known_from,
             provenance=self.provenance,
         )
-
-    def arrays(self) -> dict[str, NDArray[Any]]:
-        """Return the arrays that `save` writes, by the name of the parameter."""
-        found = {name: getattr(self, name) for name in (*self.ARRAYS, *self.OPTIONAL)}
-        return {name: array for name, array in found.items() if array is not None}
-
-    @property
-    def shape(self) -> tuple[int, int]:
-        """Height and width of the output."""
-        return self.canvas.shape
 
     @property
     def image(self) -> NDArray[Any]:
@@ -168,67 +132,6 @@ class Synthesis(Displayable, ABC):
         return scales.RenderedMaps(
             self.sample.maps, lambda name: self.render(self.sample.map(name))
         )
-
-    @property
-    def source(self) -> NDArray[np.int32]:
-        """Where each pixel comes from: (H, W, 2), row and column in the sample.
-
-        A blended pixel has the source with the largest share. A known pixel that is not in the
-        sample has (-1, -1): leave it out before you index with `source`. A pixel of a rotated or
-        mirrored copy has its place in the sample. Where `tone_reach` spreads steps of tone, pixels
-        of `image` differ slightly from their sources.
-
-        Examples
-        --------
-        >>> import numpy as np, weftex
-        >>> labels = np.arange(192 * 192).reshape(192, 192) // 5000
-        >>> result = weftex.synthesize("sample:pebbles", 64, method="quilting", seed=7)
-        >>> row, column = np.moveaxis(result.source, 2, 0)
-        >>> labels[row, column].shape
-        (64, 64)
-        """
-        return in_first_copy(self.pictured_source(), self.turn, self.copy_shape)
-
-    def pictured_source(self) -> NDArray[np.int32]:
-        """Return `source`, but as coordinates in the picture of copies if the sample was turned."""
-        height, width = self.shape
-        source = np.empty((height, width, 2), np.int32)
-        for top in range(0, height, _BAND):
-            part = source[top : top + _BAND]
-            part[:] = self._pictured_layers((top, 0, len(part), width))[0][:, :, 0]
-        return source
-
-    def layers(self, window: Window | None = None) -> tuple[NDArray[Any], NDArray[Any]]:
-        """Return all sources of each pixel and their shares, also where patches are blended.
-
-        Parameters
-        ----------
-        window : (top, left, height, width), optional
-            In output pixels; the whole output by default.
-
-        Returns
-        -------
-        coordinates : int32 array (h, w, layers, 2)
-            Row and column in the sample, largest share first; -1 where there is none. Up to four
-            layers where patches are blended, one where pixels are copied.
-        shares : float32 array (h, w, layers)
-            Share of each source. They sum to 1; all are 0 for a known pixel not in the sample.
-        """
-        coordinates, share = self._pictured_layers(self.canvas.check_window(window))
-        return in_first_copy(coordinates, self.turn, self.copy_shape), share
-
-    def _pictured_layers(self, window: Window) -> tuple[NDArray[Any], NDArray[Any]]:
-        """Return `layers` with coordinates in the picture of copies."""
-        coordinates, share = self._layers(window)
-        if self.canvas.hole is not None:  # patches may overlap known pixels
-            top, left, height, width = window
-            known = ~self.canvas.hole[top : top + height, left : left + width]
-            coordinates[known], share[known] = -1, 0
-            if self.known_from is not None:
-                own = np.indices((height, width)).transpose(1, 2, 0) + (top, left) + self.known_from
-                coordinates[known, 0] = own[known]
-                share[known, 0] = 1
-        return coordinates, share
 
     def render(
         self,

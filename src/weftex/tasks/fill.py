@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import numbers
 import os
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
@@ -10,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from weftex.canvas import Canvas, as_canvas
-from weftex.errors import InvalidInputError, shown
+from weftex.errors import InvalidInputError, is_whole, shown
 from weftex.exemplar import Exemplar, load_exemplar
 from weftex.naming import is_auto, make_method, method_for
 from weftex.prepare.combining import paired
@@ -125,7 +124,7 @@ def fill(
     """
     by_sample = is_auto(method) and not parameters
     chosen = method_for("fill", FOR_HOLES, method, parameters)
-    if not isinstance(overlap, numbers.Integral) or isinstance(overlap, bool) or overlap < 0:
+    if not is_whole(overlap, 0):
         raise InvalidInputError(f"overlap is {overlap!r}; it must be a whole number, 0 or more")
     if match_tone is not None and not isinstance(match_tone, bool):
         raise InvalidInputError(f"match_tone is {shown(match_tone)}; it must be True or False")
@@ -185,6 +184,7 @@ def fill(
         name=source.name,
     )
     part = Canvas(*place.shape, region.wrap, features, region.crop(hole), canvas.known_from)
+    assert part.hole is not None
     how: dict[str, Any] = {"seed": seed, "threads": threads, "progress": progress}
     with listening(progress):
         made = _filled_by_auto(near, part, how) if by_sample and inside else None

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-import numbers
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -12,7 +11,7 @@ from numpy.typing import NDArray
 
 from weftex.analysis.scale import dominant_scale
 from weftex.canvas import Canvas, as_canvas
-from weftex.errors import InvalidInputError, did_you_mean, shown
+from weftex.errors import InvalidInputError, did_you_mean, is_whole, shown
 from weftex.exemplar import Exemplar, Sample, load_exemplar
 from weftex.label_maps import Gradient, labels_of, map_picture
 from weftex.method import Method
@@ -127,8 +126,7 @@ def fuse(
         return chosen.for_belt(width, **of_belts)
 
     belt_method(chosen.window_for(1))  # refuses what it does not take
-    whole_number = isinstance(belt_width, numbers.Integral) and not isinstance(belt_width, bool)
-    if belt_width is not None and (not whole_number or belt_width < 2):
+    if belt_width is not None and not is_whole(belt_width, 2):
         raise InvalidInputError(
             f"belt_width is {shown(belt_width)}; it must be an integer of 2 or more"
         )

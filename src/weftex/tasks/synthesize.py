@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from weftex.canvas import Canvas, as_canvas
-from weftex.errors import InvalidInputError, shown
+from weftex.errors import InvalidInputError, is_whole, shown
 from weftex.exemplar import Exemplar, Sample, load_exemplar
 from weftex.method import Method, Model
 from weftex.naming import make_method
@@ -112,7 +112,8 @@ def synthesize(
         if canvas.guide is not None:
             raise InvalidInputError("the canvas has a guide; give none beside it")
         canvas = dataclasses.replace(canvas, guide=_guide(guide))
-    _check_count(best_of)
+    if not is_whole(best_of, 1, _MOST_TRIES):
+        raise InvalidInputError(f"best_of is {shown(best_of)}; it must be from 1 to {_MOST_TRIES}")
     with listening(progress):
         chosen.require(canvas)
         exemplar = load_exemplar(sample)
@@ -195,13 +196,6 @@ def _guide(picture: Sample) -> NDArray[Any]:
     if isinstance(picture, np.ndarray):
         return picture
     return load_exemplar(picture).pixels
-
-
-def _check_count(count: object) -> None:
-    """Raise `InvalidInputError` unless it is a number of outputs."""
-    whole = isinstance(count, int) and not isinstance(count, bool)
-    if not (whole and 1 <= count <= _MOST_TRIES):  # type: ignore[operator]
-        raise InvalidInputError(f"best_of is {shown(count)}; it must be from 1 to {_MOST_TRIES}")
 
 
 def _best_of(
