@@ -103,7 +103,7 @@ def parameters(slug: str) -> str:
     from weftex.registry import method_class
 
     lines = [
-        f"* **`{field.name}`**: {field.metadata['help']}. *{values}*\n"
+        f"* **`{field.name}`**: {field.metadata['help']}. *{values[0].upper()}{values[1:]}.*\n"
         for field, values in parameters_of(method_class(slug))
     ]
     return f"{''.join(lines)}\n"
