@@ -193,7 +193,7 @@ def map_picture(label_map: Any) -> NDArray[Any]:
             )
         return label_map
     if label_map is None:
-        raise InvalidInputError("the map is None; give a picture, labels or 'gradient'")
+        raise InvalidInputError("the map is None; give an image, labels or 'gradient'")
     return load_exemplar(label_map).pixels
 
 

@@ -77,7 +77,7 @@ def test_what_a_picture_shows_is_said_once():
     result = weftex.synthesize(pixels, (8, 8))
     with pytest.raises(weftex.InvalidInputError, match="role is 'nrml'; known: color,"):
         result.render(pixels, role="nrml")
-    with pytest.raises(weftex.InvalidInputError, match="an Exemplar says what it shows"):
+    with pytest.raises(weftex.InvalidInputError, match="role has no effect with an Exemplar"):
         result.render(weftex.Exemplar(pixels), role="height")
     assert weftex.Exemplar(pixels, name="rock_nor_gl_2k").role is ROLES["normal_gl"]
     assert weftex.Exemplar(pixels, name="rock_disp_2k").role is ROLES["color"]

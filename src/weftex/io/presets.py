@@ -110,7 +110,7 @@ def read_preset(preset: StrPath) -> Preset:
     except OSError as error:
         raise file_error(given, "cannot read the preset", error) from None
     except UnicodeDecodeError:
-        raise file_error(given, "is no text in UTF-8") from None
+        raise file_error(given, "is not UTF-8 text") from None
     try:
         return _preset(path.stem, tomllib.loads(text))
     except (tomllib.TOMLDecodeError, RecursionError) as error:

@@ -55,7 +55,7 @@ def check_layout(pixels: NDArray[Any], name: str) -> None:
         raise InvalidInputError(
             f"{name} has the shape {shape}, which looks like (channels, height, width); use "
             "np.moveaxis(pixels, 0, -1), or give alpha=False if it has "
-            f"{shape[2]} channels indeed"
+            f"{shape[2]} channels"
         )
 
 
@@ -91,7 +91,7 @@ def check_pixels(pixels: NDArray[Any], name: str) -> NDArray[Any]:
         raise InvalidInputError(f"{name} has dtype {pixels.dtype}; supported: {', '.join(_DTYPES)}")
     if pixels.ndim not in (2, 3):
         raise InvalidInputError(
-            f"{name} has {pixels.ndim} dimensions; a picture is (height, width[, channels])"
+            f"{name} has {pixels.ndim} dimensions; an image has (height, width[, channels])"
         )
     if 0 in pixels.shape:
         raise InvalidInputError(f"{name} is empty: its shape is {pixels.shape}")

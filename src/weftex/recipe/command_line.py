@@ -45,7 +45,7 @@ def json_of(
             places = {"maps": specs[:1], "repeats": specs[1:]}.get(name, specs)
         if not places:
             raise InvalidInputError(
-                f"{option.flag} has no effect without --sample; --tileable says it of the photo"
+                f"{option.flag} has no effect without --sample; for the photo, use --tileable"
             )
         for spec in places:
             spec[name] = plain(value)

@@ -55,7 +55,7 @@ def as_rendered(given: Any, role: str | None) -> Exemplar:
     if role is None:
         return as_map(given, "map")
     if isinstance(given, Exemplar):
-        raise InvalidInputError("an Exemplar says what it shows; give role to the Exemplar")
+        raise InvalidInputError("role has no effect with an Exemplar; give it to the Exemplar")
     return as_map(given, as_role(role).name)
 
 

@@ -189,7 +189,7 @@ def _load(samples: Any) -> list[Exemplar]:
     loaded = []
     for number, sample in enumerate(samples, 1):
         if sample is None:
-            raise InvalidInputError(f"sample {number} is None; give a picture")
+            raise InvalidInputError(f"sample {number} is None; give an image")
         named: dict[str, Any] = {}
         if isinstance(sample, np.ndarray):
             named["name"] = f"array {number}"

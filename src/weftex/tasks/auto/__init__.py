@@ -217,7 +217,7 @@ def fitting_canvas(canvas: Canvas, exemplar: Exemplar, method: Method) -> Canvas
     if not any(canvas.wrap):
         raise InvalidInputError("fit has no effect without tileable")
     if canvas.guide is not None or canvas.known is not None:
-        raise InvalidInputError("fit has no effect on a size that a guide or a photo has")
+        raise InvalidInputError("fit has no effect: a guide or a photo sets the size")
     model = method.fit(exemplar)
     if not isinstance(model, LatticeModel):
         lattice = AutoModel(Auto(), exemplar).lattice
