@@ -17,7 +17,7 @@ __all__ = ["is_auto", "make_method", "method_for", "method_of", "text_of"]
 
 def is_auto(method: str | Method) -> bool:
     """Whether "auto" is meant, by name or as an object."""
-    return (method.slug if isinstance(method, Method) else method) == AUTO
+    return isinstance(method, Method | str) and getattr(method, "slug", method) == AUTO
 
 
 def make_method(method: str | Method, parameters: Mapping[str, Any]) -> Method:
