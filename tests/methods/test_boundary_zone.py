@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 from scipy.ndimage import distance_transform_cdt
 
-from weftex.methods.patches import zone_kernels as _kernels
+from weftex.methods.patches import patch_kernels as _kernels
 from weftex.methods.patches.boundary_zone import boundary_zone
 
 masks = arrays(bool, st.tuples(st.integers(1, 12), st.integers(1, 12)))
@@ -100,6 +100,6 @@ def test_distances_of_long_zones_do_not_overflow():
     black, white = np.zeros((200, 300, 3), np.uint8), np.full((200, 300, 3), 255, np.uint8)
     transposed = np.ascontiguousarray(white.transpose(1, 0, 2))
     query = np.empty(zone.area * 3, np.uint8)
-    assert _kernels.copy_zone(black, 0, 0, zone.runs, query) == 0
-    key = _kernels.zone_distance(white, transposed, 0, 0, zone.runs, query, -1)
+    assert _kernels.copy_zone(black, 0, 0, zone.strips, query) == 0
+    key = _kernels.zone_distance(white, transposed, 0, 0, zone.strips, query, -1)
     assert key == zone.area * 3 * 255**2 > 2**31

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from weftex.errors import UnsupportedError
-from weftex.methods.patches.zone_search import kd_tree
+from weftex.search.acceleration import kd_tree
 
 
 def test_equal_points_make_a_tree():

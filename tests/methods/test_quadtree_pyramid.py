@@ -7,9 +7,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from twins import quadtree_pyramid as reference
-from weftex.methods.patches import zone_kernels as _kernels
 from weftex.methods.patches.boundary_zone import boundary_zone
-from weftex.methods.patches.zone_search import QuadtreePyramid
+from weftex.search import acceleration_kernels as _kernels
+from weftex.search.acceleration import QuadtreePyramid
 
 
 @given(st.sampled_from([1, 2, 4]), st.sampled_from([1, 2, 4]), st.integers(1, 3), st.data())
@@ -42,11 +42,8 @@ def test_block_means_of_a_canvas_wrap(side, channels, y, x):
 def shortlist(pixels, zone, means, usable, stride, wanted):
     nodes = QuadtreePyramid(pixels).nodes(zone.side, stride)
     keys, places = np.empty(wanted, np.int64), np.empty(wanted, np.int32)
-    columns = usable.shape[1]
-    sums = np.empty(columns, np.int32), np.empty(columns, np.int64)
-    found = _kernels.Shortlist(wanted, keys, places, None, None, None, *sums)
-    count = _kernels.nearest_by_blocks(nodes, zone.blocks, means, usable, found)
-    return keys[:count].tolist(), [tuple(divmod(p, columns)) for p in places[:count].tolist()]
+    count = _kernels.nearest_by_blocks(nodes, zone.blocks, means, usable, wanted, keys, places)
+    return keys[:count].tolist(), [divmod(p, usable.shape[1]) for p in places[:count].tolist()]
 
 
 @given(

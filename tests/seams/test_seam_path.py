@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from weftex.methods.patches import patch_kernels as _kernels
+from weftex.methods.patches import cut_kernels as _kernels
 from weftex.methods.patches.boundary_zone import boundary_zone
 from weftex.results.paste_kernels import Layout
 
@@ -30,7 +30,7 @@ def test_paths_keep_to_where_the_patch_shows():
     known = np.zeros((9, 9), bool)
     known[:, :6] = True
     zone = boundary_zone(known, 3)
-    assert zone.bands.tolist() == [3, 3, 0, 9, 9, 1, 0, 0, 0]
+    assert zone.bands.tolist() == [3, 3, 9, 0, 9, 1, 0, 0, 0]
     frozen = np.zeros((9, 9), bool)
     frozen[:, 3] = True
     frozen[4, 3:5] = True  # a step aside

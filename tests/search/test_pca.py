@@ -5,8 +5,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from processes import ENVIRONMENT, run
-from weftex.methods.patches import zone_kernels as _kernels
-from weftex.search.pca import fit_pca
+from weftex.search import acceleration_kernels as _kernels
+from weftex.search.acceleration import fit_pca
 
 
 def made_up(seed, size, count):
@@ -22,7 +22,7 @@ def check_exact(pca, windows):
     """Coordinates are what whole-number arithmetic gives, which has no order of summation."""
     raw = pca.basis.astype(np.int64) @ windows.astype(np.int64) - pca.offset[:, None]
     half = (1 << pca.shift) >> 1
-    assert np.array_equal(pca.features, (raw + half) >> pca.shift)
+    assert np.array_equal(pca.coordinates, (raw + half) >> pca.shift)
 
 
 def test_coordinates_are_exact_where_everything_is_bright(rng):
@@ -41,7 +41,7 @@ def test_coordinates_are_exact_and_a_query_gets_those_of_its_window(seed, size, 
         features = np.empty(len(pca.basis), np.int16)
         means = windows[:, n].astype(np.int32)
         _kernels.project(pca.basis, pca.offset, pca.shift, means, features)
-        assert np.array_equal(features, pca.features[:, n])
+        assert np.array_equal(features, pca.coordinates[:, n])
 
 
 @given(st.integers(0, 10**6), st.integers(1, 30))
@@ -77,13 +77,13 @@ def test_at_most_48_components_fit_the_kernels_sums(rng):
     pca = fit_pca(windows, 1.0)
     assert len(pca.basis) <= 48
     # Two opposite points, as far as clamping allows, in all components.
-    assert len(pca.basis) * (4095 + int(np.abs(pca.features).max())) ** 2 < 2**31
+    assert len(pca.basis) * (4095 + int(np.abs(pca.coordinates).max())) ** 2 < 2**31
 
 
 def test_constant_windows_have_one_component():
     pca = fit_pca(np.full((9, 40), 77, np.uint8), 0.97)
-    assert pca.features.shape == (1, 40)
-    assert len(np.unique(pca.features)) == 1
+    assert pca.coordinates.shape == (1, 40)
+    assert len(np.unique(pca.coordinates)) == 1
 
 
 @given(st.integers(0, 10**6), st.integers(1, 10), st.integers(1, 3000), st.integers(1, 60))
@@ -94,7 +94,7 @@ def test_feature_shortlist_is_the_m_smallest(seed, size, count, wanted):
     query = rng.integers(-spread, spread + 1, size).astype(np.int16)
     at = rng.permutation(10 * count)[:count].astype(np.int32)
     keys, places = np.empty(wanted, np.int64), np.empty(wanted, np.int32)
-    found = _kernels.nearest_by_features(features, at, query, wanted, keys, places)
+    found = _kernels.nearest_by_coordinates(features, at, query, wanted, keys, places)
     expected = ((features.T.astype(int) - query) ** 2).sum(axis=1).tolist()
     assert found == min(wanted, count)
     assert sorted(keys[:found].tolist()) == sorted(expected)[:wanted]

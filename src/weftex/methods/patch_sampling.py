@@ -19,6 +19,7 @@ from weftex.parameters import parameter
 _PAPERS_EPSILON = 0.2  # section 2.4
 _HOLE_EPSILON = 0.02  # known pixels cannot be blended, so the best match is taken
 _FILLING = 0.05  # how much worse than the best a match may be where another seed fills a hole
+_SEED_OF_BEST = 1  # by default, so that holes are filled with the best matches
 
 
 @dataclass(frozen=True)
@@ -59,13 +60,13 @@ class PatchSampling(PatchMethod):
     )
 
     @property
-    def looseness(self) -> float:
-        """See `PatchMethod.looseness`."""
+    def tolerance_ratio(self) -> float:
+        """See `PatchMethod.tolerance_ratio`."""
         return self.epsilon / _PAPERS_EPSILON
 
     @property
-    def anything(self) -> bool:
-        """See `PatchMethod.anything`; section 2.5: patch pasting."""
+    def accepts_all(self) -> bool:
+        """See `PatchMethod.accepts_all`; section 2.5: patch pasting."""
         return self.epsilon == math.inf
 
     def for_hole(
@@ -85,31 +86,35 @@ class PatchSampling(PatchMethod):
 def sample_by_patches(output: Output, method: PatchSampling) -> None:
     """Cover an output with patches of the sample: steps 1 to 6 of section 2.2.
 
-    Every patch depends on those pasted before it. So a compiled loop, `patch_kernels.lay_patches`,
-    takes steps 1 to 4 for one patch after the other, in runs of patches whose boundary zones have
-    the same shape.
+    Sections, figures and symbols are of Liang et al. (2001). Each patch depends on those before it,
+    so compiled code, `patch_kernels.lay_patches`, takes the steps for a run of patches.
     """
-    # Psi_B, eq. (1), has the patches within d_max = epsilon (1/A sum of p_out^2)^1/2 by the
-    # distance of eq. (2); if it is empty, the patch with the smallest distance (step 3).
-    # The weights alpha_i of section 2.1 are by similarity, or all alike.
-    psi_b = Tolerance(method.epsilon, of_best=False, by_similarity=method.choice == "similarity")
-    canvas = output.frame.canvas
-    fills = canvas.known is not None and canvas.shown is None and method.epsilon <= _HOLE_EPSILON
-    if fills and output.seed != 1:  # not in the paper: each seed fills a hole differently
-        psi_b = Tolerance(_FILLING, of_best=True, by_similarity=False)
 
     def paste(run: Run) -> None:
-        # E_out, the boundary zone of the patches already pasted: Fig. 3 (b) to (d), Fig. 5 for
-        # tileable output, any shape at a hole. Of the sample's patches a kd-tree, the quadtree
-        # pyramid or principal components find candidates for it (section 3:
-        # `patches.zone_search`, `zone_kernels.nearest_by_blocks` and `nearest_by_features`).
-        candidates = output.search_for(run)
-        # Step 1 where nothing is pasted yet, else steps 2 to 4: draw B_k from Psi_B
-        # (`patch_kernels.draw_one`), paste it.
-        # Step 6, feathering (weights: `boundary_zone`; `paste_kernels.blend`), follows each patch,
-        # or the last where blend is feather-at-end.
-        output.choose_and_paste(run, candidates, psi_b)
+        # Step 1, where nothing is pasted yet, is any patch; see `patch_kernels.choose_window`.
+        # Step 2: E_out is the boundary zone of the patches already pasted, `boundary_zone`: Fig. 3
+        # (b) to (d), Fig. 5 for tileable output, any shape at a hole. A kd-tree, the quadtree
+        # pyramid or principal components (section 3, `search.acceleration`) list the m patches
+        # whose zones may be nearest to it.
+        search = output.search_for(run)
+        # Of these, Psi_B has those nearer than d_max. Steps 3 and 4: draw B_k from Psi_B, or take
+        # the nearest patch if it is empty (`patch_kernels.draw_one`); paste it.
+        # Step 6, feathering (`boundary_zone`, `paste_kernels.blend`), follows each patch, or the
+        # last one where `blend` is feather-at-end.
+        output.choose_and_paste(run, search, tolerance_of(output, method))
 
     # Step 5: until I_out is covered, in the order of Fig. 3 (a) (`orders.scan_patches`); holes in
     # spiral order (section 2.3), single pixels in scan order (section 2.5).
     output.paste_in_order(paste)
+
+
+def tolerance_of(output: Output, method: PatchSampling) -> Tolerance:
+    """Return d_max, eq. (1) and section 2.4, and whether the alpha_i of section 2.1 are all alike.
+
+    Not in the paper: a hole takes the best match, and seeds but the default fill it differently.
+    """
+    canvas = output.frame.canvas
+    fills = canvas.known is not None and canvas.shown is None and method.epsilon <= _HOLE_EPSILON
+    if fills and output.seed != _SEED_OF_BEST:
+        return Tolerance(_FILLING, of_best=True, by_similarity=False)
+    return Tolerance(method.epsilon, of_best=False, by_similarity=method.choice == "similarity")

@@ -1,4 +1,7 @@
-"""Image quilting (Efros and Freeman, 2001), over the machinery of patch-based sampling."""
+"""Image quilting (Efros and Freeman, 2001), with the search of patch-based sampling.
+
+The texture transfer of section 3 is not here; `refinement` and `ashikhmin` follow a guide.
+"""
 
 from __future__ import annotations
 
@@ -13,7 +16,7 @@ from weftex.methods.patches.orders import Run
 from weftex.methods.patches.patch_kernels import Tolerance
 from weftex.parameters import parameter
 
-_PAPERS_TOLERANCE = 0.1  # section 2.1
+_PAPERS_TOLERANCE = 0.1  # section 2.2
 
 
 @dataclass(frozen=True)
@@ -49,7 +52,7 @@ class Quilting(PatchMethod):
         hole_text="4 px",
     )
     tolerance: float = parameter(
-        0.1,
+        _PAPERS_TOLERANCE,
         "how much worse than the best match a patch may be, as a share; higher is more random",
         low=0.0,
         control="variety",
@@ -61,13 +64,13 @@ class Quilting(PatchMethod):
     )
 
     @property
-    def looseness(self) -> float:
-        """See `PatchMethod.looseness`."""
+    def tolerance_ratio(self) -> float:
+        """See `PatchMethod.tolerance_ratio`."""
         return (1 + self.tolerance) / (1 + _PAPERS_TOLERANCE)
 
     @property
-    def anything(self) -> bool:
-        """See `PatchMethod.anything`."""
+    def accepts_all(self) -> bool:
+        """See `PatchMethod.accepts_all`."""
         return self.tolerance == math.inf
 
     def fit_exemplar(self, exemplar: Exemplar) -> PatchModel:
@@ -78,25 +81,24 @@ class Quilting(PatchMethod):
 def quilt(output: Output, method: Quilting) -> None:
     """Cover an output with blocks of the sample: the algorithm of section 2.2.
 
-    Every block depends on those pasted before it. So a compiled loop, `patch_kernels.lay_patches`,
-    picks, cuts and pastes one block after the other, in runs of blocks whose overlaps have the
-    same shape.
+    Sections and quotations are of Efros and Freeman (2001). Each block depends on those before it,
+    so compiled code, `patch_kernels.lay_patches`, takes the steps for a run of blocks.
     """
-    # "Within some error tolerance": at most 1 + tolerance times the error of the best block.
-    # "Randomly pick one such block": each is as likely.
-    tolerance = Tolerance(method.tolerance, of_best=True, by_similarity=False)
 
+    # "Go through the image to be synthesized in raster scan order in steps of one block (minus the
+    # overlap)": `orders.scan_patches`. It spreads blocks evenly, so that overlaps may be wider.
     def quilt_blocks(run: Run) -> None:
-        # "Search the input texture for a set of blocks that satisfy the overlap constraints (above
-        # and left)": the blocks of the sample, arranged to be searched by such an overlap. The
-        # error of the overlap is `zone_kernels.zone_distance`. Beyond the paper: unless `search` is
-        # exhaustive, only the `candidates` best at low resolution are compared.
-        blocks = output.search_for(run)
-        # Pick one within the tolerance (`patch_kernels.draw_one`). Compute the error surface
-        # between it and the old blocks at the overlap, and make the minimum cost path along it the
-        # block's boundary (section 2.1, `patch_kernels.cut_bands`). Paste the block.
-        output.choose_and_paste(run, blocks, tolerance)
+        # "For every location, search the input texture for a set of blocks that satisfy the overlap
+        # constraints (above and left) ...": the error of an overlap is
+        # `patch_kernels.zone_distance`. Not in the paper: unless `search` is exhaustive, only the
+        # `candidates` blocks that are best at a low resolution are compared.
+        search = output.search_for(run)
+        # "... within some error tolerance. Randomly pick one such block": each block with at most
+        # 1 + tolerance times the error of the best is as likely (`patch_kernels.draw_one`).
+        tolerance = Tolerance(method.tolerance, of_best=True, by_similarity=False)
+        # "Compute the error surface between the newly chosen block and the old blocks at the
+        # overlap region. Find the minimum cost path along this surface and make that the boundary
+        # of the new block" (section 2.1, `cut_kernels.cut_bands`). "Paste the block."
+        output.choose_and_paste(run, search, tolerance)
 
-    # "In raster scan order in steps of one block (minus the overlap)": `orders.scan_patches`, which
-    # spreads blocks evenly, so that overlaps may be wider.
-    output.paste_in_order(quilt_blocks)
+    output.paste_in_order(quilt_blocks)  # "Repeat."

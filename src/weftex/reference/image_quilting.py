@@ -1,5 +1,6 @@
-"""Image quilting for texture synthesis and transfer (Efros and Freeman, 2001).
+"""Image quilting for texture synthesis (Efros and Freeman, 2001).
 
+Texture transfer, section 3 of the paper, is not here; `refinement` and `ashikhmin` follow a guide.
 The method `quilting` makes the same bytes with `search="exhaustive", repeat_distance=0`, if whole
 blocks cover the output.
 """

@@ -1,7 +1,9 @@
 """Real-time texture synthesis by patch-based sampling (Liang, Liu, Xu, Guo and Shum, 2001).
 
 The method `patch-sampling` makes the same bytes with `repeat_distance=0`, if whole patches cover
-the output; otherwise it spreads its patches evenly.
+the output; otherwise it spreads its patches evenly. What makes the paper fast (section 3) is not
+here: kd-tree, quadtree pyramid and principal components are `kd_tree`, `QuadtreePyramid` and
+`fit_pca` of `weftex.search.acceleration`.
 """
 
 from __future__ import annotations
@@ -26,7 +28,7 @@ def patch_based_sampling(
     """Paste patches whose boundary zones match the output so far, and feather them.
 
     L. Liang, C. Liu, Y.-Q. Xu, B. Guo, H.-Y. Shum: Real-time texture synthesis by patch-based
-    sampling, ACM Transactions on Graphics 20(3), 2001: section 2, with an exhaustive search.
+    sampling, ACM Transactions on Graphics 20(3), 2001: section 2. All patches are compared.
 
     Parameters
     ----------

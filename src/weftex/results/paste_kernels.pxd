@@ -10,7 +10,14 @@ ctypedef fused real:
     float
     double
 
-cdef int FULL, ALPHA, VECTORS, LABELS
+cdef int ALPHA, VECTORS, LABELS
+
+cdef enum:  # sides of a patch, in the order of their cuts in a row of `Layout.cuts`
+    LEFT, RIGHT, TOP, BOTTOM
+
+# Where the cut of a side begins in that row.
+cdef inline Py_ssize_t start_of(Py_ssize_t side, Py_ssize_t rows, Py_ssize_t columns) noexcept nogil:
+    return side * rows if side < TOP else 2 * rows + (side - TOP) * columns
 
 cdef class Layout:
     cdef const int[:, ::1] placements

@@ -1,4 +1,5 @@
 # mypy: ignore-errors
+# cython: infer_types=True
 """Kernels that paste patches over each other and copy pixels; see the .pxd.
 
 Weights are in 1/256, from 0 (the older pixel stays) to 256 (the new one replaces it), so constant
@@ -10,7 +11,6 @@ import cython
 from cython.cimports.libc.math import floor, sqrt
 from cython.cimports.libc.string import memcpy
 
-FULL = 256
 ALPHA, VECTORS, LABELS = 1, 2, 3  # of `weftex.raster.mixing.Kind`
 
 
@@ -18,9 +18,10 @@ class Layout:
     """Patches on a canvas, in the order in which they cover each other, and how they are rendered.
 
     `placements` (n, 5) is y, x, source y, source x and row of `weights` (zones, rows, columns), in
-    1/256; `cuts` (n, 2 * (rows + columns)) or (0, 0), see `effective`. Arrays show the canvas from
-    `top` and `left` in sample pixels on. `scale` is pixels per sample pixel, `mixing` a `Kind`,
-    `middle` the zero of float vectors.
+    1/256. `cuts` (n, 2 * (rows + columns)) or (0, 0) is, of each patch, the first column that shows
+    in each row and the one past the last; then likewise rows. Arrays show the canvas from `top` and
+    `left` in sample pixels on. `scale` is pixels per sample pixel, `mixing` a `Kind`, `middle` the
+    zero of float vectors.
     """
 
     def __init__(
@@ -38,23 +39,19 @@ class Layout:
 @cython.nogil
 @cython.exceptval(check=False)
 def effective(
-    weight: cython.int,
-    cut: cython.p_const_ushort,
-    v: cython.Py_ssize_t,
-    u: cython.Py_ssize_t,
-    rows: cython.Py_ssize_t,
-    columns: cython.Py_ssize_t,
-) -> cython.int:
+    weight: cython.int, cut: cython.p_const_ushort, v: cython.Py_ssize_t, u: cython.Py_ssize_t,
+    rows: cython.Py_ssize_t, columns: cython.Py_ssize_t,
+) -> cython.int:  # fmt: skip
     """Weight of a patch's pixel: the feathered one, or with cuts all or nothing.
 
-    `cut` has the first column of each row, then the column past its last, then the first row of
-    each column and the row past its last.
+    Where sides are cut, the pixel shows if it is inside the cuts of all sides. The cuts on the left
+    and at the top are the L-shaped boundary of a block (Efros and Freeman, section 2).
     """
     if cut == cython.NULL or weight == 0 or weight == 256:
         return weight
-    if cut[v] <= u < cut[rows + v] and cut[2 * rows + u] <= v < cut[2 * rows + columns + u]:
-        return 256
-    return 0
+    left, right = cut[start_of(LEFT, rows, columns) + v], cut[start_of(RIGHT, rows, columns) + v]
+    top, bottom = cut[start_of(TOP, rows, columns) + u], cut[start_of(BOTTOM, rows, columns) + u]
+    return 256 if left <= u < right and top <= v < bottom else 0
 
 
 @cython.cfunc
@@ -78,10 +75,7 @@ def opacity(alpha: real) -> real:
     return 0 if alpha < 0 else 1 if alpha > 1 else alpha
 
 
-@cython.cfunc
-@cython.nogil
-@cython.exceptval(check=False)
-def length(vector: cython.pointer(cython.const[value]), middle: cython.double) -> cython.double:
+def length(vector, middle):
     """How long a vector is, stored in three channels around `middle`."""
     x: cython.double = vector[0] - middle
     y: cython.double = vector[1] - middle
@@ -89,15 +83,7 @@ def length(vector: cython.pointer(cython.const[value]), middle: cython.double) -
     return sqrt(x * x + y * y + z * z)
 
 
-@cython.cfunc
-@cython.nogil
-@cython.exceptval(check=False)
-def stretch(
-    vector: cython.pointer(cython.double),
-    to: cython.double,
-    middle: cython.double,
-    out: cython.pointer(value),
-) -> cython.bint:
+def stretch(vector, to, middle, out):
     """Write a vector of this direction and length; false, and nothing, if it has no direction."""
     k: cython.Py_ssize_t
     number: cython.double
@@ -125,7 +111,7 @@ def blend_vectors(
 ) -> cython.void:
     """Mix directions and lengths apart, so that no vector is shorter than those it is made of."""
     k: cython.Py_ssize_t
-    share: cython.double = weight * 0.00390625
+    share: cython.double = weight / 256.0
     to: cython.double = (1 - share) * length(old, middle) + share * length(new, middle)
     mixed = cython.declare(cython.double[3])
     for k in range(3):
@@ -174,7 +160,7 @@ def blend(
                 mixed = old[k] * (256 - weight) + new[k] * weight + 128
                 old[k] = mixed >> 8
             else:
-                old[k] = between(old[k], new[k], weight * 0.00390625)
+                old[k] = between(old[k], new[k], weight / 256.0)
         if layout.mixing == VECTORS:
             blend_vectors(new, old, weight, middle_of(old, layout.middle))
         return
@@ -195,68 +181,49 @@ def blend(
         for k in range(channels - 1):
             old[k] = between(old[k], new[k], share)
         k = channels - 1
-        old[k] = between(old[k], new[k], weight * 0.00390625)
+        old[k] = between(old[k], new[k], weight / 256.0)
 
 
 def paste(out, source, layout, k, zone):
     """Paste patch `k` with the weights of `zone`; positions in sample pixels wrap at borders."""
-    placements: cython.p_const_int = cython.address(layout.placements[k, 0])
-    y: cython.Py_ssize_t = placements[0]
-    x: cython.Py_ssize_t = placements[1]
-    source_y: cython.Py_ssize_t = placements[2]
-    source_x: cython.Py_ssize_t = placements[3]
-    height: cython.Py_ssize_t = layout.height
-    width: cython.Py_ssize_t = layout.width
-    top: cython.Py_ssize_t = layout.top
-    left: cython.Py_ssize_t = layout.left
-    scale: cython.Py_ssize_t = layout.scale
-    rows: cython.Py_ssize_t = layout.weights.shape[1]
-    columns: cython.Py_ssize_t = layout.weights.shape[2]
-    channels: cython.Py_ssize_t = out.shape[2]
-    source_height: cython.Py_ssize_t = source.shape[0] // scale
-    source_width: cython.Py_ssize_t = source.shape[1] // scale
+    placement = cython.address(layout.placements[k, 0])
+    height, width, scale = layout.height, layout.width, layout.scale
+    rows, columns = layout.weights.shape[1], layout.weights.shape[2]
+    source_height, source_width = source.shape[0] // scale, source.shape[1] // scale
     cut: cython.p_const_ushort = cython.NULL
-    to: cython.pointer(value)
-    origin: cython.pointer(cython.const[value])
-    cython.declare(v=cython.Py_ssize_t, u=cython.Py_ssize_t, r=cython.Py_ssize_t)
-    cython.declare(q=cython.Py_ssize_t, cy=cython.Py_ssize_t, cx=cython.Py_ssize_t)
-    cython.declare(fy=cython.Py_ssize_t, fx=cython.Py_ssize_t, row=cython.Py_ssize_t)
-    cython.declare(run=cython.Py_ssize_t, limit=cython.Py_ssize_t)
-    cython.declare(w=cython.int, weight=cython.p_const_ushort)
     if layout.cuts.shape[0] > 0:
         cut = cython.address(layout.cuts[k, 0])
     for v in range(rows):
-        cy = (y + v) % height
-        fy = (source_y + v) % source_height
-        if cy < top or (cy - top) * scale >= out.shape[0]:
+        cy = (placement[0] + v) % height - layout.top
+        fy = (placement[2] + v) % source_height
+        if cy < 0 or cy * scale >= out.shape[0]:
             continue
         weight = cython.address(layout.weights[zone, v, 0])
         u = 0
         while u < columns:
             w = effective(weight[u], cut, v, u, rows, columns)
-            cx = (x + u) % width - left
+            cx = (placement[1] + u) % width - layout.left
             if w == 0 or cx < 0 or cx * scale >= out.shape[1]:
                 u += 1
                 continue
-            fx = (source_x + u) % source_width
+            fx = (placement[3] + u) % source_width
             if w < 256:
                 for r in range(scale):
-                    row = (cy - top) * scale + r
                     for q in range(scale):
-                        to = cython.address(out[row, cx * scale + q, 0])
-                        origin = cython.address(source[fy * scale + r, fx * scale + q, 0])
-                        blend(origin, to, channels, w, layout)
+                        old = cython.address(out[cy * scale + r, cx * scale + q, 0])
+                        new = cython.address(source[fy * scale + r, fx * scale + q, 0])
+                        blend(new, old, out.shape[2], w, layout)
                 u += 1
                 continue
             limit = min(
-                columns - u, width - left - cx, source_width - fx, out.shape[1] // scale - cx
+                columns - u, width - layout.left - cx, source_width - fx, out.shape[1] // scale - cx
             )
             run = 1
             while run < limit and effective(weight[u + run], cut, v, u + run, rows, columns) == 256:
                 run += 1
             for r in range(scale):
                 memcpy(
-                    cython.address(out[(cy - top) * scale + r, cx * scale, 0]),
+                    cython.address(out[cy * scale + r, cx * scale, 0]),
                     cython.address(source[fy * scale + r, fx * scale, 0]),
                     run * scale * out.strides[1],
                 )
@@ -269,7 +236,6 @@ def paste_all(
     layout: Layout,
 ):
     """Replay the patches of a layout in their order."""
-    k: cython.Py_ssize_t
     with cython.nogil:
         for k in range(layout.placements.shape[0]):
             paste(out, source, layout, k, layout.placements[k, 4])
@@ -284,21 +250,15 @@ def layer_all(
 
     Both arrays are (rows, columns, layers).
     """
-    rows: cython.Py_ssize_t = layout.weights.shape[1]
-    columns: cython.Py_ssize_t = layout.weights.shape[2]
-    layers: cython.Py_ssize_t = patch.shape[2]
-    line: cython.p_const_ushort = cython.NULL
-    weight: cython.p_const_ushort
+    rows, columns, layers = layout.weights.shape[1], layout.weights.shape[2], patch.shape[2]
+    cut: cython.p_const_ushort = cython.NULL
     new: cython.float
-    cython.declare(k=cython.Py_ssize_t, v=cython.Py_ssize_t, u=cython.Py_ssize_t)
-    cython.declare(cy=cython.Py_ssize_t, cx=cython.Py_ssize_t, i=cython.Py_ssize_t)
-    cython.declare(w=cython.int, y=cython.Py_ssize_t, x=cython.Py_ssize_t)
+    i: cython.Py_ssize_t
     with cython.nogil:
         for k in range(layout.placements.shape[0]):
-            y = layout.placements[k, 0]
-            x = layout.placements[k, 1]
+            y, x = layout.placements[k, 0], layout.placements[k, 1]
             if layout.cuts.shape[0] > 0:
-                line = cython.address(layout.cuts[k, 0])
+                cut = cython.address(layout.cuts[k, 0])
             for v in range(rows):
                 cy = (y + v) % layout.height - layout.top
                 if cy < 0 or cy >= patch.shape[0]:
@@ -306,10 +266,10 @@ def layer_all(
                 weight = cython.address(layout.weights[layout.placements[k, 4], v, 0])
                 for u in range(columns):
                     cx = (x + u) % layout.width - layout.left
-                    w = effective(weight[u], line, v, u, rows, columns)
+                    w = effective(weight[u], cut, v, u, rows, columns)
                     if w == 0 or cx < 0 or cx >= patch.shape[1]:
                         continue
-                    new = w * cython.cast(cython.float, 0.00390625)
+                    new = w / cython.cast(cython.float, 256)
                     for i in range(layers):
                         share[cy, cx, i] *= 1 - new
                     i = layers - 1  # the lightest gives way
@@ -332,11 +292,9 @@ def copy_pixels(
 
     `out` and `source` are rows of bytes; `index` (H, W) is y * width + x, -1 keeps what is there.
     """
-    cython.declare(v=cython.Py_ssize_t, u=cython.Py_ssize_t, run=cython.Py_ssize_t)
-    cython.declare(r=cython.Py_ssize_t, y=cython.Py_ssize_t, x=cython.Py_ssize_t)
-    cython.declare(limit=cython.Py_ssize_t)
-    columns: cython.Py_ssize_t = index.shape[1]
-    size: cython.Py_ssize_t = source.shape[1] // width  # bytes of a block's row
+    columns = index.shape[1]
+    size = source.shape[1] // width  # bytes of a block's row
+    u: cython.Py_ssize_t
     with cython.nogil:
         for v in range(index.shape[0]):
             u = 0
@@ -344,8 +302,7 @@ def copy_pixels(
                 if index[v, u] < 0:
                     u += 1
                     continue
-                y = index[v, u] // width
-                x = index[v, u] % width
+                y, x = index[v, u] // width, index[v, u] % width
                 limit = min(columns - u, width - x)
                 run = 1
                 while run < limit and index[v, u + run] == index[v, u] + run:

@@ -1,1 +1,1 @@
-"""Nearest neighborhoods: each structure once."""
+"""What several methods search windows with; structures of one method are in its package."""

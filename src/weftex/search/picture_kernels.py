@@ -1,4 +1,5 @@
 # mypy: ignore-errors
+# cython: infer_types=True
 """The picture in the making, and the known pixels around one; compiled, see setup.py, the .pxd.
 
 A window is a list of runs (dy, dx, length): stretches of a row, seen from its center.
@@ -39,12 +40,7 @@ def known_runs(done, y, x, wrap_y, wrap_x, reach, runs):
     The pixel itself is left out, and no pixel occurs twice on a wrapped axis shorter than the
     window.
     """
-    cython.declare(height=cython.Py_ssize_t, width=cython.Py_ssize_t, n=cython.Py_ssize_t)
-    cython.declare(dy=cython.Py_ssize_t, dx=cython.Py_ssize_t)
-    cython.declare(cy=cython.Py_ssize_t, cx=cython.Py_ssize_t)
     cython.declare(running=cython.bint, known=cython.bint)
-    cython.declare(up=cython.Py_ssize_t, down=cython.Py_ssize_t)
-    cython.declare(left=cython.Py_ssize_t, right=cython.Py_ssize_t)
     height, width = done.shape[0], done.shape[1]
     n = 0
     up = min(reach, (height - 1) // 2 if wrap_y else y)
@@ -93,10 +89,7 @@ def coherent_places(picture, sample, y, x, query, places, count):
     once for all unusable ones. Runs reach no further along x than windows, so a step never crosses
     into another row.
     """
-    cython.declare(height=cython.Py_ssize_t, width=cython.Py_ssize_t, across=cython.Py_ssize_t)
-    cython.declare(size=cython.Py_ssize_t, may=cython.p_const_uchar, before=cython.Py_ssize_t)
-    cython.declare(r=cython.Py_ssize_t, i=cython.Py_ssize_t, k=cython.Py_ssize_t)
-    cython.declare(cy=cython.Py_ssize_t, cx=cython.Py_ssize_t, dx=cython.Py_ssize_t)
+    cython.declare(before=cython.Py_ssize_t, cy=cython.Py_ssize_t, cx=cython.Py_ssize_t)
     cython.declare(own=cython.Py_ssize_t, at=cython.Py_ssize_t)
     height, width = picture.source.shape[0], picture.source.shape[1]
     across = sample.usable.shape[1]

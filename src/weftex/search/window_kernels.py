@@ -1,4 +1,5 @@
 # mypy: ignore-errors
+# cython: infer_types=True
 """Kernels that compare the windows around two pixels; compiled by Cython, see setup.py.
 
 A window is a list of runs (dy, dx, length): stretches of a row, seen from its center. All
@@ -17,8 +18,6 @@ def causal_runs(y, x, height, width, wrap_x, up, left, right, runs):
     Where the canvas wraps along x the rows above are whole, and the end of a row includes its
     beginning. No pixel occurs twice.
     """
-    cython.declare(n=cython.Py_ssize_t, dy=cython.Py_ssize_t)
-    cython.declare(first=cython.Py_ssize_t, last=cython.Py_ssize_t)
     n = 0
     for dy in range(-up if up < y else -y, 1):
         first = -left
@@ -52,7 +51,6 @@ def causal_runs(y, x, height, width, wrap_x, up, left, right, runs):
 
 def turn_runs(runs, n):
     """Put the last run first, so that comparisons begin beside the pixel and end sooner."""
-    cython.declare(i=cython.Py_ssize_t, k=cython.Py_ssize_t, swapped=cython.int)
     for i in range(n // 2):
         for k in range(3):
             swapped = runs[i, k]
@@ -62,8 +60,7 @@ def turn_runs(runs, n):
 
 def gather_runs(levels, y, x, runs, n, query):
     """Copy the bytes of a window of the canvas, around its borders; return their number."""
-    cython.declare(height=cython.Py_ssize_t, width=cython.Py_ssize_t, channels=cython.Py_ssize_t)
-    cython.declare(r=cython.Py_ssize_t, cy=cython.Py_ssize_t, cx=cython.Py_ssize_t)
+    cython.declare(cy=cython.Py_ssize_t, cx=cython.Py_ssize_t)
     cython.declare(left=cython.Py_ssize_t, part=cython.Py_ssize_t, at=cython.Py_ssize_t)
     height, width, channels = levels.shape[0], levels.shape[1], levels.shape[2]
     at = 0
@@ -98,7 +95,6 @@ def run_distance(pixels, y, x, runs, n, query, bound):
     Stops past `bound` unless that is negative. Rows nearest to the pixel differ most in a causal
     window, so they are compared first.
     """
-    cython.declare(channels=cython.Py_ssize_t, r=cython.Py_ssize_t, length=cython.Py_ssize_t)
     cython.declare(at=cython.Py_ssize_t, total=cython.longlong)
     channels = pixels.shape[2]
     at = 0
@@ -120,7 +116,6 @@ def run_distance(pixels, y, x, runs, n, query, bound):
 
 def copy_pixel(sample, place, pixels, source, y, x):
     """Copy the sample's pixel at a flat index to the pixel (y, x) of a canvas."""
-    cython.declare(k=cython.Py_ssize_t, v=cython.Py_ssize_t, u=cython.Py_ssize_t)
     v, u = place // sample.shape[1], place % sample.shape[1]
     source[y, x] = cython.cast(cython.int, place)
     for k in range(sample.shape[2]):
@@ -139,7 +134,6 @@ def distances(
 
     This is the minimum cost of an exhaustive search, against which searches are measured.
     """
-    cython.declare(i=cython.Py_ssize_t, width=cython.Py_ssize_t)
     width = pixels.shape[1]
     with cython.nogil:
         for i in range(centers.shape[0]):

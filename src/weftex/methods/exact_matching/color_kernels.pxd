@@ -8,3 +8,6 @@ cdef class ColorTree:
 
 cpdef Py_ssize_t near_colors(ColorTree tree, Py_ssize_t number, long long radius,
                             int[:, ::1] intervals, Py_ssize_t row) noexcept nogil
+
+cdef Py_ssize_t nearest_colors(ColorTree tree, const unsigned char* color, Py_ssize_t wanted,
+                               long long[::1] keys, int[::1] places) noexcept nogil

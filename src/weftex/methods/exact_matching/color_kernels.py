@@ -1,4 +1,5 @@
 # mypy: ignore-errors
+# cython: infer_types=True
 """Kernels that walk a kd-tree of colors; compiled by Cython, see setup.py.
 
 The tree is that of `ColorIndex`: node i at level l, counted from 2**l, has the colors
@@ -6,8 +7,8 @@ The tree is that of `ColorIndex`: node i at level l, counted from 2**l, has the 
 """
 
 import cython
-from cython.cimports.weftex.methods.patches.zone_kernels import offer
 from cython.cimports.weftex.raster.difference_kernels import squared
+from cython.cimports.weftex.search.acceleration_kernels import offer
 
 
 class ColorTree:
@@ -26,7 +27,7 @@ def box_distance(
     tree: ColorTree, color: cython.p_const_uchar, node: cython.Py_ssize_t, farthest: cython.bint
 ) -> cython.longlong:
     """Squared distance from a color to the nearest or the farthest point of a node's box."""
-    cython.declare(k=cython.Py_ssize_t, below=cython.int, above=cython.int, d=cython.int)
+    d: cython.int
     total: cython.longlong = 0
     for k in range(tree.low.shape[1]):
         below = cython.cast(cython.int, color[k]) - tree.low[node, k]
@@ -49,7 +50,7 @@ def nearer_child(
     tree: ColorTree, color: cython.p_const_uchar, node: cython.Py_ssize_t
 ) -> cython.Py_ssize_t:
     """The child whose box is nearer to a color; the first of equally near ones."""
-    first: cython.Py_ssize_t = 2 * node
+    first = 2 * node
     return first + (
         box_distance(tree, color, first + 1, False) < box_distance(tree, color, first, False)
     )
@@ -62,10 +63,7 @@ def near_colors(tree, number, radius, intervals, row):
     most C + 1.
     """
     stack = cython.declare(cython.Py_ssize_t[128])
-    cython.declare(color=cython.p_const_uchar, channels=cython.Py_ssize_t, total=cython.longlong)
-    cython.declare(top=cython.Py_ssize_t, n=cython.Py_ssize_t, node=cython.Py_ssize_t)
-    cython.declare(level=cython.Py_ssize_t, first=cython.Py_ssize_t, last=cython.Py_ssize_t)
-    cython.declare(i=cython.Py_ssize_t, whole=cython.bint)
+    cython.declare(total=cython.longlong, whole=cython.bint)
     color = cython.address(tree.colors[number, 0])
     channels, total = tree.colors.shape[1], tree.colors.shape[0]
     n = 0
@@ -99,24 +97,13 @@ def near_colors(tree, number, radius, intervals, row):
     return n
 
 
-@cython.cfunc
-@cython.nogil
-@cython.exceptval(check=False)
-def nearest_colors(
-    tree: ColorTree,
-    color: cython.p_const_uchar,
-    wanted: cython.Py_ssize_t,
-    keys: cython.longlong[::1],
-    places: cython.int[::1],
-) -> cython.Py_ssize_t:
+def nearest_colors(tree, color, wanted, keys, places):
     """Find the `wanted` nearest colors, of equally near ones those of the lowest rank.
 
     `places` is a heap of them by `keys`, the squared distance << 32 | the rank, the farthest first.
     """
     stack = cython.declare(cython.Py_ssize_t[128])
-    cython.declare(channels=cython.Py_ssize_t, total=cython.longlong, top=cython.Py_ssize_t)
-    cython.declare(count=cython.Py_ssize_t, node=cython.Py_ssize_t, i=cython.Py_ssize_t)
-    cython.declare(leaf=cython.Py_ssize_t, key=cython.longlong)
+    cython.declare(total=cython.longlong, key=cython.longlong)
     channels, total = tree.colors.shape[1], tree.colors.shape[0]
     count = 0
     top = 1
@@ -149,7 +136,6 @@ def reach_each(
     found: cython.longlong[::1],
 ):
     """Fill `found` with the squared distance of each color's last of `len(keys)` nearest ones."""
-    cython.declare(i=cython.Py_ssize_t)
     with cython.nogil:
         for i in range(tree.colors.shape[0]):
             nearest_colors(tree, cython.address(tree.colors[i, 0]), keys.shape[0], keys, places)
@@ -163,7 +149,6 @@ def nearest_each(
     found: cython.int[::1],
 ):
     """Fill `found` with the number of the color nearest to each pixel; `key` is scratch, (1,)."""
-    cython.declare(p=cython.Py_ssize_t)
     with cython.nogil:
         for p in range(pixels.shape[0]):
             nearest_colors(tree, cython.address(pixels[p, 0]), 1, key, found[p:])

@@ -1,4 +1,5 @@
 from weftex.methods.exact_matching.color_kernels cimport ColorTree
+from weftex.search.picture_kernels cimport Query
 
 # The sample, and the lists of section 4.1; `ColorLists` says what the arrays hold.
 cdef class Lists:
@@ -19,3 +20,9 @@ cdef class Lists:
     cdef int[:, ::1] intervals
 
 cdef long long near_lists(Lists lists, const int[::1] colors, int stamp, int[::1] slots) noexcept nogil
+
+cdef int slot_of(Lists lists, int color, int stamp) noexcept nogil
+
+cdef Py_ssize_t leader_of(const unsigned char[:, :, ::1] pixels, Query query,
+                          const int[::1] places, const long long[::1] sums, Py_ssize_t i,
+                          long long limit, const int[::1] heads, Py_ssize_t count) noexcept nogil

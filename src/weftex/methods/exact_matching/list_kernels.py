@@ -1,4 +1,5 @@
 # mypy: ignore-errors
+# cython: infer_types=True
 """The kernels of texture analysis (sections 4.1 and 4.4); compiled by Cython, see setup.py.
 
 Shared types are declared in list_kernels.pxd.
@@ -28,8 +29,7 @@ def near_lists(lists, colors, stamp, slots):
 
     Writes to `slots` the rows of `intervals` that hold the near colors, -1 for none.
     """
-    cython.declare(d=cython.Py_ssize_t, j=cython.Py_ssize_t, listed=cython.longlong)
-    listed = 0
+    listed: cython.longlong = 0
     for d in range(lists.offsets.shape[0]):
         slots[d] = slot_of(lists, colors[d], stamp) if colors[d] >= 0 else -1
         for j in range(lists.kept[slots[d], 1] if slots[d] >= 0 else 0):
@@ -38,16 +38,12 @@ def near_lists(lists, colors, stamp, slots):
     return listed
 
 
-@cython.cfunc
-@cython.nogil
-@cython.exceptval(check=False)
-def slot_of(lists: Lists, color: cython.int, stamp: cython.int) -> cython.int:
+def slot_of(lists, color, stamp):
     """Return the row of `intervals` that holds the colors near to `color`.
 
     The last lookups are cached, as two of a pixel's four neighbors are also the next pixel's
     (section 4.4, figure 5); the least recently used is replaced.
     """
-    cython.declare(slot=cython.int, oldest=cython.int)
     oldest = 0
     for slot in range(lists.kept.shape[0]):
         if lists.kept[slot, 0] == color:
@@ -84,7 +80,6 @@ def group_places(
     `places` are the entries of all lists, sorted by the `sums` of their windows' bytes within each.
     `limit` is a squared difference. `query` has the runs of a window, `heads` is scratch.
     """
-    cython.declare(c=cython.Py_ssize_t, i=cython.Py_ssize_t, count=cython.Py_ssize_t)
     with cython.nogil:
         for c in range(starts.shape[0] - 1):
             count = 0
@@ -97,25 +92,12 @@ def group_places(
                     count += 1
 
 
-@cython.cfunc
-@cython.nogil
-@cython.exceptval(check=False)
-def leader_of(
-    pixels: cython.const[cython.uchar][:, :, ::1],
-    query: Query,
-    places: cython.const[cython.int][::1],
-    sums: cython.const[cython.longlong][::1],
-    i: cython.Py_ssize_t,
-    limit: cython.longlong,
-    heads: cython.const[cython.int][::1],
-    count: cython.Py_ssize_t,
-) -> cython.Py_ssize_t:
+def leader_of(pixels, query, places, sums, i, limit, heads, count):
     """The last of `count` leaders that entry i is alike to, or i itself.
 
     By the inequality of Cauchy and Schwarz, sums that are far apart end the search.
     """
-    cython.declare(j=cython.Py_ssize_t, k=cython.Py_ssize_t, n=cython.Py_ssize_t)
-    cython.declare(columns=cython.Py_ssize_t, gap=cython.longlong, size=cython.longlong)
+    cython.declare(gap=cython.longlong, size=cython.longlong)
     columns, n, size = pixels.shape[1], query.runs.shape[0], query.values.shape[0]
     if count == 0:
         return i

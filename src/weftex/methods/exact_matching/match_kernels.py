@@ -1,5 +1,6 @@
 # mypy: ignore-errors
-"""The kernels of texture synthesis (section 4.2); compiled by Cython, see setup.py.
+# cython: infer_types=True
+"""The kernels of texture synthesis (section 4.2); compiled, see setup.py and the .pxd.
 
 "Section" and "figure" are those of Sabha, Peers and Dutré (2007). Places and centers are flat
 indices into the pixels of the sample's windows.
@@ -21,43 +22,8 @@ ALL_KEYS = cython.declare(cython.longlong, 2**32)
 MIXER = cython.declare(cython.uint, 2654435761)  # of a place's bits, for its key
 
 
-@cython.cclass
 class Search:
     """The search for one pixel: the windows that are compared, and what is kept between pixels."""
-
-    # Which windows are compared.
-    causal: cython.bint
-    reach: cython.Py_ssize_t
-    coarse_reach: cython.Py_ssize_t
-    repeat_distance: cython.Py_ssize_t
-    most: cython.longlong  # windows of the lists that are compared; 0 is all
-    # The next coarser level at the picture's size, and the places that it leads to.
-    guided: cython.bint
-    coarse: cython.const[cython.uchar][:, :, ::1]
-    coarse_done: cython.const[cython.uchar][:, ::1]  # 1 everywhere
-    suggested: cython.const[cython.int][:, ::1]
-    # The pixel, the window around it, and that of the coarser level.
-    y: cython.Py_ssize_t
-    x: cython.Py_ssize_t
-    bits: cython.ulonglong  # random ones
-    query: Query
-    coarse_query: Query
-    # Its direct neighbors, and the place of the coarser level after them.
-    color: cython.int[::1]  # -1: there is none
-    goes_on: cython.Py_ssize_t[::1]  # where the sources go on; -1: nowhere
-    slots: cython.int[::1]  # where `Lists.intervals` has the lists; -1: nowhere
-    # The best match so far.
-    best: cython.longlong  # its distance; -1: there is none
-    best_key: cython.uint
-    chosen: cython.Py_ssize_t
-    coherent: cython.bint  # a neighbor's source goes on there
-    compared: cython.longlong
-    apart: cython.Py_ssize_t
-    # Of each pixel of the picture, and of each place of the lists.
-    colors: cython.int[:, ::1]  # the number of its color, or -1
-    last: cython.int[::1]  # the pixel that it was last copied to, or -1
-    seen: cython.int[::1]  # the stamp of the search that met it last
-    stamp: cython.int
 
     def __init__(self, windows, coarser, queries, neighbors, colors, last, seen):
         self.causal, self.reach, self.coarse_reach, self.repeat_distance, self.most = windows
@@ -79,7 +45,6 @@ def match_pixels(
 
     `bits` has random bits for each pixel.
     """
-    cython.declare(p=cython.Py_ssize_t, width=cython.Py_ssize_t)
     width = picture.source.shape[1]
     search.compared = 0
     if search.stamp > LAST_STAMP - 2 * order.shape[0]:  # a pixel takes one or two
@@ -99,14 +64,9 @@ def match_pixels(
     return search.compared
 
 
-@cython.cfunc
-@cython.nogil
-@cython.exceptval(check=False)
-def look_around(lists: Lists, picture: Picture, search: Search) -> cython.void:
+def look_around(lists, picture, search):
     """Find the direct neighbors' colors, and the pixels that continue their sources (figure 3)."""
-    cython.declare(d=cython.Py_ssize_t, y=cython.Py_ssize_t, x=cython.Py_ssize_t)
-    cython.declare(height=cython.Py_ssize_t, width=cython.Py_ssize_t, columns=cython.Py_ssize_t)
-    cython.declare(source=cython.Py_ssize_t)
+    cython.declare(y=cython.Py_ssize_t, x=cython.Py_ssize_t, source=cython.Py_ssize_t)
     height, width = picture.source.shape[0], picture.source.shape[1]
     columns = lists.pixels.shape[1]
     for d in range(lists.offsets.shape[0]):
@@ -131,13 +91,8 @@ def look_around(lists: Lists, picture: Picture, search: Search) -> cython.void:
     )
 
 
-@cython.cfunc
-@cython.nogil
-@cython.exceptval(check=False)
-def gather_windows(picture: Picture, search: Search) -> cython.void:
+def gather_windows(picture, search):
     """Copy the pixel's window, causal or as far as it is done, and that of the coarser level."""
-    cython.declare(y=cython.Py_ssize_t, x=cython.Py_ssize_t)
-    cython.declare(reach=cython.Py_ssize_t, coarse_reach=cython.Py_ssize_t)
     y, x, reach, coarse_reach = search.y, search.x, search.reach, search.coarse_reach
     if search.causal:
         search.query.count = causal_runs(
@@ -166,10 +121,7 @@ def gather_windows(picture: Picture, search: Search) -> cython.void:
         )
 
 
-@cython.cfunc
-@cython.nogil
-@cython.exceptval(check=False)
-def find_best(lists: Lists, picture: Picture, search: Search) -> cython.void:
+def find_best(lists, picture, search):
     """Choose the best match of the reduced search space (section 4.2).
 
     Sources of nearby pixels are left out, unless there are no others.
@@ -186,12 +138,8 @@ def find_best(lists: Lists, picture: Picture, search: Search) -> cython.void:
         search.apart = 0
 
 
-@cython.cfunc
-@cython.nogil
-@cython.exceptval(check=False)
-def compare_coherent(lists: Lists, picture: Picture, search: Search) -> cython.void:
+def compare_coherent(lists, picture, search):
     """Compare the pixels that continue the neighbors' sources; of equal ones the first is best."""
-    cython.declare(d=cython.Py_ssize_t, place=cython.Py_ssize_t, distance=cython.longlong)
     for d in range(lists.offsets.shape[0] + 1):
         place = search.goes_on[d]
         if place < 0 or search.seen[place] == search.stamp:
@@ -206,16 +154,12 @@ def compare_coherent(lists: Lists, picture: Picture, search: Search) -> cython.v
             search.coherent = True
 
 
-@cython.cfunc
-@cython.nogil
-@cython.exceptval(check=False)
-def compare_listed(lists: Lists, picture: Picture, search: Search) -> cython.void:
+def compare_listed(lists, picture, search):
     """Compare the union of the lists of the neighbors' colors, or a sample of about `most` windows.
 
     Each window has one random key, and those with keys below a bound are compared. A first share
     estimates the size of the union; the second is chosen by it.
     """
-    cython.declare(listed=cython.longlong, share=cython.longlong, met=cython.longlong)
     listed = near_lists(lists, search.color, search.stamp, search.slots)
     if search.most == 0 or listed <= search.most:
         compare_share(lists, picture, search, ALL_KEYS)
@@ -226,20 +170,12 @@ def compare_listed(lists: Lists, picture: Picture, search: Search) -> cython.voi
         compare_share(lists, picture, search, share * search.most // met)
 
 
-@cython.cfunc
-@cython.nogil
-@cython.exceptval(check=False)
-def compare_share(
-    lists: Lists, picture: Picture, search: Search, share: cython.longlong
-) -> cython.longlong:
+def compare_share(lists, picture, search, share):
     """Compare the listed windows with keys below `share`, each once; return how many were new.
 
     See section 4.4.
     """
-    cython.declare(d=cython.Py_ssize_t, j=cython.Py_ssize_t, slot=cython.Py_ssize_t)
-    cython.declare(i=cython.Py_ssize_t, place=cython.Py_ssize_t, stamp=cython.int)
     cython.declare(key=cython.uint, low_bits=cython.uint, met=cython.longlong)
-    cython.declare(places=cython.p_const_int, heads=cython.p_const_int, seen=cython.p_int)
     low_bits, stamp, met = cython.cast(cython.uint, search.bits), search.stamp, 0
     if lists.places.shape[0] == 0:
         return 0  # no color lies beside a window, and nothing has an address
@@ -262,17 +198,11 @@ def compare_share(
     return met
 
 
-@cython.cfunc
-@cython.nogil
-@cython.exceptval(check=False)
-def compare_group(
-    lists: Lists, picture: Picture, search: Search, group: cython.Py_ssize_t, key: cython.uint
-) -> cython.void:
+def compare_group(lists, picture, search, group, key):
     """Compare one entry of a list; a random member stands for a group.
 
     Of windows at the same distance a coherent one wins, then the one with the smallest random key.
     """
-    cython.declare(first=cython.Py_ssize_t, member=cython.Py_ssize_t, distance=cython.longlong)
     first = lists.groups[group]
     distance = window_distance(lists, picture, search, lists.places[first])
     if search.best >= 0 and (
@@ -289,14 +219,8 @@ def compare_group(
         search.coherent = False
 
 
-@cython.cfunc
-@cython.nogil
-@cython.exceptval(check=False)
-def window_distance(
-    lists: Lists, picture: Picture, search: Search, place: cython.Py_ssize_t
-) -> cython.longlong:
+def window_distance(lists, picture, search, place):
     """The L2 difference to the window at a place, and at the coarser level; past `best` any."""
-    cython.declare(distance=cython.longlong, y=cython.Py_ssize_t, x=cython.Py_ssize_t)
     search.compared += 1
     y, x = place // lists.pixels.shape[1], place % lists.pixels.shape[1]
     distance = run_distance(
@@ -310,12 +234,8 @@ def window_distance(
     return distance
 
 
-@cython.cfunc
-@cython.nogil
-@cython.exceptval(check=False)
-def repeats(picture: Picture, search: Search, place: cython.Py_ssize_t) -> cython.bint:
+def repeats(picture, search, place):
     """Whether a place was last copied to another pixel nearer than `apart`."""
-    cython.declare(last=cython.Py_ssize_t, dy=cython.Py_ssize_t, dx=cython.Py_ssize_t)
     last = search.last[place]
     if last < 0:
         return False
@@ -335,12 +255,8 @@ def portion(bits: cython.ulonglong, count: cython.Py_ssize_t) -> cython.Py_ssize
     return (bits >> 32) * cython.cast(cython.ulonglong, count) >> 32
 
 
-@cython.cfunc
-@cython.nogil
-@cython.exceptval(check=False)
-def copy_chosen(lists: Lists, picture: Picture, search: Search) -> cython.void:
+def copy_chosen(lists, picture, search):
     """Copy the center of the chosen window."""
-    cython.declare(y=cython.Py_ssize_t, x=cython.Py_ssize_t, columns=cython.Py_ssize_t)
     y, x, columns = search.y, search.x, lists.pixels.shape[1]
     copy_pixel(lists.pixels, search.chosen, picture.pixels, picture.source, y, x)
     search.colors[y, x] = lists.number[search.chosen // columns, search.chosen % columns]

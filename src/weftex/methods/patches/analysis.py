@@ -1,4 +1,4 @@
-"""The analysis of the sample that patch methods share (section 3 of Liang et al., 2001)."""
+"""The windows of a sample, and their search by a boundary zone (Liang et al., 2001, section 3)."""
 
 from __future__ import annotations
 
@@ -10,19 +10,26 @@ from numpy.typing import NDArray
 
 from weftex.errors import InvalidInputError
 from weftex.exemplar import Exemplar
-from weftex.methods.patches.boundary_zone import boundary_zone
-from weftex.methods.patches.method import PatchMethod
-from weftex.methods.patches.zone_search import QuadtreePyramid, ZoneSearch
+from weftex.methods.patches.boundary_zone import BoundaryZone, boundary_zone
+from weftex.methods.patches.method import SEARCHES, PatchMethod
+from weftex.methods.patches.patch_kernels import WindowSearch
 from weftex.raster.boxes import box_sums
+from weftex.search.acceleration import Components, QuadtreePyramid, fit_pca, kd_tree
+from weftex.search.acceleration_kernels import block_means, project
 
 _MOST_NUMBERS = 288  # of the low resolution that describe one zone
+_MOST_WINDOWS = 16384  # that the default search compares; more are thinned out first
+_TREE_ERROR = 0.5  # a neighbor that the kd-tree finds may be farther than the true one by this
+_NO_PCA = Components(
+    np.zeros((1, 1), np.int16), np.zeros(1, np.int32), 0, np.zeros((1, 1), np.int16)
+)
 
 
 class PatchAnalysis:
     """The windows of a sample and the search structures for boundary zones.
 
-    `method` is resolved. With `ahead`, the zones of the paper's three configurations (Fig. 3 b to
-    d) are analyzed at once.
+    `method` is resolved. With `ahead`, the three zones of Liang et al., Fig. 3 (b) to (d), are
+    analyzed at once.
     """
 
     def __init__(self, method: PatchMethod, exemplar: Exemplar, *, ahead: bool = True) -> None:
@@ -30,15 +37,17 @@ class PatchAnalysis:
         self.pixels = exemplar.matching()
         self.mask = np.ones(exemplar.shape, bool) if exemplar.mask is None else exemplar.mask
         side = method.window_side
-        if exemplar.tileable:  # edge handling of section 2.4
+        if exemplar.tileable:  # edge handling of Liang et al., section 2.4
             beyond = ((0, side - 1), (0, side - 1))
             self.pixels = np.pad(self.pixels, (*beyond, (0, 0)), mode="wrap")
             self.mask = np.pad(self.mask, beyond, mode="wrap")
         self.pixels = np.ascontiguousarray(self.pixels)
         self.transposed = np.ascontiguousarray(self.pixels.transpose(1, 0, 2))
         self.pyramid = QuadtreePyramid(self.pixels)
-        #: The paper's third level is 4; single pixels need every neighbor.
-        self.block_side = 4 if method.search != "pca" else 1 if method.pixelwise else 16
+        #: The largest side of the blocks of a zone: the third level of Liang et al., section 3.2.
+        self.block_side = 4
+        if method.search == "pca":  # larger blocks lose little; single pixels need each neighbor
+            self.block_side = 1 if method.pixelwise else 16
         self._searches: dict[tuple[Any, ...], ZoneSearch] = {}
         self._windows: dict[tuple[int, int], tuple[NDArray[np.uint8], NDArray[np.int32]]] = {}
         self._others: dict[PatchMethod, PatchAnalysis] = {}
@@ -144,8 +153,7 @@ class PatchAnalysis:
             zone,
             self.pyramid,
             *self.windows(*zone.weight.shape),
-            search="exhaustive" if method.anything else method.search,
-            candidates=method.candidates or 0,
+            search="exhaustive" if method.accepts_all else method.search,
             often=often,
         )
         if not of_hole:
@@ -154,6 +162,76 @@ class PatchAnalysis:
 
     def __getstate__(self) -> dict[str, Any]:
         return self.__dict__ | {"_searches": {}, "_windows": {}, "_others": {}}
+
+
+class ZoneSearch:
+    """The windows of a sample, arranged to be searched by one boundary zone.
+
+    `usable` (rows, columns) is 1 at the upper left corners of usable windows, `corners` (n,) their
+    numbers row by row. `search` is a key of `SEARCHES`; a zone met `often` repays an analysis.
+    """
+
+    tree: Any  # the kd-tree that is asked for candidates, if there is one
+
+    def __init__(
+        self,
+        zone: BoundaryZone,
+        pyramid: QuadtreePyramid,
+        usable: NDArray[np.uint8],
+        corners: NDArray[np.int32],
+        *,
+        search: str,
+        often: bool,
+    ) -> None:
+        self.zone, self._corners, self.stride = zone, corners, 1
+        self._pca, self.tree = _NO_PCA, None
+        if zone.area == 0:
+            search = "exhaustive"
+        if search == "pca":
+            self.stride = _stride(usable, len(corners), zone.side)
+            search = search if often else "quadtree"
+        if search not in ("exhaustive", "quadtree"):
+            self._describe(pyramid, usable, search)
+        #: What kernels search.
+        self.kernel = WindowSearch(
+            SEARCHES[search], self.stride, usable, self._corners, zone,
+            pyramid.nodes(zone.side, self.stride), self._pca,
+        )  # fmt: skip
+
+    def _describe(self, pyramid: QuadtreePyramid, usable: NDArray[np.uint8], search: str) -> None:
+        """Describe the windows at the stride by block means or components; make a tree of them."""
+        coarse = usable[:: self.stride, :: self.stride] > 0
+        zone, numbers = self.zone, np.arange(usable.size, dtype=np.int32).reshape(usable.shape)
+        self._corners = numbers[:: self.stride, :: self.stride][coarse]
+        windows = pyramid.windows(zone.blocks, zone.side, self.stride, *coarse.shape)
+        points: NDArray[Any] = windows if coarse.all() else windows[:, coarse.ravel()]
+        if search != "kdtree":
+            self._pca = fit_pca(points)
+            points = self._pca.coordinates
+        if search != "pca":
+            self.tree = kd_tree(points.T)
+
+    def nearest_in_tree(
+        self, canvas: NDArray[np.uint8], y: int, x: int, wanted: int
+    ) -> NDArray[np.int32]:
+        """Return the windows that the kd-tree finds for the zone at (y, x) of the canvas."""
+        query = np.empty(len(self.zone.blocks) * canvas.shape[2], np.int32)
+        block_means(canvas, y, x, self.zone.blocks, self.zone.side, query)
+        if self._pca is not _NO_PCA:
+            pca, means, query = self._pca, query, np.empty(len(self._pca.basis), np.int16)
+            project(pca.basis, pca.offset, pca.shift, means, query)
+        wanted = min(wanted, len(self._corners))
+        found = self.tree.query(query, k=wanted, eps=_TREE_ERROR, workers=1)[1]
+        nearest: NDArray[np.int32] = self._corners[np.atleast_1d(found)]
+        return nearest
+
+
+def _stride(usable: NDArray[np.uint8], count: int, most: int) -> int:
+    """Choose the stride between the windows to compare; 1 if a mask hides all windows at it."""
+    stride = 1
+    while stride * 2 <= most and count > _MOST_WINDOWS * stride**2:
+        stride *= 2
+    return stride if usable[::stride, ::stride].any() else 1
 
 
 class Zones:

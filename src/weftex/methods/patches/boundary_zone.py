@@ -1,8 +1,8 @@
 """The boundary zone of a patch: the pixels that are compared, and its blending weights.
 
-Sections 2.1 and 2.2 of the paper draw three configurations for plain scan order (Fig. 3 b to d) and
-two more for tileable output (Fig. 5). They and every shape that a hole gives follow from one rule:
-the zone is every known pixel within the boundary width of an unknown one.
+Liang et al. (2001), sections 2.1 and 2.2, draw three configurations for plain scan order (Fig. 3 b
+to d) and two more for tileable output (Fig. 5). They and every shape that a hole gives follow from
+one rule: the zone is every known pixel within the boundary width of an unknown one.
 """
 
 from __future__ import annotations
@@ -23,12 +23,12 @@ class BoundaryZone:
     #: (rows, columns): in 1/256, 256 where nothing was known, falling through the zone, 0 where the
     #: canvas stays. Where paths are cut, 1 to 255 mark the pixels that a path divides.
     weight: NDArray[np.uint16]
-    #: (n, 4), the zone as runs (upright?, v, u, length): tall for tall parts.
-    runs: NDArray[np.int32]
+    #: (n, 4), the zone as strips of pixels (upright?, v, u, length): tall for tall parts.
+    strips: NDArray[np.int32]
     #: (n, 2): corners (v, u) of blocks in the zone, for the low resolution.
     blocks: NDArray[np.int32]
     side: int  # of the blocks
-    #: (9,), where minimum-error paths run: how deep, the box (left, top, right, bottom) that the
+    #: (9,), where minimum-error paths run: how deep, the box (left, right, top, bottom) that the
     #: patch can show in, and whether there is a band at each of these sides.
     bands: NDArray[np.int32]
     area: int  # pixels in the zone
@@ -47,8 +47,8 @@ def boundary_zone(
 ) -> BoundaryZone:
     """Return the zone of a window: `known` pixels at most `width` (w_E) from an unknown one.
 
-    `frozen` pixels stay, and with `core` all known ones but the core (section 2.5). `outlines` of a
-    hole may lie anywhere in the window. `paste` replaces the zone without blending.
+    `frozen` pixels stay, and with `core` all but these (a single pixel: Liang et al., section 2.5).
+    `outlines` of a hole may lie anywhere in the window. `paste` replaces the zone without blending.
     """
     distance = steps_to(~known, width)
     zone = known & (distance <= width)
@@ -79,15 +79,15 @@ def boundary_zone(
         depth = max(depth, min(bottom - top, right - left) // 2)
     shown = zone[top:bottom, left:right]
     # A band for each side, line by line from its start to its end.
-    sides = (shown[:, :depth], shown[:depth].T, shown[:, -depth:], shown[-depth:].T)
+    sides = (shown[:, :depth], shown[:, -depth:], shown[:depth].T, shown[-depth:].T)
     # The corner of a zone is no side of it; the outline of a hole need not follow any.
     cut = [side.any() if outlines else side.any(axis=1).all() for side in sides]
     return BoundaryZone(
         weight=weight.astype(np.uint16),
-        runs=runs_over(zone),
+        strips=strips_over(zone),
         blocks=np.ascontiguousarray(blocks, np.int32),
         side=side,
-        bands=np.array([depth, left, top, right, bottom, *cut], np.int32),
+        bands=np.array([depth, left, right, top, bottom, *cut], np.int32),
         area=int(zone.sum()),
     )
 
@@ -102,8 +102,8 @@ def _run_lengths(mask: NDArray[np.bool_]) -> NDArray[np.int64]:
     return lengths
 
 
-def runs_over(zone: NDArray[np.bool_]) -> NDArray[np.int32]:
-    """Cover the zone with runs, each pixel along the direction in which its part is longer."""
+def strips_over(zone: NDArray[np.bool_]) -> NDArray[np.int32]:
+    """Cover the zone with strips, each pixel along the direction in which its part is longer."""
     flat = _run_lengths(zone) >= _run_lengths(zone.T).T
     start, stop, row = row_runs(zone & flat)
     lying = np.stack([0 * row, row, start, stop - start], axis=1)

@@ -13,11 +13,19 @@ from weftex.canvas import Canvas
 from weftex.errors import InvalidInputError
 from weftex.exemplar import Exemplar
 from weftex.method import Method
-from weftex.methods.patches.patch_kernels import LARGEST_M
-from weftex.methods.patches.zone_search import SEARCHES
+from weftex.methods.patches.patch_kernels import FINDERS, LARGEST_M
 from weftex.parameters import parameter
 
-_LAMBDA = 0.3  # patch size over the sample's shorter side (section 2.4)
+_ALL, _BLOCKS, _COMPONENTS, _TREE = FINDERS
+#: Kinds of search, and how the kernel finds the candidates; sections are of Liang et al. (2001).
+SEARCHES = {
+    "exhaustive": _ALL,
+    "quadtree": _BLOCKS,  # section 3.2
+    "pca": _COMPONENTS,  # the default, which is ours: section 3.3 with a scan in place of a tree
+    "kdtree": _TREE,  # section 3.1, over the blocks of section 3.2
+    "kdtree-pca": _TREE,  # section 3.1, over the components of section 3.3
+}
+_LAMBDA = 0.3  # patch size over the sample's shorter side (Liang et al., section 2.4)
 _CANDIDATES = 40
 #: The number of windows that match grows about with this power of the tolerated distance.
 #: (The power is 7 to 15 between the windows of bricks, grass, leaves, pebbles, tiles, weave, wood.)
@@ -56,7 +64,7 @@ class PatchMethod(Method):
     search: str = parameter(
         "pca",
         "how matching patches are found; exhaustive compares all of them",
-        choices=SEARCHES,
+        choices=tuple(SEARCHES),
     )
     candidates: int | None = parameter(
         None,
@@ -83,7 +91,7 @@ class PatchMethod(Method):
         super().__post_init__()
         if self.patch_size is not None:
             self.boundary_of(self.patch_size)
-        if self.anything:
+        if self.accepts_all:
             self._refuse(_OF_MATCHING, "where every window matches")
             self._refuse({"repeat_distance"}, "where every window matches", unless=0)
 
@@ -95,18 +103,18 @@ class PatchMethod(Method):
                 raise InvalidInputError(f"{field.name} has no effect {where} (now {value})")
 
     @property
-    def anything(self) -> bool:
+    def accepts_all(self) -> bool:
         """Whether every window matches, so that nothing is searched (chaos mosaic)."""
         return False
 
     @property
-    def looseness(self) -> float:
+    def tolerance_ratio(self) -> float:
         """How many times the paper's distance a patch may have and match."""
         return 1.0
 
     @property
     def pixelwise(self) -> bool:
-        """Whether patches are single pixels (section 2.5)."""
+        """Whether patches are single pixels (Liang et al., section 2.5)."""
         return self.patch_size == 1
 
     @property
@@ -134,18 +142,18 @@ class PatchMethod(Method):
 
     def candidates_for(self, usual: int) -> int:
         """Return m: the usual number, or more, so that the windows that match are among them."""
-        wider = min(max(self.looseness, 1.0), 4.0) ** _MATCHING_POWER
+        wider = min(max(self.tolerance_ratio, 1.0), 4.0) ** _MATCHING_POWER
         return min(round(usual * wider), LARGEST_M)
 
     def resolved(self, exemplar: Exemplar) -> Self:
-        """See `Method.resolved`: w_B and w_E (section 2.4), and m (section 3.2)."""
+        """See `Method.resolved`: w_B, w_E and m (Liang et al., sections 2.4 and 3.2)."""
         shorter = min(exemplar.shape)
         size = self.patch_size or patch_size_of(exemplar, _LAMBDA)
         width = self.boundary_of(size)
         if size == 1:
             width = self.boundary_width or max(1, min(4, (shorter - 1) // 2))
         candidates = self.candidates
-        if candidates is None and self.search != "exhaustive" and not self.anything:
+        if candidates is None and self.search != "exhaustive" and not self.accepts_all:
             candidates = self.candidates_for(_CANDIDATES)
         method = replace(self, patch_size=size, boundary_width=width, candidates=candidates)
         if method.pixelwise:
@@ -184,6 +192,6 @@ class PatchMethod(Method):
         if self.boundary_width is None and size > 1:
             suits["boundary_width"] = min(_HOLE_ZONE, size // 2)
         # An exhaustive search takes no number of candidates.
-        if given is not None and not self.anything and not given & {"candidates", "search"}:
+        if given is not None and not self.accepts_all and not given & {"candidates", "search"}:
             suits["candidates"] = self.candidates_for(_HOLE_CANDIDATES)
         return replace(self, **suits)

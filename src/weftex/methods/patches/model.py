@@ -18,7 +18,7 @@ from weftex.endless.grid import Sizes
 from weftex.errors import InvalidInputError
 from weftex.exemplar import Exemplar
 from weftex.method import Model
-from weftex.methods.patches.analysis import PatchAnalysis, Zones
+from weftex.methods.patches.analysis import PatchAnalysis, Zones, ZoneSearch
 from weftex.methods.patches.method import PatchMethod
 from weftex.methods.patches.orders import (
     Order,
@@ -28,10 +28,14 @@ from weftex.methods.patches.orders import (
     scan_pixels,
     spiral_patches,
 )
-from weftex.methods.patches.patch_kernels import Patches, Tolerance, lay_patches
+from weftex.methods.patches.patch_kernels import (
+    SKIPPED,
+    Patches,
+    Shortlist,
+    Tolerance,
+    lay_patches,
+)
 from weftex.methods.patches.plane_order import PatchAxis, PlaneOrder, least_period
-from weftex.methods.patches.zone_kernels import Shortlist
-from weftex.methods.patches.zone_search import ZoneSearch
 from weftex.progress import Progress, ProgressCallback
 from weftex.results.paste_kernels import Layout
 from weftex.results.patches import PatchSynthesis
@@ -111,8 +115,6 @@ class PatchModel(Model):
         axes = PatchAxis.of(side, width, down), PatchAxis.of(side, width, across)
         plan = PlaneOrder(axes, box)
         if self._pieces is None:
-            from weftex.endless.corners import SamplePieces  # looks for lattices: only when needed
-
             self._pieces = SamplePieces(self.exemplar, analysis.windows(side, side)[0])
         order = partial(plan.order, seed=asked.seed, pieces=self._pieces)
         canvas = Canvas(*plan.frame_shape)
@@ -153,6 +155,7 @@ class Output:
         self.analysis, self.method = analysis, analysis.method
         self.frame = frame_of(self.method, canvas)
         self.seed, self._threads, self._callback = seed, threads, callback
+        self._wanted = self.method.candidates or 0  # 0: all windows are compared
         self._zones = Zones(analysis, self.frame.boundary_width)
         # (H, W, K): the frame as it is matched; 0 where nothing was pasted
         self.pixels = np.zeros((*self.frame.shape, analysis.pixels.shape[2]), np.uint8)
@@ -175,8 +178,8 @@ class Output:
             self.order.around,
             self.method.keep_apart,
         )
-        #: The candidates of a patch and their places, of each thread.
-        self._shortlists: dict[int, tuple[Shortlist, NDArray[np.int32]]] = {}
+        #: The candidates of a patch, of each thread.
+        self._shortlists: dict[int, Shortlist] = {}
 
     def _order(self, seed: int) -> Order:
         """The order of the patches by the canvas."""
@@ -222,47 +225,42 @@ class Output:
         """Return the search of the sample's windows by the boundary zone of a run."""
         return self._zones.searches[run.zone]
 
-    def choose_and_paste(self, run: Run, windows: ZoneSearch, tolerance: Tolerance) -> None:
+    def choose_and_paste(self, run: Run, search: ZoneSearch, tolerance: Tolerance) -> None:
         """Choose the sources of a run's patches within a tolerance, and paste each patch."""
         self.placements[run.first : run.last, 4] = run.zone
         weights = self._zones.weights[run.zone]
         layout = Layout(self.placements, weights, self.cuts, *self.frame.shape)
-        found, places = self._shortlist()
+        shortlist = self._shortlist()
         # A kd-tree is searched from Python, for one patch at a time.
-        step = run.last - run.first if windows.tree is None else 1
+        step = run.last - run.first if search.tree is None else 1
         for first in range(run.first, run.last, step):
-            if windows.tree is not None:
-                nearest = windows.nearest_in_tree(self.pixels, *self.placements[first, :2].tolist())
-                places[: len(nearest)] = nearest
+            if search.tree is not None:
+                y, x = self.placements[first, :2].tolist()
+                shortlist.put(search.nearest_in_tree(self.pixels, y, x, self._wanted))
             lay_patches(
-                self.pixels, self._patches, first, first + step, layout, windows.kernel,
-                tolerance, found,
+                self.pixels, self._patches, first, first + step, layout, search.kernel,
+                tolerance, shortlist,
             )  # fmt: skip
 
-    def _shortlist(self) -> tuple[Shortlist, NDArray[np.int32]]:
+    def _shortlist(self) -> Shortlist:
         """Return this thread's candidates, allocated for any patch."""
         if get_ident() not in self._shortlists:
-            analysis, window = self.analysis, self.frame.window
+            analysis, window, wanted = self.analysis, self.frame.window, self._wanted
             room = len(analysis.windows(*window)[1])
-            if self.method.candidates:  # to 54 neighbors at most is climbed from each stride
-                room = self.method.candidates + 54 * analysis.block_side
-            depth = max(self.frame.boundary_width, min(window) // 2)  # of a band with a path
+            if wanted:  # the stride is halved until it is 1; it is at most the side of a block
+                room = wanted + SKIPPED * analysis.block_side
             numbers = window[0] * window[1] * analysis.pixels.shape[2]
-            columns = analysis.exemplar.shape[1]
-            places = np.empty(room, np.int32)
-            found = Shortlist(
-                self.method.candidates or 0,
-                np.empty(room, np.int64),
-                places,
-                query=np.empty(numbers, np.uint8),
+            depth = max(self.frame.boundary_width, min(window) // 2)  # of a band with a path
+            self._shortlists[get_ident()] = Shortlist(
+                wanted,
+                corners=np.empty(room, np.int32),
+                distances=np.empty(room, np.int64),
+                marks=np.empty(room, np.uint8),
+                zone=np.empty(numbers, np.uint8),
                 means=np.empty(numbers, np.int32),
                 coordinates=np.empty(numbers, np.int16),
-                partial=np.empty(columns, np.int32),
-                total=np.empty(columns, np.int64),
-                excluded=np.empty(room, np.uint8),
                 path=np.empty((max(window), depth), np.int64),
             )
-            self._shortlists[get_ident()] = found, places
         return self._shortlists[get_ident()]
 
     def weights(self) -> NDArray[np.uint16]:

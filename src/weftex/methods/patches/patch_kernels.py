@@ -1,65 +1,71 @@
 # mypy: ignore-errors
-"""The kernel that chooses and pastes a run of patches; compiled by Cython, see setup.py.
+# cython: infer_types=True
+"""The kernel that chooses and pastes a run of patches; compiled, see setup.py and the .pxd.
 
-Sections and equations are those of Liang et al. (2001), unless Efros and Freeman (2001) are named.
+It takes the steps of Liang et al. (2001), section 2.2. Those of Efros and Freeman (2001), section
+2.2, differ in the `Tolerance` and in the cut.
 """
 
 import cython
 from cython.cimports.libc.math import sqrt
-from cython.cimports.weftex.methods.patches.zone_kernels import (
-    ALL,
-    Shortlist,
-    ZoneWindows,
-    climb,
-    copy_zone,
-    list_candidates,
-    zone_distance,
-)
+from cython.cimports.weftex.methods.patches.cut_kernels import cut_bands
 from cython.cimports.weftex.raster.difference_kernels import squared
 from cython.cimports.weftex.results.paste_kernels import Layout, paste
+from cython.cimports.weftex.search.acceleration_kernels import (
+    block_means,
+    nearest_by_blocks,
+    nearest_by_coordinates,
+    project,
+)
 
-# The largest m of section 3.2. If most of so many candidates match, others do too, see `spread`.
+#: For Python, the constants of the .pxd.
+FINDERS = int(ALL), int(BLOCKS), int(COMPONENTS), int(TREE)
+
+# The largest m of Liang et al., section 3.2.
 MOST_CANDIDATES = cython.declare(cython.Py_ssize_t, 10000)
 LARGEST_M = int(MOST_CANDIDATES)  # for Python
 
-# The squared distance that a patch without repeats may have, relative to the best with some.
+# The squared distance that a window without repeats may have, relative to the best with some.
 UNREPEATED = cython.declare(cython.double, 1.7)
 
-# Marks of `exclude_nearby`.
-REPEATS = cython.declare(cython.uchar, 1)
-CONTINUES = cython.declare(cython.uchar, 2)
+# Of the best windows, around which those that a stride skipped are compared.
+BEST = cython.declare(cython.Py_ssize_t, 6)
+SKIPPED = 9 * int(BEST)  # for Python: compared at most each time that the stride is halved
 
-# More than any path of real differences: 2**16 pixels of 2**10 channels.
-OUTSIDE = cython.declare(cython.longlong, 1 << 44)
+# Marks of windows that are not drawn.
+REPEATS = cython.declare(cython.uchar, 1)  # the source of a patch around
+CONTINUES = cython.declare(cython.uchar, 2)  # the source of a patch around
+DIFFERS = cython.declare(cython.uchar, 3)  # too much
 
 
-@cython.cclass
 class Tolerance:
-    """Which candidates may be taken, and how one of them is drawn.
+    """Which windows match, and how one of them is drawn.
 
-    The limit is `value` times the zone's root mean square (epsilon of section 2.4), or with
-    `of_best` 1 + `value` times the best distance. Draws are uniform or by alpha_i of section 2.1.
+    Liang et al., section 2.4: those nearer than d_max, `value` (epsilon) times the root mean square
+    of the zone. Efros and Freeman, section 2.2: with `of_best`, those at most 1 + `value` times as
+    far as the best. Draws are uniform or `by_similarity` (alpha_i of Liang et al., section 2.1).
     """
-
-    value: cython.double
-    of_best: cython.bint
-    by_similarity: cython.bint
 
     def __init__(self, value, of_best, by_similarity):
         self.value, self.of_best, self.by_similarity = value, of_best, by_similarity
+        self.accepts_all = value > 1e30
+
+    def limit(self, energy, best):
+        """Return the largest squared distance of a match.
+
+        `energy` is the sum of squares of the zone's pixels, `best` the least squared distance.
+        """
+        if self.of_best:
+            return best * (1 + self.value) * (1 + self.value)
+        return energy * self.value * self.value
+
+    def matches(self, distance, limit):
+        """Whether a window of this squared distance is in Psi_B: Liang et al., eq. (1)."""
+        return distance < limit or (self.of_best and distance <= limit)
 
 
-@cython.cclass
 class Patches:
     """The patches of an output, numbered in their order, and the sample that they come from."""
-
-    pixels: cython.const[cython.uchar][:, :, ::1]  # of the sample
-    transposed: cython.const[cython.uchar][:, :, ::1]  # the same with exchanged axes
-    placements: cython.int[:, ::1]  # (n, 5), as in `Layout`; sources are filled in
-    cuts: cython.ushort[:, ::1]  # as in `Layout`; filled in
-    bits: cython.const[cython.ulonglong][::1]  # (n,), random
-    around: cython.const[cython.int][:, ::1]  # (n, k): earlier patches not to repeat; -1 for none
-    keep_apart: cython.Py_ssize_t  # pixels between the sources of patches around
 
     def __init__(self, pixels, transposed, placements, cuts, bits, around, keep_apart):
         self.pixels, self.transposed = pixels, transposed
@@ -67,306 +73,33 @@ class Patches:
         self.bits, self.around, self.keep_apart = bits, around, keep_apart
 
 
-@cython.cfunc
-@cython.nogil
-@cython.exceptval(check=False)
-def squared_limit(
-    energy: cython.longlong, best: cython.double, tolerance: Tolerance
-) -> cython.double:
-    """Return the set's largest squared distance, from the canvas's energy or the best candidate.
+class WindowSearch:
+    """The usable windows of a sample, arranged to be searched by one `BoundaryZone`.
 
-    Both are A d**2: `energy` is the sum of squares whose mean is in d_max of section 2.4.
+    `nodes` are of the quadtree pyramid, `pca` has the components of the windows at `corners`.
     """
-    if tolerance.of_best:
-        return best * (1 + tolerance.value) * (1 + tolerance.value)
-    return energy * tolerance.value * tolerance.value
+
+    def __init__(self, finder, stride, usable, corners, zone, nodes, pca):
+        self.finder, self.stride = finder, stride
+        self.usable, self.corners, self.nodes = usable, corners, nodes
+        self.area, self.strips, self.blocks = zone.area, zone.strips, zone.blocks
+        self.side, self.bands = zone.side, zone.bands
+        self.basis, self.offset = pca.basis, pca.offset
+        self.shift, self.coordinates = pca.shift, pca.coordinates
 
 
-@cython.cfunc
-@cython.inline
-@cython.nogil
-@cython.exceptval(check=False)
-def in_set(key: cython.double, limit: cython.double, tolerance: Tolerance) -> cython.bint:
-    """Whether a candidate is in Psi_B, eq. (1); of the best, itself included, or of d_max."""
-    return key < limit or (tolerance.of_best and key <= limit)
+class Shortlist:
+    """The candidates for one patch, and memory for its zone and for their search."""
 
+    def __init__(self, wanted, corners, distances, marks, zone, means, coordinates, path):
+        self.wanted, self.corners, self.distances = wanted, corners, distances
+        self.marks, self.zone, self.means = marks, zone, means
+        self.coordinates, self.path = coordinates, path
 
-@cython.cfunc
-@cython.nogil
-@cython.exceptval(check=False)
-def draw_one(
-    best: cython.Py_ssize_t, count: cython.Py_ssize_t, energy: cython.longlong,
-    bits: cython.ulonglong, tolerance: Tolerance, found: Shortlist,
-) -> cython.Py_ssize_t:  # fmt: skip
-    """Draw one of the candidates within the tolerance that are not excluded; `best` if none is."""
-    keys: cython.p_longlong = cython.address(found.keys[0])
-    excluded: cython.p_uchar = cython.address(found.excluded[0])
-    limit: cython.double = squared_limit(energy, cython.cast(cython.double, keys[best]), tolerance)
-    within: cython.longlong = 0
-    total: cython.double = 0
-    cython.declare(i=cython.Py_ssize_t, target=cython.double)
-    for i in range(count):
-        if not excluded[i] and in_set(cython.cast(cython.double, keys[i]), limit, tolerance):
-            within += 1
-            if tolerance.by_similarity and limit > 0:
-                total += 1 - sqrt(keys[i] / limit)
-    if within == 0:
-        return best
-    if tolerance.by_similarity and total > 0:
-        target = total * (bits >> 11) * (1.0 / 9007199254740992.0)
-        for i in range(count):
-            if not excluded[i] and keys[i] < limit:
-                target -= 1 - sqrt(keys[i] / limit)
-                if target < 0:
-                    return i
-        return best
-    within = cython.cast(cython.longlong, ((bits >> 32) * within) >> 32)
-    for i in range(count):
-        if not excluded[i] and in_set(cython.cast(cython.double, keys[i]), limit, tolerance):
-            if within == 0:
-                return i
-            within -= 1
-    return best
-
-
-@cython.cfunc
-@cython.nogil
-@cython.exceptval(check=False)
-def exclude_nearby(
-    patches: Patches, p: cython.Py_ssize_t, width: cython.Py_ssize_t, count: cython.Py_ssize_t,
-    found: Shortlist,
-) -> cython.void:  # fmt: skip
-    """Mark candidates nearer than `keep_apart` to the source of a patch around.
-
-    One that continues that patch repeats nothing. But half of the patches continue none.
-    """
-    cython.declare(i=cython.Py_ssize_t, k=cython.Py_ssize_t)
-    cython.declare(y=cython.Py_ssize_t, x=cython.Py_ssize_t)
-    cython.declare(this=cython.p_const_int, other=cython.p_const_int)
-    apart: cython.Py_ssize_t = patches.keep_apart
-    this = cython.address(patches.placements[p, 0])
-    for i in range(count):
-        found.excluded[i] = 0
-        for k in range(patches.around.shape[1]):
-            if patches.around[p, k] < 0:
-                continue
-            other = cython.address(patches.placements[patches.around[p, k], 0])
-            y = found.places[i] // width - other[2]
-            x = found.places[i] % width - other[3]
-            if y == this[0] - other[0] and x == this[1] - other[1]:
-                if patches.bits[p] & 1:
-                    found.excluded[i] = CONTINUES
-                    break
-            elif -apart < y < apart and -apart < x < apart:
-                found.excluded[i] = REPEATS
-                break
-
-
-@cython.cfunc
-@cython.nogil
-@cython.exceptval(check=False)
-def best_unrepeated(count: cython.Py_ssize_t, found: Shortlist) -> cython.Py_ssize_t:
-    """Return the best unmarked candidate, unless its key is above `UNREPEATED` times the least.
-
-    If it is, candidates that continue no patch are freed; if there are none, all are.
-    """
-    cython.declare(best=cython.Py_ssize_t, near=cython.Py_ssize_t, free=cython.Py_ssize_t)
-    cython.declare(i=cython.Py_ssize_t)
-    keys: cython.p_longlong = cython.address(found.keys[0])
-    best = near = free = -1
-    for i in range(count):
-        if best < 0 or keys[i] < keys[best]:
-            best = i
-        if found.excluded[i] < CONTINUES and (near < 0 or keys[i] < keys[near]):
-            near = i
-        if not found.excluded[i] and (free < 0 or keys[i] < keys[free]):
-            free = i
-    if near >= 0:
-        best = near
-    if free >= 0 and keys[free] <= UNREPEATED * keys[best]:
-        return free
-    for i in range(count):
-        found.excluded[i] = 0 if found.excluded[i] < CONTINUES or near < 0 else CONTINUES
-    return best
-
-
-@cython.cfunc
-@cython.nogil
-@cython.exceptval(check=False)
-def measure(
-    patches: Patches, windows: ZoneWindows, tolerance: Tolerance, energy: cython.longlong,
-    count: cython.Py_ssize_t, found: Shortlist,
-) -> cython.void:  # fmt: skip
-    """Compare candidates at the full resolution by eq. (2), each until it is hopeless."""
-    width: cython.Py_ssize_t = windows.usable.shape[1]
-    best: cython.longlong = -1
-    bound: cython.double = -1
-    place: cython.Py_ssize_t
-    key: cython.longlong
-    i: cython.Py_ssize_t
-    for i in range(count):
-        place = found.places[i]
-        key = zone_distance(
-            patches.pixels, patches.transposed, place // width, place % width, windows.runs,
-            found.query, cython.cast(cython.longlong, bound),
-        )  # fmt: skip
-        found.keys[i] = key
-        if found.excluded[i] < CONTINUES and (best < 0 or key < best):
-            best = key  # the worst that may be drawn from here on
-            bound = UNREPEATED * best if patches.keep_apart > 0 else best
-            bound = max(bound, squared_limit(energy, best, tolerance))
-            if tolerance.of_best:  # the limit of `draw_one` is relative to what is drawn from
-                bound *= (1 + tolerance.value) * (1 + tolerance.value)
-            bound += 1
-
-
-@cython.cfunc
-@cython.nogil
-@cython.exceptval(check=False)
-def spread(
-    windows: ZoneWindows, energy: cython.longlong, start: cython.Py_ssize_t,
-    tolerance: Tolerance, count: cython.Py_ssize_t, found: Shortlist,
-) -> cython.Py_ssize_t:  # fmt: skip
-    """If most candidates match, list windows from all over the sample instead; return how many."""
-    matching: cython.Py_ssize_t = 0
-    i: cython.Py_ssize_t
-    width: cython.Py_ssize_t = windows.usable.shape[1]
-    total: cython.Py_ssize_t = windows.usable.shape[0] * width
-    step: cython.Py_ssize_t = total // MOST_CANDIDATES + 1
-    for i in range(count):
-        matching += found.keys[i] < squared_limit(energy, found.keys[i], tolerance)
-    if 2 * matching <= count:
-        return 0
-    count = 0
-    i = start % step
-    while i < total:
-        if windows.usable[i // width, i % width]:
-            found.places[count] = cython.cast(cython.int, i)
-            count += 1
-        i += step
-    return count
-
-
-@cython.cfunc
-@cython.nogil
-@cython.exceptval(check=False)
-def choose_window(
-    canvas: cython.const[cython.uchar][:, :, ::1], patches: Patches, p: cython.Py_ssize_t,
-    windows: ZoneWindows, tolerance: Tolerance, found: Shortlist,
-) -> cython.Py_ssize_t:  # fmt: skip
-    """Return the number of the window that patch `p` shows: steps 1 to 4 of section 2.2."""
-    y: cython.Py_ssize_t = patches.placements[p, 0]
-    x: cython.Py_ssize_t = patches.placements[p, 1]
-    width: cython.Py_ssize_t = windows.usable.shape[1]
-    energy: cython.longlong
-    cython.declare(count=cython.Py_ssize_t, best=cython.Py_ssize_t)
-    cython.declare(start=cython.Py_ssize_t, more=cython.Py_ssize_t)
-    windows_there: cython.ulonglong
-    if windows.area == 0 or tolerance.value > 1e30:
-        # Step 1: nothing to match. Or anything matches: the chaos mosaic.
-        windows_there = cython.cast(cython.ulonglong, windows.positions.shape[0])
-        return windows.positions[
-            cython.cast(cython.Py_ssize_t, ((patches.bits[p] >> 32) * windows_there) >> 32)
-        ]
-    energy = copy_zone(canvas, y, x, windows.runs, found.query)  # E_out
-    # Step 2: which windows match it.
-    count = list_candidates(canvas, y, x, windows, found)
-    exclude_nearby(patches, p, width, count, found)
-    measure(patches, windows, tolerance, energy, count, found)
-    if windows.source != ALL and windows.nodes.shape[1] > 1:
-        count = climb(patches.pixels, patches.transposed, windows, count, found)
-        exclude_nearby(patches, p, width, count, found)
-    if count >= MOST_CANDIDATES and windows.source != ALL and not tolerance.of_best:
-        start = cython.cast(cython.Py_ssize_t, patches.bits[p] >> 40)
-        more = spread(windows, energy, start, tolerance, count, found)
-        if more > 0:
-            count = more
-            exclude_nearby(patches, p, width, count, found)
-            measure(patches, windows, tolerance, energy, count, found)
-    # Steps 3 and 4: draw one of Psi_B, or take the closest.
-    best = best_unrepeated(count, found)
-    return found.places[draw_one(best, count, energy, patches.bits[p], tolerance, found)]
-
-
-@cython.ccall
-@cython.nogil
-@cython.exceptval(check=False)
-def cut_bands(
-    canvas: cython.const[cython.uchar][:, :, ::1],
-    pixels: cython.const[cython.uchar][:, :, ::1],
-    layout: Layout,
-    bands: cython.const[cython.int][::1],
-    p: cython.Py_ssize_t,
-    cost: cython.longlong[:, ::1],
-    cuts: cython.ushort[:, ::1],
-) -> cython.void:
-    """Find the minimum error boundary cut along each band, by dynamic programming.
-
-    Section 2.1 of Efros and Freeman. `bands` is depth, the box (left, top, right, bottom) and
-    whether there is a band at each of these sides; row `p` of `cuts` is filled as `paste` reads it.
-    Ties go to the pixel nearest the box's border.
-    """
-    placement: cython.p_const_int = cython.address(layout.placements[p, 0])
-    rows: cython.Py_ssize_t = layout.weights.shape[1]
-    columns: cython.Py_ssize_t = layout.weights.shape[2]
-    depth: cython.Py_ssize_t = bands[0]
-    upright: cython.bint
-    cython.declare(side=cython.Py_ssize_t, first=cython.Py_ssize_t, length=cython.Py_ssize_t)
-    cython.declare(edge=cython.Py_ssize_t, i=cython.Py_ssize_t, k=cython.Py_ssize_t)
-    cython.declare(v=cython.Py_ssize_t, u=cython.Py_ssize_t, best=cython.Py_ssize_t)
-    cython.declare(y=cython.Py_ssize_t, x=cython.Py_ssize_t)
-    cython.declare(at=cython.Py_ssize_t, least=cython.longlong)
-    for v in range(rows):
-        cuts[p, v] = 0
-        cuts[p, rows + v] = cython.cast(cython.ushort, columns)
-    for u in range(columns):
-        cuts[p, 2 * rows + u] = 0
-        cuts[p, 2 * rows + columns + u] = cython.cast(cython.ushort, rows)
-    for side in range(4):  # left, top, right, bottom
-        if not bands[5 + side]:
-            continue
-        upright = side % 2 == 0
-        first = bands[2] if upright else bands[1]
-        length = bands[4] - first if upright else bands[3] - first
-        edge = bands[1 + side]
-        for i in range(length):
-            for k in range(depth):
-                at = edge + k if side < 2 else edge - 1 - k
-                v = first + i if upright else at
-                u = at if upright else first + i
-                cost[i, k] = 0
-                if layout.weights[0, v, u] == 0:  # the canvas stays
-                    cost[i, k] = OUTSIDE
-                elif layout.weights[0, v, u] < 256:  # in the overlap
-                    y = (placement[0] + v) % canvas.shape[0]
-                    x = (placement[1] + u) % canvas.shape[1]
-                    cost[i, k] = squared(
-                        cython.address(canvas[y, x, 0]),
-                        cython.address(pixels[placement[2] + v, placement[3] + u, 0]),
-                        canvas.shape[2],
-                    )
-                if i > 0:
-                    least = cost[i - 1, k]
-                    if k > 0:
-                        least = min(least, cost[i - 1, k - 1])
-                    if k + 1 < depth:
-                        least = min(least, cost[i - 1, k + 1])
-                    cost[i, k] += least
-        best = 0
-        for k in range(1, depth):
-            if cost[length - 1, k] < cost[length - 1, best]:
-                best = k
-        at = side // 2 * rows if upright else 2 * rows + side // 2 * columns  # in the row of `cuts`
-        for i in range(length - 1, -1, -1):
-            if i < length - 1:
-                k = best
-                if k > 0 and cost[i, k - 1] <= cost[i, best]:
-                    best = k - 1
-                if k + 1 < depth and cost[i, k + 1] < cost[i, best]:
-                    best = k + 1
-            cuts[p, at + first + i] = cython.cast(
-                cython.ushort, edge + best if side < 2 else edge - best
-            )
+    def put(self, corners: cython.const[cython.int][::1]):
+        """List these windows as the candidates."""
+        for i in range(corners.shape[0]):
+            self.corners[i] = corners[i]
 
 
 def lay_patches(
@@ -375,23 +108,278 @@ def lay_patches(
     first: cython.Py_ssize_t,
     last: cython.Py_ssize_t,
     layout: Layout,
-    windows: ZoneWindows,
+    search: WindowSearch,
     tolerance: Tolerance,
-    found: Shortlist,
+    shortlist: Shortlist,
 ):
     """Choose sources for patches `first` to `last` - 1, cut each and paste it on the canvas.
 
-    All have the zone of `windows`. `layout` has the weights of this zone alone, as number 0.
+    All have the zone of `search`. `layout` has the weights of this zone alone, as number 0.
     """
-    width: cython.Py_ssize_t = windows.usable.shape[1]
-    cython.declare(p=cython.Py_ssize_t, chosen=cython.Py_ssize_t)
+    columns = search.usable.shape[1]
     with cython.nogil:
         for p in range(first, last):
-            chosen = choose_window(canvas, patches, p, windows, tolerance, found)
-            patches.placements[p, 2] = cython.cast(cython.int, chosen // width)
-            patches.placements[p, 3] = cython.cast(cython.int, chosen % width)
+            chosen = choose_window(canvas, patches, p, search, tolerance, shortlist)
+            patches.placements[p, 2] = chosen // columns
+            patches.placements[p, 3] = chosen % columns
             if patches.cuts.shape[0] > 0:
                 cut_bands(
-                    canvas, patches.pixels, layout, windows.bands, p, found.path, patches.cuts
+                    canvas, patches.pixels, layout, search.bands, p, shortlist.path, patches.cuts
                 )
             paste(canvas, patches.pixels, layout, p, 0)
+
+
+def choose_window(canvas, patches, p, search, tolerance, shortlist):
+    """Return the corner of the window that patch `p` shows."""
+    bits = patches.bits[p]
+    windows = cython.cast(cython.ulonglong, search.corners.shape[0])
+    if search.area == 0 or tolerance.accepts_all:
+        # Step 1 of Liang et al., section 2.2: any window, as there is nothing to match.
+        return search.corners[cython.cast(cython.Py_ssize_t, ((bits >> 32) * windows) >> 32)]
+    # Step 2: the windows that may match E_out, with their distances.
+    y, x = patches.placements[p, 0], patches.placements[p, 1]
+    energy = copy_zone(canvas, y, x, search.strips, shortlist.zone)
+    count = find_similar(canvas, patches, p, search, tolerance, energy, shortlist)
+    # Not in the papers: windows that repeat are left out, unless all others are much worse.
+    best = free_repeats(count, shortlist)
+    # Steps 3 and 4: one of those within the tolerance.
+    return shortlist.corners[draw_one(best, count, energy, bits, tolerance, shortlist)]
+
+
+def find_similar(canvas, patches, p, search, tolerance, energy, shortlist):
+    """List windows that may match the zone of patch `p`, with their distances; return how many."""
+    y, x = patches.placements[p, 0], patches.placements[p, 1]
+    count = list_candidates(canvas, y, x, search, shortlist)
+    compare(patches, p, search, tolerance, energy, count, shortlist)
+    if search.stride > 1:
+        count = compare_skipped(patches, p, search, count, shortlist)
+    if count < MOST_CANDIDATES or search.finder == ALL or tolerance.of_best:
+        return count
+    # With a wide epsilon, most of the largest m may match. Then windows all over the sample do.
+    matching: cython.Py_ssize_t = 0
+    for i in range(count):
+        matching += shortlist.distances[i] < tolerance.limit(energy, 0)
+    if 2 * matching > count:
+        start = cython.cast(cython.Py_ssize_t, patches.bits[p] >> 40)
+        everywhere = list_everywhere(search, start, shortlist)
+        if everywhere > 0:
+            count = everywhere
+            compare(patches, p, search, tolerance, energy, count, shortlist)
+    return count
+
+
+def list_candidates(canvas, y, x, search, shortlist):
+    """List windows that may match the zone at (y, x) of the canvas; return how many."""
+    if search.finder == TREE:  # `Output.choose_and_paste` has listed them
+        return min(shortlist.wanted, search.corners.shape[0])
+    if search.finder == ALL:
+        for i in range(search.corners.shape[0]):
+            shortlist.corners[i] = search.corners[i]
+        return search.corners.shape[0]
+    block_means(canvas, y, x, search.blocks, search.side, shortlist.means)
+    if search.finder == BLOCKS:
+        return nearest_by_blocks(
+            search.nodes, search.blocks, shortlist.means, search.usable, shortlist.wanted,
+            shortlist.distances, shortlist.corners,
+        )  # fmt: skip
+    project(search.basis, search.offset, search.shift, shortlist.means, shortlist.coordinates)
+    return nearest_by_coordinates(
+        search.coordinates, search.corners, shortlist.coordinates, shortlist.wanted,
+        shortlist.distances, shortlist.corners,
+    )  # fmt: skip
+
+
+def copy_zone(canvas, y, x, strips, zone):
+    """Copy the zone's pixels from the canvas, strip by strip; return the sum of their squares."""
+    height, width, channels = canvas.shape[0], canvas.shape[1], canvas.shape[2]
+    cython.declare(cy=cython.Py_ssize_t, cx=cython.Py_ssize_t)
+    at: cython.Py_ssize_t = 0
+    energy: cython.longlong = 0
+    for s in range(strips.shape[0]):
+        cy = (y + strips[s, 1]) % height
+        cx = (x + strips[s, 2]) % width
+        for _ in range(strips[s, 3]):
+            for k in range(channels):
+                zone[at + k] = canvas[cy, cx, k]
+                energy += cython.cast(cython.int, canvas[cy, cx, k]) * canvas[cy, cx, k]
+            at += channels
+            if strips[s, 0]:
+                cy = cy + 1 if cy + 1 < height else 0
+            else:
+                cx = cx + 1 if cx + 1 < width else 0
+    return energy
+
+
+def zone_distance(pixels, transposed, y, x, strips, zone, bound):
+    """Return the error of the overlap for the window at (y, x): A d**2 in Liang et al., eq. (2).
+
+    Past `bound`, unless that is negative, it is a part of the sum. `transposed` is `pixels`
+    transposed, so that upright strips are contiguous too.
+    """
+    channels = pixels.shape[2]
+    at: cython.Py_ssize_t = 0
+    total: cython.longlong = 0
+    for s in range(strips.shape[0]):
+        n = strips[s, 3] * channels
+        if strips[s, 0]:
+            strip = cython.address(transposed[x + strips[s, 2], y + strips[s, 1], 0])
+        else:
+            strip = cython.address(pixels[y + strips[s, 1], x + strips[s, 2], 0])
+        total += squared(strip, cython.address(zone[at]), n)
+        at += n
+        if total > bound and bound >= 0:
+            break
+    return total
+
+
+def compare(patches, p, search, tolerance, energy, count, shortlist):
+    """Compare candidates at the full resolution, each until it is hopeless, and mark repeats."""
+    columns = search.usable.shape[1]
+    best: cython.longlong = -1
+    bound: cython.double = -1
+    for i in range(count):
+        y, x = shortlist.corners[i] // columns, shortlist.corners[i] % columns
+        distance = zone_distance(
+            patches.pixels, patches.transposed, y, x, search.strips, shortlist.zone,
+            cython.cast(cython.longlong, bound),
+        )  # fmt: skip
+        shortlist.distances[i] = distance
+        shortlist.marks[i] = mark_of(patches, p, y, x)
+        if shortlist.marks[i] < CONTINUES and (best < 0 or distance < best):
+            best = distance  # the worst that may be drawn from here on
+            bound = UNREPEATED * best if patches.keep_apart > 0 else best
+            bound = max(bound, tolerance.limit(energy, best))
+            if tolerance.of_best:  # the best unmarked one may be as far as that
+                bound = tolerance.limit(energy, bound)
+            bound += 1
+
+
+def compare_skipped(patches, p, search, count, shortlist):
+    """Compare the neighbors that a stride skipped, around the best few; return the new count."""
+    rows, columns = search.usable.shape[0], search.usable.shape[1]
+    corners = cython.address(shortlist.corners[0])
+    distances = cython.address(shortlist.distances[0])
+    marks = cython.address(shortlist.marks[0])
+    best: cython.Py_ssize_t
+    step = search.stride // 2
+    while step >= 1:
+        few = min(BEST, count)
+        for k in range(few):  # bring the best few to the front
+            best = k
+            for i in range(k + 1, count):
+                if distances[i] < distances[best]:
+                    best = i
+            corners[k], corners[best] = corners[best], corners[k]
+            distances[k], distances[best] = distances[best], distances[k]
+            marks[k], marks[best] = marks[best], marks[k]
+        for k in range(few):
+            for n in range(9):
+                y = corners[k] // columns + (n // 3 - 1) * step
+                x = corners[k] % columns + (n % 3 - 1) * step
+                if y < 0 or x < 0 or y >= rows or x >= columns or not search.usable[y, x]:
+                    continue
+                i = 0
+                while i < count and corners[i] != y * columns + x:
+                    i += 1
+                if i == count and count < shortlist.corners.shape[0]:
+                    corners[count] = y * columns + x
+                    marks[count] = mark_of(patches, p, y, x)
+                    distances[count] = zone_distance(
+                        patches.pixels, patches.transposed, y, x, search.strips, shortlist.zone, -1
+                    )
+                    count += 1
+        step //= 2
+    return count
+
+
+def list_everywhere(search, start, shortlist):
+    """List windows from all over the sample, evenly spread; return how many."""
+    columns = search.usable.shape[1]
+    total = search.usable.shape[0] * columns
+    step = total // MOST_CANDIDATES + 1
+    count: cython.Py_ssize_t = 0
+    i = start % step
+    while i < total:
+        if search.usable[i // columns, i % columns]:
+            shortlist.corners[count] = i
+            count += 1
+        i += step
+    return count
+
+
+def mark_of(patches, p, y, x):
+    """Return the mark of the window at (y, x), if patch `p` were to show it; 0 for none.
+
+    A window nearer than `keep_apart` to the source of a patch around repeats it; but one that
+    continues it does not. So that not all patches continue others, half of them may not.
+    """
+    apart = patches.keep_apart
+    this = cython.address(patches.placements[p, 0])
+    for k in range(patches.around.shape[1]):
+        if patches.around[p, k] < 0:
+            continue
+        other = cython.address(patches.placements[patches.around[p, k], 0])
+        dy, dx = y - other[2], x - other[3]
+        if dy == this[0] - other[0] and dx == this[1] - other[1]:
+            if patches.bits[p] & 1:
+                return CONTINUES
+        elif -apart < dy < apart and -apart < dx < apart:
+            return REPEATS
+    return 0
+
+
+def free_repeats(count, shortlist):
+    """Return the best unmarked window; if it is much worse than marked ones, free them first.
+
+    Freed are those that continue no patch, unless there are no others.
+    """
+    distances, marks = cython.address(shortlist.distances[0]), cython.address(shortlist.marks[0])
+    cython.declare(best=cython.Py_ssize_t, apart=cython.Py_ssize_t, free=cython.Py_ssize_t)
+    best = apart = free = -1  # the best of all, of those that continue no patch, of the unmarked
+    for i in range(count):
+        if best < 0 or distances[i] < distances[best]:
+            best = i
+        if marks[i] < CONTINUES and (apart < 0 or distances[i] < distances[apart]):
+            apart = i
+        if not marks[i] and (free < 0 or distances[i] < distances[free]):
+            free = i
+    if apart >= 0:
+        best = apart
+    if free >= 0 and distances[free] <= UNREPEATED * distances[best]:
+        return free
+    for i in range(count):
+        if marks[i] < CONTINUES or apart < 0:
+            marks[i] = 0
+    return best
+
+
+def draw_one(best, count, energy, bits, tolerance, shortlist):
+    """Draw one of Psi_B, the unmarked windows within the tolerance; `best` if there are none."""
+    distances, marks = cython.address(shortlist.distances[0]), cython.address(shortlist.marks[0])
+    limit: cython.double = tolerance.limit(energy, distances[best])
+    size: cython.ulonglong = 0  # of Psi_B
+    total: cython.double = 0  # of alpha_i
+    for i in range(count):
+        if marks[i]:
+            continue
+        if not tolerance.matches(distances[i], limit):
+            marks[i] = DIFFERS
+            continue
+        size += 1
+        if tolerance.by_similarity:
+            total += 1 - sqrt(distances[i] / limit)
+    if size > 0 and total > 0:
+        total *= (bits >> 11) * (1.0 / 9007199254740992.0)
+        for i in range(count):
+            if not marks[i]:
+                total -= 1 - sqrt(distances[i] / limit)
+                if total < 0:
+                    return i
+        return best
+    size = ((bits >> 32) * size) >> 32
+    for i in range(count):
+        if not marks[i]:
+            if size == 0:
+                return i
+            size -= 1
+    return best

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from weftex.methods.refinement import nearest_kernels
-from weftex.search.pca import ZonePCA, coordinates_of, main_components, one_blas_thread
+from weftex.search.acceleration import Components, coordinates_of, main_components, one_blas_thread
 from weftex.search.windows import Windows
 
 _LEARNED_WINDOWS = 512  # windows that the components are learned from
@@ -27,7 +27,7 @@ _COMPONENT_LENGTH = 2000
 class LowerBound:
     """A lower bound of the distances between windows, from a part of each."""
 
-    components: ZonePCA  # of the part's bytes, with all windows' coordinates
+    components: Components  # of the part's bytes, with all windows' coordinates
     length: float  # windows of squared distance d are at most length * sqrt(d) apart in coordinates
 
 
@@ -79,9 +79,9 @@ def _lower_bound(windows: Windows, reach: int, part: NDArray[np.bool_]) -> Lower
         # Rounded components are not quite at right angles.
         longest = float(np.linalg.eigvalsh(np.inner(basis, basis.astype(np.float64)))[-1])
     corners = windows.centers - reach * windows.pixels.shape[1] - reach
-    offset, shift, features = coordinates_of(_correlations(windows.pixels, filters, corners))
+    offset, shift, coordinates = coordinates_of(_correlations(windows.pixels, filters, corners))
     length = 1.001 * max(longest, 0.0) ** 0.5 / 2**shift
-    return LowerBound(ZonePCA(basis, offset, shift, features), length)
+    return LowerBound(Components(basis, offset, shift, coordinates), length)
 
 
 def _main_vectors(windows: Windows, reach: int, part: NDArray[np.bool_]) -> NDArray[np.float64]:

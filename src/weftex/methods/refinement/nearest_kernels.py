@@ -3,7 +3,7 @@
 
 import cython
 from cython.cimports.libc.math import sqrt
-from cython.cimports.weftex.methods.patches.zone_kernels import distances_by_features, project
+from cython.cimports.weftex.search.acceleration_kernels import all_distances, project
 from cython.cimports.weftex.search.picture_kernels import Query
 from cython.cimports.weftex.search.window_kernels import run_distance
 
@@ -18,7 +18,7 @@ class NearestWindows:
         self.pixels, self.centers, self.reach = windows.pixels, windows.centers, reach
         components = bound.components
         self.basis, self.offset = components.basis, components.offset
-        self.shift, self.features = components.shift, components.features
+        self.shift, self.features = components.shift, components.coordinates
         self.length = bound.length
         self.query, self.coordinates, self.apart = query, coordinates, apart
 
@@ -55,7 +55,7 @@ def bound_all(search: NearestWindows, query: cython.const[cython.uchar][::1]) ->
     for i in range(search.query.shape[0]):
         search.query[i] = query[i]
     project(search.basis, search.offset, search.shift, search.query, search.coordinates)
-    distances_by_features(search.features, search.coordinates, search.apart)
+    all_distances(search.features, search.coordinates, search.apart)
 
 
 @cython.cfunc

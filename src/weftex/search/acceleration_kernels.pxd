@@ -1,0 +1,20 @@
+cpdef void block_means(const unsigned char[:, :, ::1] canvas, Py_ssize_t y, Py_ssize_t x,
+                      const int[:, ::1] blocks, Py_ssize_t side, int[::1] means) noexcept nogil
+
+cdef Py_ssize_t offer(long long key, int place, Py_ssize_t count, Py_ssize_t wanted,
+                      long long* keys, int* places) noexcept nogil
+
+cpdef Py_ssize_t nearest_by_blocks(const unsigned char[:, :, :, :, ::1] nodes,
+                                  const int[:, ::1] blocks, const int[::1] query,
+                                  const unsigned char[:, ::1] usable, Py_ssize_t wanted,
+                                  long long[::1] distances, int[::1] corners) noexcept nogil
+
+cpdef void project(const short[:, ::1] basis, const int[::1] offset, int shift,
+                  const int[::1] query, short[::1] coordinates) noexcept nogil
+
+cdef void all_distances(const short[:, ::1] coordinates, const short[::1] query,
+                        int[::1] total) noexcept nogil
+
+cpdef Py_ssize_t nearest_by_coordinates(const short[:, ::1] coordinates, const int[::1] at,
+                                       const short[::1] query, Py_ssize_t wanted,
+                                       long long[::1] distances, int[::1] corners) noexcept nogil
