@@ -49,9 +49,9 @@ def effective(
     """
     if cut == cython.NULL or weight == 0 or weight == 256:
         return weight
-    left, right = cut[start_of(LEFT, rows, columns) + v], cut[start_of(RIGHT, rows, columns) + v]
-    top, bottom = cut[start_of(TOP, rows, columns) + u], cut[start_of(BOTTOM, rows, columns) + u]
-    return 256 if left <= u < right and top <= v < bottom else 0
+    left, right = start_of(LEFT, rows, columns), start_of(RIGHT, rows, columns)
+    top, bottom = start_of(TOP, rows, columns), start_of(BOTTOM, rows, columns)
+    return 256 if cut[left + v] <= u < cut[right + v] and cut[top + u] <= v < cut[bottom + u] else 0
 
 
 @cython.cfunc
@@ -186,37 +186,39 @@ def blend(
 
 def paste(out, source, layout, k, zone):
     """Paste patch `k` with the weights of `zone`; positions in sample pixels wrap at borders."""
-    placement = cython.address(layout.placements[k, 0])
+    y, x = layout.placements[k, 0], layout.placements[k, 1]
+    source_y, source_x = layout.placements[k, 2], layout.placements[k, 3]
     height, width, scale = layout.height, layout.width, layout.scale
+    top, left, channels = layout.top, layout.left, out.shape[2]
     rows, columns = layout.weights.shape[1], layout.weights.shape[2]
     source_height, source_width = source.shape[0] // scale, source.shape[1] // scale
     cut: cython.p_const_ushort = cython.NULL
     if layout.cuts.shape[0] > 0:
         cut = cython.address(layout.cuts[k, 0])
     for v in range(rows):
-        cy = (placement[0] + v) % height - layout.top
-        fy = (placement[2] + v) % source_height
+        cy = (y + v) % height - top
+        fy = (source_y + v) % source_height
         if cy < 0 or cy * scale >= out.shape[0]:
             continue
         weight = cython.address(layout.weights[zone, v, 0])
         u = 0
         while u < columns:
             w = effective(weight[u], cut, v, u, rows, columns)
-            cx = (placement[1] + u) % width - layout.left
+            cx = (x + u) % width - left
             if w == 0 or cx < 0 or cx * scale >= out.shape[1]:
                 u += 1
                 continue
-            fx = (placement[3] + u) % source_width
+            fx = (source_x + u) % source_width
             if w < 256:
                 for r in range(scale):
                     for q in range(scale):
                         old = cython.address(out[cy * scale + r, cx * scale + q, 0])
                         new = cython.address(source[fy * scale + r, fx * scale + q, 0])
-                        blend(new, old, out.shape[2], w, layout)
+                        blend(new, old, channels, w, layout)
                 u += 1
                 continue
             limit = min(
-                columns - u, width - layout.left - cx, source_width - fx, out.shape[1] // scale - cx
+                columns - u, width - left - cx, source_width - fx, out.shape[1] // scale - cx
             )
             run = 1
             while run < limit and effective(weight[u + run], cut, v, u + run, rows, columns) == 256:

@@ -164,10 +164,12 @@ def nearest_by_coordinates(coordinates, at, query, wanted, distances, corners):
     total = cython.declare(cython.int[1024])
     nearest, theirs = cython.address(distances[0]), cython.address(corners[0])
     count: cython.Py_ssize_t = 0
+    worst: cython.longlong = 0
     for start in range(0, at.shape[0], 1024):
         n = min(1024, at.shape[0] - start)
         some_distances(coordinates, query, start, n, cython.address(total[0]))
         for j in range(n):
-            if total[j] < nearest[0] or count < wanted:
+            if total[j] < worst or count < wanted:
                 count = offer(total[j], at[start + j], count, wanted, nearest, theirs)
+                worst = nearest[0]
     return count
