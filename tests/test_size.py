@@ -15,20 +15,20 @@ TESTS = Path(__file__).parent
 READ = ("methods", "repeats", "search", "seams")
 #: Lower a ceiling when the code has become smaller; a feature that needs room removes something.
 CEILINGS = {
-    "lines of Python in src": 45_485,
-    "of these code": 31_830,
+    "lines of Python in src": 45_187,
+    "of these code": 31_517,
     "modules": 268,
     "kernel classes": 23,
     "names that several kernel classes have": 0,
-    "lines of tests": 24_232,
+    "lines of tests": 24_227,
     "quilting: files to read": 11,
-    "quilting: lines to read": 2_620,
+    "quilting: lines to read": 2_568,
     "graphcut: files to read": 18,
-    "graphcut: lines to read": 3_820,
+    "graphcut: lines to read": 3_801,
     "efros-leung: files to read": 8,
-    "efros-leung: lines to read": 1_261,
+    "efros-leung: lines to read": 1_254,
     "near-regular: files to read": 9,
-    "near-regular: lines to read": 1_678,
+    "near-regular: lines to read": 1_671,
 }
 
 
