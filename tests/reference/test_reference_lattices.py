@@ -2,6 +2,8 @@
 
 import numpy as np
 import pytest
+from hypothesis import example, given
+from hypothesis import strategies as st
 
 import weftex
 from families import noise
@@ -11,7 +13,9 @@ from weftex import reference
 from weftex.analysis.lattice import Lattice, find_lattice
 from weftex.canvas import Canvas
 from weftex.errors import InvalidInputError
-from weftex.reference.lattice import autocorrelation, identifiers, multiples
+from weftex.methods.best_tile.tiles import runs_of
+from weftex.reference.best_tile import within
+from weftex.reference.lattice import autocorrelation, goodness, identifiers, multiples
 
 BOND = ((16, 0), (8, 12))
 
@@ -27,6 +31,25 @@ def test_best_tile(vectors, border):
     result = method.fit(weftex.Exemplar(sample)).sample(Canvas(30, 33), seed=0)
     assert np.array_equal(result.image, expected.image)
     assert np.array_equal(result.source, expected.sources)
+
+
+@given(st.lists(st.floats(-12, 12).map(lambda n: round(4 * n) / 4), min_size=4, max_size=4),
+       st.integers(1, 4))  # fmt: skip
+@example([-10.75, 10.75, -6.25, 0.75], 2)  # whose sides lead through corners of pixels
+@example([0.0, 0.0, 5.0, -3.0], 3)
+def test_pixels_near_a_tile(sides, reach):
+    """By lines along its sides in the reference, and row by row in the method."""
+    first, second = np.reshape(sides, (2, 2))
+    rows = runs_of(first, second, reach).tolist()
+    found = [[row, column] for row, left, right in rows for column in range(left, right)]
+    assert sorted(found) == sorted(within(first, second, reach).tolist())
+
+
+def test_a_tile_without_a_multiple_of_v1_has_no_goodness():
+    """The text at Fig. 3.5: multiples of v2 alone do not count."""
+    gamma = autocorrelation(wall(50, 55, spread=10))
+    assert goodness(gamma, (48, 0), (8, 12)) == (0, 0)
+    assert goodness(gamma, (8, 12), (48, 0))[0] > 1
 
 
 @pytest.mark.parametrize("seed", [2, 3])

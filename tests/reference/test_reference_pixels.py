@@ -37,6 +37,28 @@ def test_exact_matching(tolerance, structured, seed):
     assert np.array_equal(result.source, (expected.sources - 3) % sample.shape[:2])
 
 
+@pytest.mark.parametrize("seed", [0, 2**64 - 1])
+@pytest.mark.parametrize("size", [(1, 1), (2, 9), (11, 8)])
+@pytest.mark.parametrize("shape", [(1, 1), (2, 5), (7, 12)])
+def test_smallest_windows_samples_and_sizes(shape, size, seed):
+    """A window of one pixel compares nothing; the seed of `efros_leung` is no wider."""
+    sample = crop("leaves", *shape)
+    for width in range(1, min(shape) + 1, 2):
+        pairs = [
+            (reference.efros_leung, weftex.EfrosLeung(window_width=width), {}),
+            (reference.ashikhmin, weftex.Ashikhmin(window_width=width, passes=1),
+             {"replacements": 8}),
+        ]  # fmt: skip
+        if width > 1:
+            single = weftex.WeiLevoy(window_width=width, levels=1, search="full")
+            pairs.append((reference.wei_levoy, single, {}))
+        for function, method, more in pairs:
+            expected = function(sample, size, width, seed=seed, **more)
+            result = method.fit(weftex.Exemplar(sample)).sample(Canvas(*size), seed=seed)
+            assert np.array_equal(result.image, expected.image)
+            assert np.array_equal(result.source, expected.sources)
+
+
 def test_gray_pictures_stay_gray():
     made = reference.efros_leung(crop("pebbles", 12, 12)[:, :, 0], 6, 3)
     assert made.image.shape == (6, 6) and made.sources.shape == (6, 6, 2)
@@ -51,5 +73,11 @@ def test_errors_name_the_parameter():
             method(sample, 10, window=1)
     with pytest.raises(InvalidInputError, match="size is 0; both sides must be 1 or more"):
         reference.ashikhmin(sample, 0)
+    with pytest.raises(InvalidInputError, match="seed_size is 0; it must be from 1 to 12"):
+        reference.efros_leung(sample, 10, 5, seed_size=0)
+    with pytest.raises(InvalidInputError, match="threshold 0; from 0 on and above 0"):
+        reference.efros_leung(sample, 10, 5, threshold=0)
+    with pytest.raises(InvalidInputError, match=r"seed is -1; it must be from 0 to 2\*\*64 - 1"):
+        reference.iterative_refinement(sample, 10, 2, seed=-1)
     with pytest.raises(InvalidInputError, match="sample is float64"):
         reference.ashikhmin(sample / 255, 10)

@@ -9,29 +9,24 @@ from weftex.canvas import Canvas
 from weftex.errors import InvalidInputError
 from weftex.reference.fusion import merged
 from weftex.reference.heeger_bergen import collapse_pyramid, make_pyramid, pyramid_masks
-from weftex.reference.iterative_refinement import dominant_scale, plant_seeds, refine
+from weftex.reference.iterative_refinement import dominant_scale
 
 SAMPLE = weftex.load_exemplar("sample:pebbles").pixels[:24, :26]
 
 
-@pytest.mark.parametrize(("iterations", "seed"), [(1, 0), (2, 5)])
-def test_iterative_refinement(iterations, seed):
-    """Of a sample that tiles: from others the method moves seed points to whole windows."""
-    shape, pixels = (8, 9), SAMPLE.astype(int)
-    image, sources = np.zeros((*shape, 3), int), np.full((*shape, 2), -1)
-    for p, place in plant_seeds(pixels, shape, 4, 5, seed).items():
-        image[p], sources[p] = pixels[place], place
-    around, everywhere = np.pad(pixels, ((3, 3), (3, 3), (0, 0)), "wrap"), np.ones(shape, bool)
-    for iteration in range(iterations):
-        refine(around, 3, image, sources, sources[..., 0] >= 0, everywhere, iteration > 0)
+@pytest.mark.parametrize("seed", [0, 2**64 - 1])
+@pytest.mark.parametrize("size", [(1, 1), (8, 3), (9, 17)])
+@pytest.mark.parametrize(("scale", "iterations"), [(1, 3), (3, 2), (4, 1), (10, 2)])
+def test_iterative_refinement(scale, iterations, size, seed):
+    """Also without a whole unit tile (10), and of outputs that are smaller than a window."""
+    expected = reference.iterative_refinement(SAMPLE, size, scale, 5, iterations, seed=seed)
     method = weftex.Refinement(
-        search="nearest", init="seeds", window_width=7, seed_scale=4.0, matches=5, threshold=0,
+        search="nearest", init="seeds", window_width=2 * scale + 1, seed_scale=float(scale),
         iterations=iterations,
     )  # fmt: skip
-    model = method.fit(weftex.Exemplar(SAMPLE, tileable=True))
-    result = model.sample(Canvas(*shape), seed=seed)
-    assert np.array_equal(result.image, image)
-    assert np.array_equal(result.source, (sources - 3) % pixels.shape[:2])
+    result = method.fit(weftex.Exemplar(SAMPLE)).sample(Canvas(*size), seed=seed)
+    assert np.array_equal(result.image, expected.image)
+    assert np.array_equal(result.source, expected.sources)
 
 
 def test_refinement_stops_when_little_changes():
@@ -44,7 +39,9 @@ def test_refinement_stops_when_little_changes():
 @pytest.mark.parametrize("period", [4, 8, 16])
 def test_the_scale_of_waves_is_their_period(period):
     waves = 127 + 100 * np.sin(np.arange(64) * 2 * np.pi / period)
-    assert dominant_scale(np.tile(waves, (64, 1)).astype(np.uint8)) == pytest.approx(period, 0.02)
+    bright = np.tile(waves, (64, 1)).astype(np.uint8)
+    for pixels in (bright, np.stack([bright, 255 - bright], axis=2)):  # of light, of hue alone
+        assert dominant_scale(pixels) == pytest.approx(period, 0.02)
 
 
 def test_fusion_makes_each_region_of_its_sample():

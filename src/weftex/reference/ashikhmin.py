@@ -55,7 +55,7 @@ def ashikhmin(
     >>> ashikhmin(sample, (12, 16), seed=1).image.shape
     (12, 16)
     """
-    pixels, (height, width) = checked(sample, size)
+    pixels, (height, width) = checked(sample, size, seed)
     half = fits("window", window, pixels, odd=True) // 2
     rows, columns = pixels.shape[0] - 2 * half, pixels.shape[1] - 2 * half
     image = np.zeros((height, width, pixels.shape[2]), np.int64)

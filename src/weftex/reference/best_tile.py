@@ -1,6 +1,7 @@
 """Best self-similar tile repetition (López Recas, 2011, section 4.1).
 
-The picture is that of the method `best-tile`, byte by byte.
+The method `best-tile` makes the same bytes, if borders are 2 pixels or wider: of narrower ones, it
+repeats pixels of the tile where vectors with fractions lead past it.
 """
 
 from __future__ import annotations
@@ -71,10 +72,10 @@ def best_tile(sample: Any, size: Any, vectors: Any, border: int = 10) -> Made:
         return total
 
     # The left and right borders are v1 apart and lie along v2, the top and bottom ones v2 and v1.
-    error = integrated(differences(0), pixels_near(0 * v[1], v[1], (border + 1) // 2))
-    error += integrated(differences(1), pixels_near(0 * v[0], v[0], (border + 1) // 2))
+    error = integrated(differences(0), within(0 * v[1], v[1], (border + 1) // 2))
+    error += integrated(differences(1), within(0 * v[0], v[0], (border + 1) // 2))
     # Tiles whose borders are outside have undefined self-similarity.
-    tile = pixels_near(v[0], v[1], border // 2)
+    tile = within(v[0], v[1], border // 2)
     first, last = np.maximum(-tile.min(axis=0), 0), shape - np.maximum(tile.max(axis=0), 0)
     if (first >= last).any():
         raise InvalidInputError(f"vectors are {vectors}; no such tile lies in the sample")
@@ -90,23 +91,19 @@ def best_tile(sample: Any, size: Any, vectors: Any, border: int = 10) -> Made:
     return made(sample, at(pixels, sources), sources)
 
 
-def pixels_near(v1: Any, v2: Any, reach: int) -> Any:
-    """Steps to the pixels within `reach` of the parallelogram of two vectors, rows first."""
-    corners = [0 * v1, v1, v1 + v2, v2]
-    rows = [corner[0] for corner in corners]
-    low, high = int(np.ceil(min(rows))) - reach, int(np.ceil(max(rows))) + reach
-    steps = []
-    for row in range(low, max(high, low + 1)):
-        band = np.clip([row - reach, row + reach], min(rows), max(rows))
-        columns = []  # where the sides meet the rows within reach
-        for (y, x), (v, u) in zip(corners, [*corners[1:], corners[0]], strict=True):
-            columns += [x] if band[0] <= y <= band[1] else []
-            columns += [
-                x + (row - y) / (v - y) * (u - x)
-                for row in band
-                if y != v and min(y, v) <= row <= max(y, v)
-            ]
-        left = int(np.ceil(min(columns))) - reach
-        right = max(int(np.ceil(max(columns))) + reach, left + 1)
-        steps += [(row, column) for column in range(left, right)]
-    return np.array(steps)
+def within(v1: Any, v2: Any, reach: int) -> Any:
+    """Steps to the pixels within `reach` rows and columns of the parallelogram of two vectors.
+
+    They lie between two lines along each side, and within a range of rows and of columns. Pixels on
+    a lower or right border belong to the next tile.
+    """
+    corners = np.array([0 * v1, v1, v2, v1 + v2])
+    first = np.floor(corners.min(axis=0)).astype(int) - reach - 1
+    last = np.ceil(corners.max(axis=0)).astype(int) + reach + 1
+    steps = first + places(*(last - first + 1)).reshape(-1, 2)
+    inside = np.ones(len(steps), bool)
+    for normal in np.array([[1, 0], [0, 1], [v1[1], -v1[0]], [v2[1], -v2[0]]]):
+        along, margin = corners @ normal, reach * abs(normal).sum()
+        nudged = (steps + (2.0**-40, 2.0**-20)) @ normal
+        inside &= (along.min() - margin <= nudged) & (nudged <= along.max() + margin)
+    return steps[inside]

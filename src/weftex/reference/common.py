@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from weftex.errors import InvalidInputError, shown
-from weftex.random import draw
+from weftex.random import draw, seed_number
 
 
 class Made(NamedTuple):
@@ -27,8 +27,9 @@ class Made(NamedTuple):
     sources: NDArray[np.int64]
 
 
-def checked(sample: Any, size: Any) -> tuple[NDArray[np.int64], tuple[int, int]]:
+def checked(sample: Any, size: Any, seed: int = 0) -> tuple[NDArray[np.int64], tuple[int, int]]:
     """The sample as (h, w, channels) whole numbers, and the output's height and width."""
+    seed_number(seed)
     pixels = np.asarray(sample)
     if pixels.dtype != np.uint8 or pixels.ndim not in (2, 3) or not pixels.size:
         raise InvalidInputError(

@@ -1,6 +1,6 @@
 """Texture synthesis by non-parametric sampling (Efros and Leung, 1999).
 
-The method `efros-leung` makes the same bytes.
+The method `efros-leung` makes the same bytes with the default `threshold` and `seed_size`.
 """
 
 from __future__ import annotations
@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from weftex.errors import InvalidInputError
 from weftex.random import draw
 from weftex.reference.common import Made, checked, fits, made, pick, windows
 
@@ -42,7 +43,8 @@ def efros_leung(
         MaxErrThreshold: a pixel whose match differs more waits. In mean squared difference, 1 is
         black against white. It rises by a tenth when no pixel of a layer has such a match.
     seed_size : int
-        Side of the piece of the sample in the middle from which the texture grows, in pixels.
+        Side of the piece of the sample in the middle from which the texture grows, in pixels; at
+        most `window`, so that it lies in the sample.
     seed : int
         Seed of the random draws.
 
@@ -63,8 +65,13 @@ def efros_leung(
     >>> efros_leung(sample, (8, 9), window=5, seed=1).image.shape
     (8, 9)
     """
-    pixels, (height, width) = checked(sample, size)
+    pixels, (height, width) = checked(sample, size, seed)
     half = fits("window", window, pixels, odd=True) // 2
+    side = fits("seed_size", min(seed_size, window), pixels)
+    if tolerance < 0 or threshold <= 0:
+        raise InvalidInputError(
+            f"tolerance is {tolerance} and threshold {threshold}; from 0 on and above 0"
+        )
     omega = windows(pixels, window, window).reshape(-1, window, window, pixels.shape[2])
     columns = pixels.shape[1] - 2 * half
     image = np.zeros((height, width, pixels.shape[2]), np.int64)
@@ -82,9 +89,9 @@ def efros_leung(
     def plant_seed() -> None:
         """Copy a random piece of the sample into the middle."""
         v, u = divmod(pick(len(omega), seed, "efros-leung seed"), columns)
-        rows, cols = min(seed_size, height), min(seed_size, width)
+        rows, cols = min(side, height), min(side, width)
         for i, j in np.ndindex(rows, cols):
-            at = v + half - seed_size // 2 + i, u + half - seed_size // 2 + j
+            at = v + half - side // 2 + i, u + half - side // 2 + j
             fill(((height - rows) // 2 + i, (width - cols) // 2 + j), at)
 
     def neighborhood(p: tuple[int, int]) -> Any:

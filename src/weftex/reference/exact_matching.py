@@ -65,7 +65,7 @@ def exact_matching(
     >>> exact_matching(sample, (10, 12), window=5, seed=1).image.shape
     (10, 12)
     """
-    pixels, (height, width) = checked(sample, size)
+    pixels, (height, width) = checked(sample, size, seed)
     half = fits("window", window, pixels, odd=True, least=3) // 2
     # Section 4.3: the upper band, as high as the causal neighborhood.
     if structured:  # it is made in the rotated sample, so its beginning is a block at the left

@@ -58,7 +58,7 @@ def fusion(
     (10, 16)
     """
     labels = np.asarray(fusion_map)
-    inputs = [checked(sample, labels.shape)[0] for sample in samples]
+    inputs = [checked(sample, labels.shape, seed)[0] for sample in samples]
     if len(samples) != len(scales) or labels.min() < 0 or labels.max() >= len(samples):
         raise InvalidInputError(
             f"fusion_map has numbers from {labels.min()} to {labels.max()} for {len(samples)} "
@@ -73,11 +73,11 @@ def fusion(
         """Pixels within `reach` of the region of a sample."""
         return windows(np.pad(labels == k, reach), 2 * reach + 1, 2 * reach + 1).any(axis=(2, 3))
 
-    def fill(pixels: Any, origin: Any, where: Any, scale: int, density: int, number: int) -> None:
+    def fill(pixels: Any, origin: Any, where: Any, scale: int, spacing: int, number: int) -> None:
         """Synthesize a region in scan-line order with no iterative refinement."""
-        fits("window", 2 * scale + 1, pixels, odd=True)
+        fits("window", 2 * scale + 1, pixels, odd=True, least=3)
         own_seed = int(draw(seed, "fill", number))
-        planted = plant_seeds(pixels, labels.shape, density, matches, own_seed)
+        planted = plant_seeds(pixels, scale, labels.shape, spacing, matches, own_seed)
         own, known = np.full_like(sources, -1), sources[..., 0] >= 0
         for p, place in planted.items():
             if where[p]:
@@ -95,7 +95,8 @@ def fusion(
     # First each non-belt region with its texture sample ...
     for k, (pixels, origin) in enumerate(zip(inputs, origins, strict=True)):
         fill(pixels, origin, (labels == k) & (belt_of < 0), scales[k], scales[k], k)
-    # ... then every belt with a new one: the window of the larger, the density of the smaller.
+    # ... then every belt with a new one: the window of the larger, seed points as dense as those
+    # of the smaller.
     for number, (a, b) in enumerate(pairs):
         belt = belt_of == number
         if belt.any():
@@ -104,8 +105,8 @@ def fusion(
             pixels, origin = (
                 np.where(inside[..., None], of[b][crop], of[a][crop]) for of in (inputs, origins)
             )
-            scale, density = max(scales[a], scales[b]), min(scales[a], scales[b])
-            fill(pixels, origin, belt, scale, density, len(samples) + number)
+            scale, spacing = max(scales[a], scales[b]), min(scales[a], scales[b])
+            fill(pixels, origin, belt, scale, spacing, len(samples) + number)
     return made(samples[0], image, sources)
 
 

@@ -84,7 +84,7 @@ def graphcut(
     >>> graphcut(sample, (16, 20), patch=10, boundary=3, seed=1).image.shape
     (16, 20)
     """
-    pixels, shape = checked(sample, size)
+    pixels, shape = checked(sample, size, seed)
     fits("patch", patch, pixels)
     if not 0 <= boundary <= (patch - 1) // 2:
         raise InvalidInputError(f"boundary is {boundary}; it must be from 0 to {(patch - 1) // 2}")

@@ -61,7 +61,7 @@ def heeger_bergen(
     >>> heeger_bergen(sample, (24, 40), levels=2, seed=1).image.shape
     (24, 40)
     """
-    pixels, shape = checked(sample, size)
+    pixels, shape = checked(sample, size, seed)
     # Section 5: color channels are decorrelated, and each is treated on its own.
     mean = pixels.mean(axis=(0, 1))
     covariance = np.cov((pixels - mean).reshape(-1, len(mean)).T)

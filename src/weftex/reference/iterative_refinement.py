@@ -1,6 +1,7 @@
 """Iterative texture refinement (the paper on refinement and texture fusion, section 3).
 
-The method `refinement` makes the same bytes with `search="nearest", init="seeds"`.
+The method `refinement` makes the same bytes with `search="nearest"`, `init="seeds"`, the scale as
+`seed_scale`, and twice the scale and 1 as `window_width`.
 """
 
 from __future__ import annotations
@@ -10,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from weftex.random import draw
-from weftex.reference.common import Made, at, checked, fits, made, windows
+from weftex.reference.common import Made, at, checked, fits, made, places, windows
 
 
 def iterative_refinement(
@@ -34,7 +35,8 @@ def iterative_refinement(
     size : int or (int, int)
         Height and width of the output in pixels.
     scale : int, optional
-        Scale of the dominant structure in pixels; by default `dominant_scale` of the sample.
+        Scale of the dominant structure in pixels; by default `dominant_scale` of the sample, or the
+        largest of which a window fits into it.
     matches : int
         k: a unit tile is drawn from the k best matching ones.
     iterations : int
@@ -52,7 +54,8 @@ def iterative_refinement(
     Notes
     -----
     The difference of two textures, eq. (1), is taken as a mean over pixels: as a sum it would only
-    be small where nothing changes. Of equal distances the first in scan order wins.
+    be small where nothing changes. Of equal distances the first in scan order wins. Seed points are
+    drawn from pixels with whole windows, as all others are.
 
     Examples
     --------
@@ -62,11 +65,12 @@ def iterative_refinement(
     >>> iterative_refinement(sample, (12, 14), scale=4, iterations=2, seed=1).image.shape
     (12, 14)
     """
-    pixels, shape = checked(sample, size)
+    pixels, shape = checked(sample, size, seed)
     # Steps 1 to 3: the window is twice as wide as the scale, to which seed points are as dense.
-    scale = max(1, round(dominant_scale(sample))) if scale is None else scale
-    fits("window", 2 * scale + 1, pixels, odd=True)
-    planted = plant_seeds(pixels, shape, scale, matches, seed)
+    if scale is None:
+        scale = max(1, min(round(dominant_scale(sample)), (min(pixels.shape[:2]) - 1) // 2))
+    fits("window", 2 * scale + 1, pixels, odd=True, least=3)
+    planted = plant_seeds(pixels, scale, shape, scale, matches, seed)
     image, sources = np.zeros((*shape, pixels.shape[2]), np.int64), np.full((*shape, 2), -1)
     for p, place in planted.items():
         image[p], sources[p] = pixels[place], place
@@ -103,8 +107,8 @@ def dominant_scale(sample: Any) -> float:
     """
     pixels, _ = checked(sample, 1)
     side, thickness = max(pixels.shape[:2]), 0.1  # N and d
-    f = (pixels - pixels.mean(axis=(0, 1))).sum(axis=2)
-    power = abs(np.fft.fft2(f)) ** 2  # P(u, v)
+    f = pixels - pixels.mean(axis=(0, 1))
+    power = (abs(np.fft.fft2(f, axes=(0, 1))) ** 2).sum(axis=2)  # P(u, v), of all channels
     v, u = np.fft.fftfreq(f.shape[0]), np.fft.fftfreq(f.shape[1])
     r = side * np.hypot(v[:, None], u)
     rings = np.bincount(np.rint(r / thickness).astype(int).ravel(), power.ravel())  # P(r)
@@ -112,34 +116,36 @@ def dominant_scale(sample: Any) -> float:
 
 
 def plant_seeds(
-    pixels: Any, shape: tuple[int, int], scale: int, matches: int, seed: int
+    pixels: Any, reach: int, shape: tuple[int, int], spacing: int, matches: int, seed: int
 ) -> dict[tuple[int, int], tuple[int, int]]:
-    """Seed point planting (Fig. 5): {pixel of the output: pixel of the sample}."""
-    rows, columns = (range(0, n - scale, scale) for n in pixels.shape[:2])
-    tiles = np.array(
-        [
-            [(y + dy, x + dx) for dy in (0, scale) for dx in (0, scale)]
-            for y in rows
-            for x in columns
-        ]
-    )
-    corners = at(pixels, tiles)
+    """Seed point planting (Fig. 5): {pixel of the output: pixel of the sample}.
+
+    Seed points are `spacing` pixels apart. If the sample's part with whole windows, which `reach`
+    so far, is smaller than a unit tile, each is any pixel of it.
+    """
+    corner, whole = places(2, 2).reshape(4, 2) * spacing, pixels[reach:-reach, reach:-reach]
+    rows, columns = (range(0, n - spacing, spacing) for n in whole.shape[:2])
+    tiles = np.array([corner + (y, x) + reach for y in rows for x in columns])
     points: dict[tuple[int, int], tuple[int, int]] = {}
-    for i, j in np.ndindex(-(-shape[0] // scale), -(-shape[1] // scale)):  # Fig. 5 (b) to (e)
+    for i, j in np.ndindex(-(-shape[0] // spacing), -(-shape[1] // spacing)):  # Fig. 5 (b) to (e)
         slot = [(i, j), (i, j + 1), (i + 1, j), (i + 1, j + 1)]
         bits = int(draw(seed, "seed point", i, j))
+        if not len(tiles):
+            y, x = divmod(bits % (whole.shape[0] * whole.shape[1]), whole.shape[1])
+            points[i, j] = y + reach, x + reach
+            continue
         there = [k for k in range(4) if slot[k] in points]
         unlike = np.zeros(len(tiles), np.int64)
         for k in there:
-            unlike += ((corners[:, k] - pixels[points[slot[k]]]) ** 2).sum(axis=1)
+            unlike += ((at(pixels, tiles[:, k]) - pixels[points[slot[k]]]) ** 2).sum(axis=1)
         best = np.argsort(unlike, kind="stable")[: matches if there else None]
         tile = tiles[best[bits % len(best)]].tolist()
         for k in range(4):  # only points that are not there are sampled from the new tile
             points.setdefault(slot[k], (tile[k][0], tile[k][1]))
     return {
-        (i * scale, j * scale): place
+        (i * spacing, j * spacing): place
         for (i, j), place in points.items()
-        if i * scale < shape[0] and j * scale < shape[1]
+        if i * spacing < shape[0] and j * spacing < shape[1]
     }
 
 

@@ -1,8 +1,7 @@
 """Regular structure detection (López Recas, 2011, chapter 3).
 
 `weftex.analysis.lattice.find_lattice` follows it with `goodness="height"`, and adds vectors with
-fractions, evidence for and against a lattice, and rows where there is no lattice. There, both
-vectors must be significant themselves (section 3.3, at Fig. 3.5).
+fractions, evidence for and against a lattice, and rows where there is no lattice.
 """
 
 from __future__ import annotations
@@ -55,7 +54,9 @@ def lattice(sample: Any, alpha: float = 1.12, significant: float = 0.85) -> Foun
 
     Notes
     -----
-    A local maximum is a value above or equal to its eight neighbors, and positive.
+    A local maximum is a value above or equal to its eight neighbors, and positive. Eq. (3.22) rates
+    any pair with a significant multiple. The text at Fig. 3.5 says more, and is followed: a tile
+    without a "valid multiple of v1" has goodness 0. The method asks the same of v2.
 
     Examples
     --------
@@ -125,15 +126,19 @@ def goodness(
     """Step 5, eq. (3.22), and n: over the significant multiples on the right half."""
     height, width = (n // 2 + 1 for n in gamma.shape)
     area = abs(int(v1[0] * v2[1] - v1[1] * v2[0]))  # eq. (3.25)
-    if area == 0:
+
+    def counts(x: int, y: int) -> bool:
+        """Section 3.3.1: whether the overlap at a shift contains enough of the tile."""
+        wide, high = max(0, width - abs(x)), max(0, height - abs(y))
+        if wide * high < significant * area:
+            return False
+        return identifiers(v1, v2, wide, high) >= significant * area
+
+    if area == 0 or not counts(*v1):
         return 0.0, 0
-    values = []
-    for x, y in multiples(v1, v2, width, height):
-        overlap = width - abs(x), height - abs(y)
-        if overlap[0] * overlap[1] >= significant * area:
-            if identifiers(v1, v2, *overlap) >= significant * area:
-                values.append(gamma[y + height - 1, x + width - 1])
-    return max(sum(values), 0.0) ** alpha / max(len(values), 1), len(values)
+    found = [(x, y) for x, y in multiples(v1, v2, width, height) if counts(x, y)]
+    total = sum(gamma[y + height - 1, x + width - 1] for x, y in found)
+    return max(total, 0.0) ** alpha / max(len(found), 1), len(found)
 
 
 def multiples(v1: Any, v2: Any, width: int, height: int) -> Any:

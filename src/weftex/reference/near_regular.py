@@ -72,7 +72,7 @@ def near_regular(
     >>> bool((image == np.tile(tile, (4, 3))).all())
     True
     """
-    pixels, (height, width) = checked(sample, size)
+    pixels, (height, width) = checked(sample, size, seed)
     v = np.array(vectors, float)[:, ::-1]  # rows first
     inverse, margin = np.linalg.inv(v), max(border, blend) // 2
     side = fits("block with its border", block + 2 * margin, pixels)

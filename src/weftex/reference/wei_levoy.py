@@ -66,7 +66,7 @@ def wei_levoy(
     >>> wei_levoy(sample, (10, 12), window=5, levels=2, seed=1).image.shape
     (10, 12)
     """
-    pixels, shape = checked(sample, size)
+    pixels, shape = checked(sample, size, seed)
     half, parent_half = fits("window", window, pixels, odd=True, least=3) // 2, parent_window // 2
     inputs = gaussian_pyramid(pixels, levels, torus=False)
 

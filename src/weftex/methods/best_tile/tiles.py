@@ -32,8 +32,10 @@ def runs_of(
             for at in near:
                 if min(y, v) <= at <= max(y, v) and y != v:
                     crossed.append(x + (at - y) / (v - y) * (u - x))
-        left = int(np.ceil(min(crossed))) - reach
-        runs.append((row, left, max(int(np.ceil(max(crossed))) + reach, left + 1)))
+        # The nudge decides where a side leads through pixels, whatever was rounded.
+        first_column, end = np.ceil(np.array([min(crossed), max(crossed)]) - 2.0**-20).astype(int)
+        left = int(first_column) - reach
+        runs.append((row, left, max(int(end) + reach, left + 1)))
     return np.array(runs, np.int64).reshape(-1, 3)
 
 
