@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 import weftex
-from weftex.analysis.scale import dominant_scale
+from weftex.analysis.scale import structure_scale
 
 parser = argparse.ArgumentParser(description=__doc__)
 parser.add_argument("-o", "--output", type=Path, default=Path(), metavar="FOLDER")
@@ -19,7 +19,7 @@ folder.mkdir(parents=True, exist_ok=True)
 print(weftex.analyze("sample:bricks"))
 
 # The curve, fine structure on the right; its background is orange, the scale a red line.
-found = dominant_scale(weftex.load_exemplar("sample:bricks"))
+found = structure_scale(weftex.load_exemplar("sample:bricks"))
 plot = np.full((200, 400, 3), 255, np.uint8)
 octaves = np.log2(found.frequencies / found.frequencies[0])
 across = octaves / octaves[-1] * 399

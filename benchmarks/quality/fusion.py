@@ -19,7 +19,7 @@ import numpy as np
 from PIL import Image
 
 import weftex
-from weftex.analysis.scale import dominant_scale
+from weftex.analysis.scale import structure_scale
 from weftex.raster.masks import squared_distance_to
 from weftex.tasks.fusion import BELT
 
@@ -109,7 +109,7 @@ def row(pair: tuple[str, str], kind: str, size: tuple[int, int], **how: object) 
     labels = label_map(kind, size)
     result = weftex.fuse(samples, labels, seed=1, **how)
     made = materials(result, [sample.shape[0] for sample in samples])
-    reach = round(BELT * max(dominant_scale(sample).window_width for sample in samples))
+    reach = round(BELT * max(structure_scale(sample).window_width for sample in samples))
     figures = at_edges(made, labels, reach), on_one_line(made, labels), step(result.image, made)
     return result.image, figures
 

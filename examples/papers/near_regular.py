@@ -29,7 +29,7 @@ from weftex.analysis.lattice import Lattice, find_lattice, rate_lattices
 from weftex.analysis.overlay import draw_lattice
 from weftex.analysis.pairs import SIGNIFICANT, tile_shares
 from weftex.analysis.relief import relief
-from weftex.methods.best_tile.tiles import tile_errors
+from weftex.methods.best_tile import tile_errors
 
 REGULAR = ("bricks", "tiles", "weave")
 LATTICES = ("gingham", "tiles", "mosaic")

@@ -21,7 +21,7 @@ from _common import HERE, Table, clouds, load, run, sheet, sized, some
 from PIL import Image, ImageDraw
 
 import weftex
-from weftex.analysis.scale import dominant_scale
+from weftex.analysis.scale import structure_scale
 from weftex.methods.refinement.start import plant_seeds
 from weftex.search.windows import windows_of
 
@@ -71,7 +71,7 @@ def fig4(folder: Path, suffix: str) -> None:
     rows = []
     for name in some(("pebbles", "weave", "grass")):
         sample = load(name, 192)
-        found = dominant_scale(weftex.Exemplar(sample))
+        found = structure_scale(weftex.Exemplar(sample))
         shown = sample.copy()
         side = round(found.scale)
         shown[8 : 8 + side, 8], shown[8 : 8 + side, 8 + side] = 255, 255
@@ -88,7 +88,7 @@ def fig5(folder: Path, suffix: str) -> None:
     for name in some(("pebbles", "weave")):
         sample = load(name, 192)
         exemplar = weftex.Exemplar(sample)
-        scale = max(1, round(dominant_scale(exemplar).scale))
+        scale = max(1, round(structure_scale(exemplar).scale))
         plain = windows_of(exemplar, (0, 0, 0, 0))
         places, *_ = plant_seeds(plain, (192, 192), (False, False), scale, 5, seed=1)
         colors = sample.reshape(-1, *sample.shape[2:])[places]

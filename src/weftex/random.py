@@ -10,7 +10,7 @@ from __future__ import annotations
 import numbers
 import os
 from functools import lru_cache
-from typing import TypeAlias
+from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,7 +19,7 @@ from weftex.errors import InvalidInputError, shown
 
 Seed: TypeAlias = "int | np.random.Generator | None"  # a string: naming it imports numpy.random
 
-__all__ = ["draw", "seed_number"]
+__all__ = ["draw", "pick", "seed_number"]
 
 _GAMMA = np.uint64(0x9E3779B97F4A7C15)
 _MIX1 = np.uint64(0xBF58476D1CE4E5B9)
@@ -49,6 +49,15 @@ def draw(seed: int, purpose: str, *place: NDArray[np.integer] | int) -> NDArray[
     for coordinate in place:
         state = _mix(state ^ np.asarray(coordinate).astype(np.int64).view(np.uint64))
     return state.reshape(np.broadcast_shapes(*(np.shape(p) for p in place)))
+
+
+def pick(
+    options: NDArray[Any], seed: int, purpose: str, *place: NDArray[np.integer] | int
+) -> NDArray[Any]:
+    """Draw one of some options for each of `place`, all equally likely; see `draw`."""
+    share = (draw(seed, purpose, *place) >> np.uint64(32)) * np.uint64(len(options))
+    picked: NDArray[Any] = options[share >> np.uint64(32)]
+    return picked
 
 
 @lru_cache(maxsize=256)

@@ -10,7 +10,7 @@ import pytest
 import weftex
 from families import noise
 from weftex.analysis.relief import relief
-from weftex.analysis.scale import THICKNESS, _ring_power, dominant_scale
+from weftex.analysis.scale import THICKNESS, _ring_power, structure_scale
 from weftex.analysis.widths import between_joints, over_squares
 from weftex.exemplar import Exemplar
 
@@ -27,7 +27,7 @@ REAL = {
 
 
 def found(pixels, **options):
-    return dominant_scale(Exemplar(np.ascontiguousarray(pixels), **options))
+    return structure_scale(Exemplar(np.ascontiguousarray(pixels), **options))
 
 
 def levels(values):
@@ -175,7 +175,7 @@ def test_a_pattern_in_noise_is_less_certain():
 def test_real_samples(name):
     """Within a ring: another machine's transforms may round what lies between two."""
     exemplar = weftex.load_exemplar(f"sample:{name}")
-    result = dominant_scale(exemplar)
+    result = structure_scale(exemplar)
     scale, confidence, source = REAL[name]
     assert result.source == source
     assert result.scale == pytest.approx(scale, abs=0.02)

@@ -5,7 +5,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from twins import seams as reference
-from weftex.methods.ashikhmin.choice import least_path
+from weftex.methods.ashikhmin import least_path
 
 
 def costs(data, rows, columns, most):

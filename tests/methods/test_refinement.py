@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 import weftex
 from families import canvas_of, noise, with_guides
 from twins import refinement as reference
-from weftex.analysis.scale import dominant_scale
+from weftex.analysis.scale import structure_scale
 from weftex.canvas import Canvas
 from weftex.methods.refinement.start import hole_start, plant_seeds, starts_for
 from weftex.methods.refinement.sweeps import cyclic_lines, rows_of
@@ -129,7 +129,7 @@ def test_the_window_is_twice_the_scale():
     exemplar = weftex.Exemplar(waves.astype(np.uint8))
     for search in ("coherent", "nearest"):
         width = weftex.Refinement(search=search).fit(exemplar).method.window_width
-        assert width == dominant_scale(exemplar).window_width and 39 <= width <= 43
+        assert width == structure_scale(exemplar).window_width and 39 <= width <= 43
     grain = weftex.Exemplar(noise((128, 128)))
     assert weftex.Refinement().fit(grain).method.window_width == 29
     assert weftex.Refinement(search="nearest").fit(grain).method.window_width < 29
@@ -271,7 +271,7 @@ def test_seed_points_lie_a_scale_apart():
     x = np.indices((96, 96))[1]
     waves = np.rint(127 + 60 * np.sin(x * np.pi / 3)) + noise((96, 96)) // 16
     exemplar = weftex.Exemplar(waves.astype(np.uint8))
-    scale = dominant_scale(exemplar).scale
+    scale = structure_scale(exemplar).scale
     assert 5 < scale < 7
     for width, density in ((None, 1.0), (41, 1.0), (None, 0.5)):
         for search in ("coherent", "nearest"):

@@ -7,7 +7,7 @@ import pytest
 
 import weftex
 from families import canvas_of, made, noise
-from weftex.methods.wei_levoy.passes import inwards
+from weftex.methods.wei_levoy import inwards
 from weftex.search import pyramid_windows
 
 

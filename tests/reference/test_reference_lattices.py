@@ -13,7 +13,7 @@ from weftex import reference
 from weftex.analysis.lattice import Lattice, find_lattice
 from weftex.canvas import Canvas
 from weftex.errors import InvalidInputError
-from weftex.methods.best_tile.tiles import runs_of
+from weftex.methods.best_tile import runs_of
 from weftex.reference.best_tile import within
 from weftex.reference.lattice import autocorrelation, goodness, identifiers, multiples
 

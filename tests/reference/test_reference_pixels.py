@@ -37,28 +37,6 @@ def test_exact_matching(tolerance, structured, seed):
     assert np.array_equal(result.source, (expected.sources - 3) % sample.shape[:2])
 
 
-@pytest.mark.parametrize("seed", [0, 2**64 - 1])
-@pytest.mark.parametrize("size", [(1, 1), (2, 9), (11, 8)])
-@pytest.mark.parametrize("shape", [(1, 1), (2, 5), (7, 12)])
-def test_smallest_windows_samples_and_sizes(shape, size, seed):
-    """A window of one pixel compares nothing; the seed of `efros_leung` is no wider."""
-    sample = crop("leaves", *shape)
-    for width in range(1, min(shape) + 1, 2):
-        pairs = [
-            (reference.efros_leung, weftex.EfrosLeung(window_width=width), {}),
-            (reference.ashikhmin, weftex.Ashikhmin(window_width=width, passes=1),
-             {"replacements": 8}),
-        ]  # fmt: skip
-        if width > 1:
-            single = weftex.WeiLevoy(window_width=width, levels=1, search="full")
-            pairs.append((reference.wei_levoy, single, {}))
-        for function, method, more in pairs:
-            expected = function(sample, size, width, seed=seed, **more)
-            result = method.fit(weftex.Exemplar(sample)).sample(Canvas(*size), seed=seed)
-            assert np.array_equal(result.image, expected.image)
-            assert np.array_equal(result.source, expected.sources)
-
-
 def test_gray_pictures_stay_gray():
     made = reference.efros_leung(crop("pebbles", 12, 12)[:, :, 0], 6, 3)
     assert made.image.shape == (6, 6) and made.sources.shape == (6, 6, 2)

@@ -12,7 +12,7 @@ from weftex import cli
 from weftex.analysis.lattice import Lattice
 from weftex.analysis.overlay import draw_lattice
 from weftex.analysis.properties import border_steps, regularity
-from weftex.analysis.scale import dominant_scale
+from weftex.analysis.scale import structure_scale
 from weftex.exemplar import Exemplar
 from weftex.io.pictures import write_image
 from weftex.tasks.analyze import analyze
@@ -86,7 +86,7 @@ def test_minus_zero_is_zero():
 def test_everything_is_what_its_own_function_says():
     exemplar = weftex.load_exemplar("sample:tiles")
     found = analyze(exemplar)
-    scale = dominant_scale(exemplar)
+    scale = structure_scale(exemplar)
     assert (found.height, found.width, found.channels, found.dtype) == (256, 256, 3, "uint8")
     assert (found.scale, found.confidence) == (scale.scale, scale.confidence)
     assert found.regularity == regularity(exemplar)

@@ -13,7 +13,7 @@ from twins.randomness import random_bits
 from twins.seed_points import seed_points
 from twins.similar import registered_similar
 from twins.windows import by_rows, known_window, nearest_center, steps_away, usable, window_centers
-from weftex.analysis.scale import dominant_scale
+from weftex.analysis.scale import structure_scale
 
 
 class RefinedLevel:
@@ -146,7 +146,7 @@ def refinement(method, exemplar, canvas, seed, start=None):
         source = [[None] * known.shape[1] for _ in range(known.shape[0])]
         seeds = coarsest and start is None
         if seeds:
-            scale = method.seed_scale or dominant_scale(exemplar).scale
+            scale = method.seed_scale or structure_scale(exemplar).scale
             spacing = max(1, round(scale / method.seed_density / step))
             plain = level.guide and (level.guide[0], level.guide[1][::step, ::step], weight)
             points = seed_points(

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from weftex.analysis.relief import LOOK, smaller_copy
-from weftex.analysis.scale import dominant_scale
+from weftex.analysis.scale import structure_scale
 from weftex.canvas import Canvas
 from weftex.exemplar import Exemplar
 from weftex.raster.boxes import box_sums
@@ -30,7 +30,7 @@ def patch_size_of(exemplar: Exemplar, share: float) -> int:
     side = min(exemplar.shape)
     if side > _SMALL:
         small, step = smaller_copy(exemplar, LOOK)
-        scale = dominant_scale(small).scale * step
+        scale = structure_scale(small).scale * step
         side = min(side, max(_SMALL, round(_SCALES * scale)))
     return max(1, round(share * side))
 

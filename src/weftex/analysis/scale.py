@@ -58,7 +58,7 @@ _SUREST = 0.95
 
 
 @dataclass(frozen=True, eq=False)
-class DominantScale:
+class StructureScale:
     """The scale of the structure in a sample.
 
     The three arrays are empty for a constant sample and for one of less than 8 pixels a side.
@@ -81,13 +81,16 @@ class DominantScale:
 
 
 #: Cached, as windows, seed points, patches and belts of one sample depend on its scale.
-_ESTIMATED: WeakKeyDictionary[Exemplar, DominantScale] = WeakKeyDictionary()
+_ESTIMATED: WeakKeyDictionary[Exemplar, StructureScale] = WeakKeyDictionary()
 
 
-def dominant_scale(
+def structure_scale(
     exemplar: Exemplar, lattice: Lattice | Literal["find"] | None = "find"
-) -> DominantScale:
-    """Estimate the scale of the dominant structure: pebbles' size, bricks' or threads' distance."""
+) -> StructureScale:
+    """Estimate the scale of the dominant structure: pebbles' size, bricks' or threads' distance.
+
+    The paper's own estimate is `weftex.reference.iterative_refinement.dominant_scale`.
+    """
     if lattice != "find":
         return _estimated(exemplar, lattice)
     if exemplar not in _ESTIMATED:
@@ -95,7 +98,16 @@ def dominant_scale(
     return _ESTIMATED[exemplar]
 
 
-def _estimated(exemplar: Exemplar, lattice: Lattice | Literal["find"] | None) -> DominantScale:
+def sure_lattice(exemplar: Exemplar) -> Lattice | None:
+    """Return the lattice of a sample if it is sure enough to place blocks by it."""
+    from weftex.analysis.canvas_lattice import is_sure  # only where methods ask
+
+    lattice = structure_scale(exemplar).lattice
+    usable = np.ones(exemplar.shape, bool) if exemplar.mask is None else exemplar.mask
+    return lattice if is_sure(lattice, int(np.count_nonzero(usable))) else None
+
+
+def _estimated(exemplar: Exemplar, lattice: Lattice | Literal["find"] | None) -> StructureScale:
     flat = relief(exemplar)
     height, width = flat.usable.shape
     side = max(height, width)  # the paper's N
@@ -105,7 +117,7 @@ def _estimated(exemplar: Exemplar, lattice: Lattice | Literal["find"] | None) ->
     top = float(power[looked_at].max(initial=0.0))
     if top <= 0:
         none = np.zeros(0)
-        return DominantScale(float(flat.step), 0.0, "none", none, none, none)
+        return StructureScale(float(flat.step), 0.0, "none", none, none, none)
     power = np.rint(power / top * 1e6) / 1e6
     background = _octave_medians(power)
     curve = radii[looked_at] / side / flat.step, power[looked_at], background[looked_at]
@@ -119,12 +131,12 @@ def _estimated(exemplar: Exemplar, lattice: Lattice | Literal["find"] | None) ->
         scale, confidence = _period(lattice, spectrum, flat), lattice.confidence
         if radius > 0 and abs(side / radius * flat.step - scale) < _SAME * scale:
             confidence = max(confidence, peaked)
-        return DominantScale(round(scale, 2), confidence, "lattice", *curve, lattice)
+        return StructureScale(round(scale, 2), confidence, "lattice", *curve, lattice)
     scale, confidence = size_of_things(flat, _fall(correlation))
     source = "things"
     if peaked > min(confidence, _PERIOD):
         scale, confidence, source = side / radius, peaked, "period"
-    return DominantScale(round(scale * flat.step, 2), round(confidence, 2), source, *curve)
+    return StructureScale(round(scale * flat.step, 2), round(confidence, 2), source, *curve)
 
 
 def _period(lattice: Lattice, spectrum: Floats, flat: Relief) -> float:

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import math
 from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
-from weftex.analysis.scale import dominant_scale
+from weftex.analysis.scale import structure_scale, sure_lattice
 from weftex.exemplar import Exemplar
 from weftex.random import draw
 
@@ -76,17 +75,11 @@ class SamplePieces:
 
 def sure_vectors(exemplar: Exemplar) -> tuple[float, ...]:
     """The lattice of a sample, or the vector across its rows, if that is sure."""
-    from weftex.analysis.canvas_lattice import is_sure  # which methods need not load
-
-    if exemplar.pieces:
-        return ()
-    lattice = dominant_scale(exemplar).lattice
-    mask = exemplar.mask
-    pixels = math.prod(exemplar.shape) if mask is None else int(np.count_nonzero(mask))
+    lattice = None if exemplar.pieces else structure_scale(exemplar).lattice
     if lattice is None:
         return ()
     rows = len(lattice.vectors) == 1 and lattice.confidence >= _ROWS
-    if not rows and not is_sure(lattice, pixels):
+    if not rows and sure_lattice(exemplar) is None:
         return ()
     return tuple(float(part) for vector in lattice.vectors for part in vector)
 

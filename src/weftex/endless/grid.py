@@ -50,6 +50,11 @@ class Block(NamedTuple):
     row: int
     column: int
 
+    @property
+    def at_nodes(self) -> tuple[bool, bool]:
+        """Whether it lies at nodes along y and along x, or between them."""
+        return self.kind in (CORNER, ACROSS), self.kind in (CORNER, DOWN)
+
 
 @dataclass(frozen=True)
 class Axis:
@@ -84,31 +89,21 @@ class Grid:
 
     def own(self, block: Block) -> Box:
         """The pixels of a block itself."""
-        at_nodes = block.kind in (CORNER, ACROSS), block.kind in (CORNER, DOWN)
-        spans = [
-            self._span(axis, number, at_node)
-            for axis, number, at_node in zip(
-                (self.down, self.across), block[1:], at_nodes, strict=True
-            )
-        ]
-        return Box(*spans)
+        down, across = block.at_nodes
+        rows = self._span(self.down, block.row, down)
+        return Box(rows, self._span(self.across, block.column, across))
 
     def reached(self, block: Block) -> Box:
         """The same and what it may replace."""
-        loose = self.sizes.loose
-        rows = loose if block.kind in (DOWN, INSIDE) else 0
-        columns = loose if block.kind in (ACROSS, INSIDE) else 0
+        rows, columns = (0 if at_node else self.sizes.loose for at_node in block.at_nodes)
         return self.own(block).grown(rows, columns)
 
     def seen(self, block: Block) -> Box:
         """The same box with all that it depends on; beside that what a start shows."""
         belt, around = self.sizes.belt, self.sizes.around
         along = belt - self.sizes.loose if block.kind == INSIDE else belt
-        grow = [
-            around if at_node else along
-            for at_node in (block.kind in (CORNER, ACROSS), block.kind in (CORNER, DOWN))
-        ]
-        return self.own(block).grown(*grow)
+        rows, columns = (around if at_node else along for at_node in block.at_nodes)
+        return self.own(block).grown(rows, columns)
 
     def dependencies(self, block: Block) -> list[Block]:
         """The blocks that must be there before, in their order."""
@@ -140,7 +135,7 @@ class Grid:
             block = Block(kind, i, j)
             if _meet(self.shown(block), box):
                 found |= {block, *self.dependencies(block)}
-        return sorted(found, key=lambda b: (b.row + (b.kind in (DOWN, INSIDE)), b.kind, b.column))
+        return sorted(found, key=lambda b: (b.row + (not b.at_nodes[0]), b.kind, b.column))
 
     def shown(self, block: Block) -> Box:
         """A box around what others leave of a block and of what it replaces."""

@@ -249,8 +249,7 @@ class Plane:
     def _without_start(self, block: Block, seen: Box) -> Box:
         """Nothing is there beside corners and edges."""
         around = self.grid.sizes.around
-        rows = -around if block.kind in (CORNER, ACROSS) else 0
-        columns = -around if block.kind in (CORNER, DOWN) else 0
+        rows, columns = (-around if at_node else 0 for at_node in block.at_nodes)
         return seen.grown(rows, columns)
 
     def _may_replace(self, block: Block, shape: tuple[int, int]) -> NDArray[np.bool_]:

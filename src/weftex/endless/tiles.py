@@ -15,7 +15,7 @@ import numpy as np
 
 from weftex.analysis.canvas_lattice import CanvasLattice
 from weftex.endless.boxes import Box, PlaneRequest
-from weftex.endless.grid import ACROSS, CORNER, DOWN, Axis, Block, Grid, Sizes
+from weftex.endless.grid import Axis, Block, Grid, Sizes
 from weftex.endless.plane import Filler, Plane, usable_corners
 from weftex.errors import InvalidInputError
 from weftex.exemplar import Exemplar
@@ -96,8 +96,7 @@ class TilePlane(Plane):
     def _colors(self, block: Block) -> tuple[int, ...]:
         """The kind of a block and the colors of the nodes at its ends."""
         kind, i, j = block
-        down = range(1 if kind in (CORNER, ACROSS) else 2)
-        across = range(1 if kind in (CORNER, DOWN) else 2)
+        down, across = (range(1 if at_node else 2) for at_node in block.at_nodes)
         n = len(self.torus)
         return kind, *(int(self.torus[(i + v) % n, (j + u) % n]) for v in down for u in across)
 

@@ -237,10 +237,12 @@ def _method(
     belts: Iterable[str] = ()
     if task == "fuse" and options["boundary"] == "merged":
         from weftex.canvas import as_canvas
-        from weftex.tasks.fuse import parted
+        from weftex.tasks.fuse import split_parameters
 
         belts = method_class(name).belt_parameters & own.keys()
-        method, alone = parted(make_method(name, {}), own, as_canvas(1, options["tileable"]))
+        method, alone = split_parameters(
+            make_method(name, {}), own, as_canvas(1, options["tileable"])
+        )
         method.for_belt(method.window_for(1), **alone)  # refuses what belts do not take
     else:
         method = make_method(name, own)

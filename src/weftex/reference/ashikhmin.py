@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from weftex.reference.common import Made, checked, fits, made, pick
+from weftex.reference.common import Made, checked, fits, made, pick, window_steps
 
 
 def ashikhmin(
@@ -61,8 +61,7 @@ def ashikhmin(
     image = np.zeros((height, width, pixels.shape[2]), np.int64)
     # The array of original pixel positions: where each pixel of the output comes from.
     sources = np.full((height, width, 2), -1)
-    square = [(dy, dx) for dy in range(-half, half + 1) for dx in range(-half, half + 1)]
-    l_shaped = square[: len(square) // 2]
+    l_shaped = window_steps(half)[: window**2 // 2].tolist()
 
     def copy(p: tuple[int, int], place: tuple[int, int]) -> None:
         image[p], sources[p] = pixels[place], place

@@ -67,6 +67,11 @@ def places(height: int, width: int) -> NDArray[np.int64]:
     return np.moveaxis(np.indices((height, width)), 0, 2)
 
 
+def window_steps(half: int) -> NDArray[np.int64]:
+    """Steps (n, 2) to the pixels of a square window, in scan order; the middle is the middle."""
+    return (places(2 * half + 1, 2 * half + 1) - half).reshape(-1, 2)
+
+
 def at(picture: NDArray[Any], where: NDArray[Any]) -> Any:
     """The pixels of a picture at some places (..., 2)."""
     return picture[where[..., 0], where[..., 1]]

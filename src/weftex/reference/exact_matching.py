@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from weftex.random import draw
-from weftex.reference.common import Made, at, checked, fits, made, pick, places
+from weftex.reference.common import Made, at, checked, fits, made, pick, places, window_steps
 
 #: Steps to the four direct neighbors of Fig. 2.
 DIRECT_NEIGHBORS = ((0, -1), (-1, -1), (-1, 0), (-1, 1))
@@ -94,8 +94,7 @@ def synthesize(
     """Section 4.2: choose the sources of the rows from `first` on, in scanline order."""
     height, width = sources.shape[:2]
     image = at(pixels, sources)
-    square = [(dy, dx) for dy in range(-half, half + 1) for dx in range(-half, half + 1)]
-    causal = np.array(square[: len(square) // 2], int).reshape(-1, 2)
+    causal = window_steps(half)[: (2 * half + 1) ** 2 // 2]
     centers = centers_of(pixels, half)
     search_space = texture_analysis(pixels, centers, tolerance)
 

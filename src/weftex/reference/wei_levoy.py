@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from weftex.random import draw
-from weftex.reference.common import Made, checked, fits, made
+from weftex.reference.common import Made, checked, fits, made, window_steps
 
 
 def wei_levoy(
@@ -75,10 +75,8 @@ def wei_levoy(
     noise = pixels.reshape(-1, pixels.shape[2])[sources]
     outputs = gaussian_pyramid(noise, levels, torus=True)
 
-    square = [(dy, dx) for dy in range(-half, half + 1) for dx in range(-half, half + 1)]
-    causal = np.array(square[: len(square) // 2])  # before the pixel in raster scan order
-    steps = range(-parent_half, parent_half + 1)
-    whole = np.array([(dy, dx) for dy in steps for dx in steps])
+    causal = window_steps(half)[: window**2 // 2]  # before the pixel in raster scan order
+    whole = window_steps(parent_half)
 
     for level in reversed(range(levels)):
         own, result = inputs[level], outputs[level]

@@ -15,7 +15,7 @@ from weftex.analysis.autocorrelations import autocorrelations
 from weftex.analysis.lattice import Lattice, Rated, lattice_in, rate_lattices
 from weftex.analysis.overlay import courses
 from weftex.analysis.properties import Evenness, regularity
-from weftex.analysis.scale import DominantScale, dominant_scale
+from weftex.analysis.scale import StructureScale, structure_scale
 from weftex.errors import InvalidInputError
 from weftex.exemplar import Exemplar, Sample, load_exemplar
 from weftex.parameters import numbers_of
@@ -235,7 +235,7 @@ def analyze(
         step(2)
         own = look.lattice if look.exact else lattice_in(seen)
         step(1)
-        found = dominant_scale(exemplar, own)
+        found = structure_scale(exemplar, own)
         borders = borders_of(exemplar)
         alike = regularity(exemplar)
         step(1)
@@ -319,7 +319,7 @@ def _count_colors(exemplar: Exemplar) -> int:
     return len(np.unique(whole.view(np.uint64)))
 
 
-def _bands(found: DominantScale) -> tuple[Band, ...]:
+def _bands(found: StructureScale) -> tuple[Band, ...]:
     """Return the strongest ring of each quarter octave."""
     if not len(found.power):
         return ()

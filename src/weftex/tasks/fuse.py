@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from weftex.analysis.scale import dominant_scale
+from weftex.analysis.scale import structure_scale
 from weftex.canvas import Canvas, as_canvas
 from weftex.errors import InvalidInputError, did_you_mean, is_whole, shown
 from weftex.exemplar import Exemplar, Sample, load_exemplar
@@ -118,7 +118,7 @@ def fuse(
     of_belts: dict[str, Any] = {}
     chosen = method_for("fuse", DEFAULT, method, {})
     if boundary == "merged":
-        chosen, of_belts = parted(chosen, parameters, as_canvas(1, tileable))
+        chosen, of_belts = split_parameters(chosen, parameters, as_canvas(1, tileable))
     else:
         chosen = make_method(chosen, parameters)
 
@@ -132,8 +132,8 @@ def fuse(
         )
     with listening(progress):
         exemplars, notes = paired(of_one_kind(_load(samples)), missing)
-        scales = [dominant_scale(exemplar).window_width for exemplar in exemplars]
-    labels, materials = _labels(label_map, size, scales, (colors, mixed), number)
+        widths = [structure_scale(exemplar).window_width for exemplar in exemplars]
+    labels, materials = _labels(label_map, size, widths, (colors, mixed), number)
     shape = labels.shape[0], labels.shape[1]
     if belt_width is not None and belt_width > max(shape):
         raise InvalidInputError(
@@ -146,7 +146,7 @@ def fuse(
     fusion = Fusion(
         whole,
         exemplars,
-        scales,
+        widths,
         chosen,
         canvas,
         number,
@@ -167,7 +167,7 @@ def fuse(
     )
 
 
-def parted(
+def split_parameters(
     method: Method, parameters: Mapping[str, Any], canvas: Canvas
 ) -> tuple[Method, dict[str, Any]]:
     """Return the method of the regions, and the parameters that only belts take."""
@@ -200,12 +200,12 @@ def _load(samples: Any) -> list[Exemplar]:
 def _labels(
     label_map: Any,
     size: int | tuple[int, int] | None,
-    scales: list[int],
+    window_widths: list[int],
     named: tuple[Sequence[Any] | None, Mapping[Any, tuple[int, int]] | None],
     seed: int,
 ) -> tuple[NDArray[np.int32], list[Material]]:
     """Return labels of materials, and the materials: the samples first, then mixed ones."""
-    count, (colors, mixed) = len(scales), named
+    count, (colors, mixed) = len(window_widths), named
     wanted = None if size is None else as_canvas(size).shape
     single: list[Material] = [(k,) for k in range(count)]
     if isinstance(label_map, str) and label_map == "gradient":
@@ -215,7 +215,7 @@ def _labels(
             raise InvalidInputError("a gradient needs the size of the output")
         if colors is not None or mixed:
             raise InvalidInputError("a gradient has no colors; leave colors and mixed out")
-        labels, pairs = label_map.label_map(wanted, [scale // 2 for scale in scales], seed)
+        labels, pairs = label_map.label_map(wanted, [width // 2 for width in window_widths], seed)
         return labels, [*single, *pairs]
     if colors is not None and not isinstance(colors, (list, tuple, range)):
         raise InvalidInputError(f"colors is {shown(colors)}; it must be a list of colors")

@@ -40,7 +40,7 @@ class Fusion:
 
     whole: Exemplar  # the samples stacked, see `weftex.prepare.combining.combined`
     exemplars: Sequence[Exemplar]
-    scales: Sequence[int]  # the window width by each sample's dominant scale, in pixels
+    window_widths: Sequence[int]  # twice each sample's scale, in pixels
     method: Method
     canvas: Canvas
     seed: int
@@ -65,7 +65,7 @@ class Fusion:
 
     def window(self, *numbers: int) -> int:
         """Return the width of the window for the coarsest of these samples."""
-        return self.method.window_for(max(self.scales[k] for k in numbers))
+        return self.method.window_for(max(self.window_widths[k] for k in numbers))
 
     def _reaches(self, materials: Sequence[Material]) -> NDArray[np.int64]:
         """Return half the widths of the belts between materials."""
@@ -86,11 +86,10 @@ class Fusion:
             area = _around(region, reach)
             canvas = Canvas(*layer[area].shape)
         if len(material) == 1:
-            exemplar, places = self.exemplars[material[0]], self._places(material[0])
+            exemplar, index = self.exemplars[material[0]], self._stacked_index(material[0])
         else:
-            exemplar, places = self._merged_sample(*material)
-        made = self._sample(exemplar, canvas, self._number(material))
-        layer[area] = places.ravel()[made.index]
+            exemplar, index = self._merged_sample(*material)
+        layer[area] = self._synthesize(exemplar, index, canvas, self._number(material))
         return layer
 
     def _settle(
@@ -102,17 +101,16 @@ class Fusion:
         meeting: Meetings,
     ) -> NDArray[np.int32]:
         """Move the boundary between two materials to the cheapest cut within their belt."""
-        area = meeting.belt(a, b)
-        own, (down, across) = labels[area], self.canvas.wrap
-        shape = labels.shape
-        wrap = down and own.shape[0] == shape[0], across and own.shape[1] == shape[1]
+        area = meeting.belt_box(a, b)
+        own, wraps, shape = labels[area], self.canvas.wrap, labels.shape
+        wrap = wraps[0] and own.shape[0] == shape[0], wraps[1] and own.shape[1] == shape[1]
         free = ((own == a) | (own == b)) & (layers[a][area] >= 0) & (layers[b][area] >= 0)
-        place, room = meeting.place(a, b, area)
+        across, half = meeting.across(a, b, area)
         seed = int(draw(self.seed, "boundary", a, b))
-        apart, astray = 1 - np.minimum(np.abs(place), 1), hills(place, room, wrap, seed)
-        side = place + _WANDER * apart * astray
-        pull = _PULL * UNIT / (room * (apart + _OPEN)) * side
-        leaning = np.where(np.abs(place) < 1, np.rint(pull), np.sign(place) * HELD).astype(np.int32)
+        inside, astray = 1 - np.minimum(np.abs(across), 1), hills(across, half, wrap, seed)
+        side = across + _WANDER * inside * astray
+        pull = np.rint(_PULL * UNIT / (half * (inside + _OPEN)) * side)
+        leaning = np.where(np.abs(across) < 1, pull, np.sign(across) * HELD).astype(np.int32)
         flat = self.whole.matching().reshape(-1, self.whole.matching().shape[2])
         shown = [flat[np.maximum(layers[k][area], 0)] for k in (a, b)]
         taken = cheapest_boundary(shown[0], shown[1], leaning, free, wrap)
@@ -130,20 +128,21 @@ class Fusion:
         """Synthesize belts along the boundaries from merged samples, with the larger window."""
         flat = self.whole.pixels.reshape(-1, *self.whole.pixels.shape[2:])
         for a, b in itertools.combinations(np.unique(labels).tolist(), 2):
+            # Two samples are merged; of mixed materials with more, the first two.
             pair = sorted({*materials[a], *materials[b]})[:2]
-            wide = self.window(*pair)
-            # "one half of the width of the larger window"
-            near = [grown(labels == k, max(1, wide // 4), self.canvas.wrap) for k in (a, b)]
+            width = self.window(*pair)
+            # "one half of the width of the larger window", so a quarter to either side
+            near = [grown(labels == k, max(1, width // 4), self.canvas.wrap) for k in (a, b)]
             belt = near[0] & near[1] & ((labels == a) | (labels == b))
-            if not belt.any() or belt.all():
+            if not belt.any() or belt.all():  # nothing to join, or nothing left to join it to
                 continue
-            exemplar, places = self._merged_sample(*pair)
+            exemplar, own = self._merged_sample(*pair)
             canvas = Canvas(*self.canvas.shape, self.canvas.wrap, known=flat[index], hole=belt)
-            made = self._sample(exemplar, canvas, self._number((a, b)), belt_method(wide))
-            index = np.where(belt, places.ravel()[made.index], index)
+            number, method = self._number((a, b)), belt_method(width)
+            index = np.where(belt, self._synthesize(exemplar, own, canvas, number, method), index)
         return index
 
-    def _places(self, number: int) -> NDArray[np.int32]:
+    def _stacked_index(self, number: int) -> NDArray[np.int32]:
         """Return the indices of a sample's pixels in the stacked samples."""
         top = sum(e.shape[0] for e in self.exemplars[:number])
         height, width = self.exemplars[number].shape
@@ -154,8 +153,8 @@ class Fusion:
         """Return each sample with islands of the other, stacked, and the indices of its pixels."""
         bytes_of = self.whole.matching().reshape(-1, self.whole.matching().shape[2])
         usable = np.ones(self.whole.shape, bool) if self.whole.mask is None else self.whole.mask
-        own = [self._places(k) for k in (a, b)]
-        scale = max(1, max(self.scales[k] for k in (a, b)) // 2)
+        own = [self._stacked_index(k) for k in (a, b)]
+        scale = max(1, max(self.window_widths[k] for k in (a, b)) // 2)
         parts = []
         for n in (0, 1):
             sea, land = own[n], own[1 - n]
@@ -176,13 +175,22 @@ class Fusion:
         """Return a different number for each material, for random draws."""
         return material[0] if len(material) == 1 else (1 << 16) + material[0] * 4096 + material[1]
 
-    def _sample(
-        self, exemplar: Exemplar, canvas: Canvas, number: int, method: Method | None = None
-    ) -> PixelSynthesis:
+    def _synthesize(
+        self,
+        exemplar: Exemplar,
+        index: NDArray[np.int32],
+        canvas: Canvas,
+        number: int,
+        method: Method | None = None,
+    ) -> NDArray[np.int32]:
+        """Return the source in the stacked samples of each pixel of a canvas.
+
+        `index` (h, w) has that of each pixel of the exemplar.
+        """
         seed = int(draw(self.seed, "region", number))
-        made = (method or self.method).fit(exemplar).sample(canvas, seed=seed, **self.options)
-        assert isinstance(made, PixelSynthesis)
-        return made
+        result = (method or self.method).fit(exemplar).sample(canvas, seed=seed, **self.options)
+        assert isinstance(result, PixelSynthesis)
+        return index.ravel()[result.index]
 
 
 class Meetings:
@@ -226,14 +234,14 @@ class Meetings:
         """Return whether two regions touch, corners included."""
         return bool((self._away[a] + self._away[b] < 2).any())
 
-    def belt(self, a: int, b: int) -> tuple[slice, slice]:
+    def belt_box(self, a: int, b: int) -> tuple[slice, slice]:
         """Return the box of the belt between two regions and one pixel around it."""
         return _around(np.maximum(self._away[a], self._away[b]) <= self.reaches[a, b] + 1)
 
-    def place(
+    def across(
         self, a: int, b: int, area: tuple[slice, slice]
     ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Return where pixels lie in the belt: -1 at its edge in the first region, 1 in the second.
+        """Return where pixels lie across the belt: -1 at its edge in the first region to 1.
 
         Also half the width of the belt there, in pixels; it takes few values.
         """
@@ -255,19 +263,19 @@ def _around(
 
 
 def hills(
-    place: NDArray[np.float64], room: NDArray[np.float64], wrap: tuple[bool, ...], seed: int
+    across: NDArray[np.float64], half: NDArray[np.float64], wrap: tuple[bool, ...], seed: int
 ) -> NDArray[np.float64]:
-    """Return the noise that bends a boundary: hills as wide as its belt, of either sign.
+    """Return the noise that bends a boundary: hills as wide as `half` its belt, of either sign.
 
     Narrow belts have hills of their own, or they would be led aside as a whole. What all have in
     common is taken off: around a small region lie few, which would make it larger or smaller.
     """
-    astray = np.zeros(place.shape)
-    for wide in np.unique(room):
-        here = room == wide
-        astray[here] = wander(place.shape, max(1, round(wide)), wrap, seed)[here]
+    astray = np.zeros(across.shape)
+    for width in np.unique(half):
+        here = half == width
+        astray[here] = wander(across.shape, max(1, round(width)), wrap, seed)[here]
     # A sum of integers is the same on every machine.
-    heights = np.rint(astray[np.abs(place) < 1] * 2**20).astype(np.int64)
+    heights = np.rint(astray[np.abs(across) < 1] * 2**20).astype(np.int64)
     result: NDArray[np.float64] = astray - int(heights.sum()) / (max(1, len(heights)) * 2**20)
     return result
 

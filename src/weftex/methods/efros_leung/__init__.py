@@ -1,6 +1,7 @@
 """Texture synthesis by non-parametric sampling (Efros and Leung, 1999).
 
-Section III.A is that of the survey in docs/background/fidelity/non-parametric-sampling-and-tsvq.md.
+Functions have the names of the pseudocode that the authors published; quotes are from section III.A
+of the survey in docs/background/fidelity/non-parametric-sampling-and-tsvq.md.
 """
 
 from __future__ import annotations
@@ -11,13 +12,8 @@ from typing import ClassVar, Self
 import numpy as np
 
 from weftex.exemplar import Exemplar
-from weftex.methods.efros_leung.layers import (
-    Waves,
-    seed_piece,
-    shared,
-    unfilled_with_filled_neighbors,
-)
-from weftex.methods.efros_leung.weighted_search import ExhaustiveSearch, gaussian_weights
+from weftex.methods.efros_leung.layers import Waves, in_threads, seed_piece, unfilled_neighbors
+from weftex.methods.efros_leung.weighted_search import ExactSearch, gaussian_weights
 from weftex.methods.pixels import Growth, PixelModel, WindowedMethod, square_width
 from weftex.parameters import parameter
 from weftex.search.windows import Windows, square_windows
@@ -81,7 +77,7 @@ class EfrosLeung(WindowedMethod):
         method = self.resolved(exemplar)
         width = method.window_for(0)
         windows = square_windows(exemplar, width)
-        search = ExhaustiveSearch(windows, gaussian_weights(width, width / _SIGMAS))
+        search = ExactSearch(windows, gaussian_weights(width, width / _SIGMAS))
         prepared = Prepared(method, windows, search)
         return PixelModel(method, exemplar, prepared, grow_in_layers)
 
@@ -92,11 +88,11 @@ class Prepared:
 
     method: EfrosLeung  # resolved
     windows: Windows  # the sample's whole windows
-    search: ExhaustiveSearch  # finds the windows that match the known pixels around a pixel
+    search: ExactSearch  # finds the windows that match the known pixels around a pixel
 
 
 def grow_in_layers(prepared: Prepared, growth: Growth) -> None:
-    """Grow the texture around a seed, or around the known pixels, in layers (section III.A)."""
+    """Grow the texture around a seed, or around the known pixels, in layers (GrowImage)."""
     method, wrap = prepared.method, growth.canvas.wrap
     assert method.window_width  # resolved
     sample = prepared.windows.pixels.reshape(-1, prepared.windows.pixels.shape[2])
@@ -112,15 +108,13 @@ def grow_in_layers(prepared: Prepared, growth: Growth) -> None:
     waves = Waves(growth.canvas.shape, wrap, method.window_width, growth.seed)
     # The context is the "already synthesized pixels in a square window"; similarity is the
     # "Gaussian weighted sum of differences": "find the best match [...] and take all samples
-    # within some distance from that match", one of which is drawn: `weighted_kernels`.
-    canvas = growth.pixels, growth.done, growth.source, wrap
-    with shared(
-        [prepared.search.on(*canvas, method.tolerance) for _ in range(growth.threads)]
-    ) as draw_match:
-        while (layer := unfilled_with_filled_neighbors(growth.done, wrap)).size:
+    # within some distance from that match", one of which is picked: `weighted_kernels`.
+    matchers = [prepared.search.on(growth.picture, method.tolerance) for _ in range(growth.threads)]
+    with in_threads(matchers) as find_matches:
+        while (layer := unfilled_neighbors(growth.done, wrap)).size:
             lowest = np.inf
             for wave, bits in waves.of(layer, growth.done):
-                chosen, distances, weights = draw_match(wave, bits)
+                chosen, distances, weights = find_matches(wave, bits)
                 # "... normalizing the error by the total number of known pixels"; it is 1
                 # between black and white.
                 errors = distances / (255.0**2 * pixels.shape[1] * np.maximum(weights, 1))
@@ -134,8 +128,10 @@ def grow_in_layers(prepared: Prepared, growth: Growth) -> None:
                 progress.advance(len(at))
             # If none of a layer has one, the threshold rises; beyond the paper, also after so many
             # tries that a low threshold and a wide tolerance would go on for ever.
-            tries_left -= len(layer) if lowest <= threshold else 0
-            if lowest <= threshold and tries_left < 0:
+            progressed = lowest <= threshold
+            tries_left -= len(layer) if progressed else 0
+            if progressed and tries_left < 0:
                 threshold *= _RISE
+            # A round that fills nothing would pick the same windows again, so it is skipped.
             while threshold < lowest:
                 threshold *= _RISE

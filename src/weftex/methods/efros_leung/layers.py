@@ -1,17 +1,16 @@
-"""The layers that a texture grows in, and the order of the pixels of a layer (section III.A)."""
+"""The layers that a texture grows in, and the order of the pixels of a layer."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import contextmanager
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from weftex.methods.efros_leung import wave_kernels as kernels
-from weftex.methods.efros_leung.weighted_search import Draw, Drawn
-from weftex.random import draw
+from weftex.methods.efros_leung.weighted_search import Matcher, Matches
+from weftex.random import draw, pick
 from weftex.raster.masks import grown
 from weftex.search.windows import Windows
 
@@ -25,21 +24,17 @@ def seed_piece(
 
     The piece is `side` pixels wide, or as the canvas if that is smaller.
     """
-    centers = windows.centers
-    bits = draw(seed, "efros-leung seed")
-    center = centers[(int(bits) >> 32) * len(centers) >> 32]
+    center = pick(windows.centers, seed, "efros-leung seed")
     height, width = (min(side, n) for n in shape)
     away = np.arange(side) - side // 2
     piece = center + away[:height, None] * windows.pixels.shape[1] + away[:width]
     source = windows.from_sample(windows.to_sample(piece.astype(np.int32)))
     top, left = (shape[0] - height) // 2, (shape[1] - width) // 2
-    places = np.arange(shape[0] * shape[1], dtype=np.int32).reshape(shape)
-    return places[top : top + height, left : left + width].ravel(), source.ravel()
+    canvas = np.arange(shape[0] * shape[1], dtype=np.int32).reshape(shape)
+    return canvas[top : top + height, left : left + width].ravel(), source.ravel()
 
 
-def unfilled_with_filled_neighbors(
-    done: NDArray[np.uint8], wrap: tuple[bool, bool]
-) -> NDArray[np.int32]:
+def unfilled_neighbors(done: NDArray[np.uint8], wrap: tuple[bool, bool]) -> NDArray[np.int32]:
     """Return a layer: flat indices of unfilled pixels with a filled pixel beside or diagonal."""
     filled = done > 0
     return np.flatnonzero(grown(filled, 1, wrap) & ~filled).astype(np.int32)
@@ -48,8 +43,9 @@ def unfilled_with_filled_neighbors(
 class Waves:
     """Splits a layer into waves: pixels that can be made at the same time.
 
-    No window of a wave's pixels contains another of them, so the result is thread-independent.
-    `width` is the side of the window in pixels.
+    No window of a wave's pixels contains another of them, and of two pixels of which one sees the
+    other, the one that is earlier in order is in an earlier wave. So the result is that of choosing
+    one pixel after the other. `width` is the side of the window in pixels.
     """
 
     def __init__(
@@ -74,33 +70,28 @@ class Waves:
         kernels.wave_numbers(*self._window, layer[order], self._listed, self._numbers, waves)
         order = order[np.argsort(waves, kind="stable")]
         ends = np.cumsum(np.bincount(waves))
-        places, bits = layer[order], draw(self._seed, "efros-leung", *at)[order]
+        pixels, bits = layer[order], draw(self._seed, "efros-leung", *at)[order]
         for start, end in zip((0, *ends), ends, strict=False):
-            yield places[start:end], bits[start:end]
+            yield pixels[start:end], bits[start:end]
 
 
 @contextmanager
-def shared(draws: list[Draw]) -> Iterator[Draw]:
-    """Give a function that draws windows for a wave, in as many threads as there are functions."""
-    if len(draws) == 1:
-        yield draws[0]
+def in_threads(matchers: list[Matcher]) -> Iterator[Matcher]:
+    """Give a matcher that divides the pixels of a wave among threads, one for each of these."""
+    if len(matchers) == 1:
+        yield matchers[0]
         return
     from concurrent.futures import ThreadPoolExecutor
 
-    with ThreadPoolExecutor(len(draws)) as pool:
+    with ThreadPoolExecutor(len(matchers)) as pool:
 
-        def drawn(places: NDArray[np.int32], bits: NDArray[np.uint64]) -> Drawn:
-            count = min(len(draws), -(-len(places) // _SHARE))
+        def find_matches(pixels: NDArray[np.int32], bits: NDArray[np.uint64]) -> Matches:
+            count = min(len(matchers), -(-len(pixels) // _SHARE))
             if count == 1:
-                return draws[0](places, bits)
-            ends = np.linspace(0, len(places), count + 1).astype(int)
-
-            def share(k: int) -> tuple[NDArray[Any], ...]:
-                part = slice(ends[k], ends[k + 1])
-                return draws[k](places[part], bits[part])
-
-            parts = zip(*pool.map(share, range(count)), strict=True)
-            chosen, distances, weights = (np.concatenate(part) for part in parts)
+                return matchers[0](pixels, bits)
+            parts = np.array_split(pixels, count), np.array_split(bits, count)
+            found = zip(*pool.map(lambda match, *part: match(*part), matchers, *parts), strict=True)
+            chosen, distances, weights = (np.concatenate(part) for part in found)
             return chosen, distances, weights
 
-        yield drawn
+        yield find_matches

@@ -11,10 +11,10 @@ def count_known(
     reach: cython.Py_ssize_t,
     runs: cython.int[:, ::1],
     done: cython.const[cython.uchar][:, ::1],
-    places: cython.const[cython.int][::1],
+    pixels: cython.const[cython.int][::1],
     counts: cython.int[::1],
 ):
-    """Fill `counts` with the number of known pixels in the window around each place.
+    """Fill `counts` with the number of known pixels in the window around each pixel.
 
     `runs` is scratch.
     """
@@ -22,10 +22,10 @@ def count_known(
     cython.declare(y=cython.Py_ssize_t, x=cython.Py_ssize_t)
     width = done.shape[1]
     with cython.nogil:
-        for i in range(places.shape[0]):
+        for i in range(pixels.shape[0]):
             counts[i] = 0
-            y = places[i] // width
-            x = places[i] % width
+            y = pixels[i] // width
+            x = pixels[i] % width
             for r in range(known_runs(done, y, x, wrap_y, wrap_x, reach, runs)):
                 counts[i] += runs[r, 2]
 
@@ -35,12 +35,12 @@ def wave_numbers(
     wrap_x: cython.bint,
     reach: cython.Py_ssize_t,
     runs: cython.int[:, ::1],
-    places: cython.const[cython.int][::1],
+    pixels: cython.const[cython.int][::1],
     listed: cython.uchar[:, ::1],
     numbers: cython.int[:, ::1],
     waves: cython.int[::1],
 ):
-    """Fill `waves`: one more than the largest wave of earlier places in each place's window.
+    """Fill `waves`: one more than the largest wave of earlier pixels in each pixel's window.
 
     `listed`, all 0 before and after, and `numbers` are scratch of the canvas's size.
     """
@@ -51,9 +51,9 @@ def wave_numbers(
     height = listed.shape[0]
     width = listed.shape[1]
     with cython.nogil:
-        for i in range(places.shape[0]):
-            y = places[i] // width
-            x = places[i] % width
+        for i in range(pixels.shape[0]):
+            y = pixels[i] // width
+            x = pixels[i] % width
             wave = 0
             for r in range(known_runs(listed, y, x, wrap_y, wrap_x, reach, runs)):
                 cy = (y + runs[r, 0] + height) % height
@@ -64,5 +64,5 @@ def wave_numbers(
             waves[i] = wave
             numbers[y, x] = wave
             listed[y, x] = 1
-        for i in range(places.shape[0]):
-            listed[places[i] // width, places[i] % width] = 0
+        for i in range(pixels.shape[0]):
+            listed[pixels[i] // width, pixels[i] % width] = 0

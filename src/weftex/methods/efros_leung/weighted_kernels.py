@@ -367,17 +367,17 @@ def list_within(
     return n
 
 
-def draw_windows(
+def find_matches(
     sample: Sample,
     windows: WeightedWindows,
     picture: Picture,
     template: Template,
-    places: cython.const[cython.int][::1],
+    pixels: cython.const[cython.int][::1],
     bits: cython.const[cython.ulonglong][::1],
     tolerance: cython.double,
     out: cython.longlong[:, ::1],
 ):
-    """Draw a window for each pixel, uniformly among those within the tolerance of the best.
+    """Pick a window for each pixel, evenly among those within the tolerance of the best.
 
     A column of `out` has the window's flat index, its distance, and the sum of the weights of the
     known pixels.
@@ -385,9 +385,9 @@ def draw_windows(
     cython.declare(i=cython.Py_ssize_t, j=cython.Py_ssize_t, y=cython.Py_ssize_t)
     cython.declare(x=cython.Py_ssize_t, count=cython.ulonglong, best=cython.longlong)
     with cython.nogil:
-        for i in range(places.shape[0]):
-            y = places[i] // picture.done.shape[1]
-            x = places[i] % picture.done.shape[1]
+        for i in range(pixels.shape[0]):
+            y = pixels[i] // picture.done.shape[1]
+            x = pixels[i] % picture.done.shape[1]
             out[2, i] = copy_known(picture, windows, y, x, template)
             best = nearest_coherent(picture, sample, windows, y, x, template)
             count = cython.cast(cython.ulonglong, list_within(windows, template, best, tolerance))

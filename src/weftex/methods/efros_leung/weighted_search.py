@@ -12,12 +12,12 @@ from weftex.methods.efros_leung import weighted_kernels as kernels
 from weftex.search.picture_kernels import Picture
 from weftex.search.windows import Windows, new_query
 
-#: For each pixel the window drawn, a flat index into the windows' pixels; its distance; and the
+#: For each pixel the window picked, a flat index into the windows' pixels; its distance; and the
 #: sum of the weights of the known pixels: int64 (n,).
-Drawn = tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.int64]]
-#: Draws windows for unknown pixels: flat indices into the canvas and random bits, int32 and
+Matches = tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.int64]]
+#: Picks windows for unknown pixels: flat indices into the canvas and random bits, int32 and
 #: uint64 (n,). For one thread at a time.
-Draw = Callable[[NDArray[np.int32], NDArray[np.uint64]], Drawn]
+Matcher = Callable[[NDArray[np.int32], NDArray[np.uint64]], Matches]
 
 _LARGEST_WEIGHT = 127  # times a difference it fits 16 bits
 _VECTOR = 16  # bytes; rows of windows are whole vectors
@@ -37,7 +37,7 @@ def gaussian_weights(width: int, sigma: float) -> NDArray[np.int16]:
     return weights
 
 
-class ExhaustiveSearch:
+class ExactSearch:
     """Compares the known pixels around a pixel with every window of a sample, exactly.
 
     Lower bounds from the heaviest pixels rule out most windows. `weights` are int16 (width, width),
@@ -59,38 +59,31 @@ class ExhaustiveSearch:
         size = width * width * channels
         self.terms = -(-size // 4) * 4 if size < _STEP else min(_MOST_TERMS, size // _STEP * _STEP)
 
-    def on(
-        self,
-        pixels: NDArray[np.uint8],
-        done: NDArray[np.uint8],
-        source: NDArray[np.int32],
-        wrap: tuple[bool, bool],
-        tolerance: float,
-    ) -> Draw:
-        """Return a function that draws windows for pixels of a canvas; each thread needs its own.
+    def on(self, picture: Picture, tolerance: float) -> Matcher:
+        """Return a function that picks windows for pixels of a canvas; each thread needs its own.
 
-        It draws uniformly among the windows within (1 + tolerance) of the best distance. The canvas
+        It picks evenly among the windows within (1 + tolerance) of the best distance. The canvas
         and its known pixels may change between calls.
         """
-        picture, sample = Picture(pixels, done, source, wrap), self.windows.kernel
+        sample = self.windows.kernel
         windows = kernels.WeightedWindows(
             self.flat, self.weights, self.stride, self.windows.pixels.shape,
             self.planes, self.starts, self.allowed, self.order,
         )  # fmt: skip
         template = self._template()
 
-        def draw(places: NDArray[np.int32], bits: NDArray[np.uint64]) -> Drawn:
-            out = np.empty((3, len(places)), np.int64)
-            kernels.draw_windows(sample, windows, picture, template, places, bits, tolerance, out)
+        def find_matches(pixels: NDArray[np.int32], bits: NDArray[np.uint64]) -> Matches:
+            out = np.empty((3, len(pixels)), np.int64)
+            kernels.find_matches(sample, windows, picture, template, pixels, bits, tolerance, out)
             chosen, distances, weights = out
             return chosen, distances, weights
 
-        return draw
+        return find_matches
 
     def _template(self) -> Any:
         """Return the scratch of one thread."""
         width, blocks = len(self.weights), len(self.starts)
-        most = self.windows.centers.size + 9  # the 8 neighbors' and -1
+        most = self.windows.centers.size + 9  # where 8 neighbors' sources continue, and -1
         types = np.intp, np.int16, np.uint16, np.uint16
         return kernels.Template(
             new_query(width // 2, 1),

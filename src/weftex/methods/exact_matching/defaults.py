@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from weftex.analysis.properties import regularity
-from weftex.analysis.scale import dominant_scale
+from weftex.analysis.scale import structure_scale
 from weftex.exemplar import Exemplar
 from weftex.methods.exact_matching.color_index import ColorIndex
 from weftex.methods.pixels import narrowed, width_for
@@ -93,7 +93,7 @@ def _width_and_levels(method: Any, exemplar: Exemplar, init: str) -> tuple[int, 
     while True:
         proposed = _WIDTH_WITH_LEVELS
         if levels == 1 and given is None:
-            proposed = max(_SMALLEST_PROPOSED, dominant_scale(exemplar).window_width)
+            proposed = max(_SMALLEST_PROPOSED, structure_scale(exemplar).window_width)
             proposed = min(proposed, max(min(exemplar.shape) // 3, _SMALLEST_WITH_ROOM))
         width = width_for(given, exemplar, proposed)
         if given is not None:

@@ -22,15 +22,12 @@ from weftex.methods.refinement.output import (
     guides_of,
     levels_that_show,
     output_pyramid,
-    show_coarse,
-    sources_of_children,
-    sources_shown,
 )
 from weftex.methods.refinement.start import (
     fitted_starts,
     keep_patches,
     result_of,
-    seed_sources,
+    start_sources,
     start_window,
 )
 from weftex.methods.refinement.sweeps import Convergence, refine_texture, sweep_of
@@ -44,7 +41,8 @@ class Refinement(WindowedMethod):
     """Iterative refinement.
 
     A grid of seed points, or the result of another method, is refined again and again: every
-    pixel is copied from the sample pixel whose window is most like its own.
+    pixel is copied from the sample pixel whose window is most like its own. The paper's algorithm
+    is `search="nearest"` and `init="seeds"`.
 
     Examples
     --------
@@ -160,7 +158,8 @@ class Refinement(WindowedMethod):
         parameters |= {"joints": None}  # a belt is a joint, all of it
         if self.init in ("auto", "seeds"):
             # Patches of another start end along the belt. The sample is merged of two, and has no
-            # scale of its own: seed points lie half a window apart, which is the larger one's.
+            # scale of its own: seed points lie half a window apart, the scale of the larger of the
+            # two. The paper has that of the smaller.
             scale = self.seed_scale or max(1, self.window_for(width) // 2)
             parameters = {"init": "seeds", "seed_scale": scale} | parameters
         return super().for_belt(width, **parameters)
@@ -213,39 +212,31 @@ def texture_synthesis(prepared: Prepared, growth: Growth) -> None:
     The paper refines seed points at one resolution. Beyond it, the result of another method may be
     refined, and the coherent search goes through coarser levels first.
     """
+    start, start_map = result_of(prepared, growth)
+    if start_map is not None:  # coarse levels would move it near a hole of the sample
+        count = levels_that_show(start_map, prepared.levels, growth)
+        rounds = (*prepared.rounds[: count - 1], prepared.rounds[-1])
+        prepared = replace(prepared, levels=prepared.levels[:count], rounds=rounds)
     levels, windows, rounds = prepared.levels, prepared.windows, prepared.rounds
-    start, made = result_of(prepared, growth)
-    if made is not None:  # coarse levels would move it near a hole of the sample
-        count = levels_that_show(made, levels, growth)
-        levels, rounds = levels[:count], (*rounds[: count - 1], rounds[-1])
-        prepared = replace(prepared, levels=levels, rounds=rounds)
     growth.about |= {"init": start, "levels": len(levels)}
-    if made is not None and prepared.belt:
+    if start_map is not None and prepared.belt:
         # Section 5, Fig. 13: patches stay, belts along their seams are a hole.
-        keep_patches(made, prepared.belt, windows, growth)
+        keep_patches(start_map, prepared.belt, windows, growth)
         if growth.done.all():
             return
     # Section 5, Fig. 12; a block of a plane goes on with what was started all over it.
-    cyclic = growth.hole is not None and (made is None or growth.canvas.shown is None)
+    cyclic = growth.hole is not None and (start_map is None or growth.canvas.shown is None)
     outputs = output_pyramid(windows, levels, growth)
     guides = guides_of(prepared, growth)
     convergence = Convergence(prepared.method.threshold, cyclic)
     steps = [output.count * n for output, n in zip(outputs, rounds, strict=True)]
     progress = growth.progress(sum(steps), "pixels")
-    coarsest = len(levels) - 1
-    for number in range(coarsest, -1, -1):
-        level, output, guide = levels[number], outputs[number], guides[number]
-        if number < coarsest:
-            shape = output.known.shape
-            source = sources_of_children(outputs[number + 1], levels[number + 1], shape, level)
-        elif made is not None:
-            source = sources_shown(made, number, level)
-        else:  # step 3: PlantSeed, Fig. 5
-            source = seed_sources(prepared, output, guide, growth.seed)
-        output.begin(level, source)
-        show_coarse(output, growth)
-        # Search Tree Construction (section 3): `sweep_kernels.refine_to_nearest` is the paper's,
-        # among all windows; `refine_coherently` is ours, among coherent and similar places.
+    for number in reversed(range(len(levels))):
+        output, guide = outputs[number], guides[number]
+        # Step 3: PlantSeed.
+        start_from = start_sources(prepared, outputs, number, guide, start_map, growth.seed)
+        output.begin(levels[number], start_from)
+        growth.coarse = (output.pixels, 2**number) if number else None  # for the preview
         sweep = sweep_of(prepared, output, guide, growth.seed, cyclic)
         for iteration in range(rounds[number]):  # step 5: while (ContinueFlag)
             convergence.remember(output)

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from weftex.analysis.scale import dominant_scale
+from weftex.analysis.scale import structure_scale
 from weftex.errors import InvalidInputError
 from weftex.exemplar import Exemplar
 from weftex.method import Method
@@ -68,7 +68,7 @@ def resolved_method(method: Any, exemplar: Exemplar, init: str) -> Any:
     """Return the method with `window_width`, `init` and `seed_scale` resolved for a sample."""
     width, scale = window_width(method, exemplar), method.seed_scale
     if init == "seeds" and scale is None:
-        scale = dominant_scale(exemplar).scale
+        scale = structure_scale(exemplar).scale
     return dataclasses.replace(method, window_width=width, init=init, seed_scale=scale)
 
 
@@ -79,7 +79,7 @@ def window_width(method: Any, exemplar: Exemplar) -> int:
     """
     if method.window_width:
         return width_for(method.window_width, exemplar, 1)
-    proposed, widest = dominant_scale(exemplar).window_width, min(exemplar.shape)
+    proposed, widest = structure_scale(exemplar).window_width, min(exemplar.shape)
     if method.search == "coherent":
         proposed, widest = max(_NARROWEST_PYRAMID, proposed), 2 * _LARGEST_REACH + 1
     width = width_for(None, exemplar, proposed)
@@ -108,7 +108,7 @@ def seed_spacing(method: Any, exemplar: Exemplar, *, by_canvas: bool) -> float:
     """
     scale = method.seed_scale
     if scale is None:
-        scale = dominant_scale(exemplar).scale if by_canvas else 1.0
+        scale = structure_scale(exemplar).scale if by_canvas else 1.0
     return min(float(scale / method.seed_density), _FARTHEST)
 
 

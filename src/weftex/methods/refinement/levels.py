@@ -36,40 +36,46 @@ class Level:
     pixels: NDArray[np.uint8]
     usable: NDArray[np.uint8]  # (H', W'): 1 where a window may be centered
     # (H', W'): flat index of each pixel's source in the sample, -1 for none
-    places: NDArray[np.int32]
-    # (H * W,): flat index into `pixels` of each pixel of the sample, within its borders
-    index: NDArray[np.int32]
-    # (H, W): flat index into `pixels` of the usable pixel nearest to each
-    nearest: NDArray[np.int32]
+    sample_index: NDArray[np.int32]
+    # (H, W): flat index into `pixels` of each pixel of the sample, within its borders
+    padded_index: NDArray[np.int32]
     reach: int  # pixels from the center of a window to its side
 
     @cached_property
     def centers(self) -> NDArray[np.int32]:
         """Flat indices into `pixels` where a window may be centered, once for each place."""
         flat = np.flatnonzero(self.usable).astype(np.int32)
-        once: NDArray[np.int32] = flat[self.index[self.places.ravel()[flat]] == flat]
+        own = self.padded_index.ravel()[self.sample_index.ravel()[flat]]
+        once: NDArray[np.int32] = flat[own == flat]
         return once
+
+    @cached_property
+    def nearest_center(self) -> NDArray[np.int32]:
+        """(H, W): flat index into `pixels` of the center nearest to each pixel of the sample."""
+        may = self.usable.ravel()[self.padded_index]
+        if may.all():
+            return self.padded_index
+        result: NDArray[np.int32] = self.padded_index.ravel()[nearest_center(may)]
+        return result
 
     def may_center(self, y: NDArray[np.integer], x: NDArray[np.integer]) -> NDArray[np.bool_]:
         """Whether windows may be centered on pixels of the sample."""
-        result: NDArray[np.bool_] = (
-            self.usable.ravel()[self.index[y * self.nearest.shape[1] + x]] > 0
-        )
+        result: NDArray[np.bool_] = self.usable.ravel()[self.padded_index[y, x]] > 0
         return result
 
     def at(self, y: NDArray[np.integer], x: NDArray[np.integer]) -> NDArray[np.int32]:
-        """Flat indices into `pixels` of the usable places nearest to some of the sample."""
-        height, width = self.nearest.shape
+        """Return padded indices of the centers nearest to pixels of the sample."""
+        height, width = self.padded_index.shape
         if self.tileable:
             y, x = y % height, x % width
         else:
             y, x = y.clip(0, height - 1), x.clip(0, width - 1)
-        result: NDArray[np.int32] = self.nearest[y, x]
+        result: NDArray[np.int32] = self.nearest_center[y, x]
         return result
 
 
 @dataclass(frozen=True, eq=False)
-class Layout:
+class StackLayout:
     """A level of a Gaussian stack as one picture, so that windows are contiguous in memory.
 
     The phases of level `number` lie one below the other; level 0 is the finest.
@@ -93,21 +99,21 @@ class Layout:
         return self._below(phases, "wrap" if self.tileable else "symmetric")
 
     @cached_property
-    def places(self) -> NDArray[np.int32]:
+    def sample_index(self) -> NDArray[np.int32]:
         """Flat index of the pixel of the sample that each shows; -1 for none and for a mirrored."""
         every = np.arange(1, self.shape[0] * self.shape[1] + 1, dtype=np.int32)
         result: NDArray[np.int32] = self._margins(every, self.tileable) - 1
         return result
 
     @cached_property
-    def index(self) -> NDArray[np.int32]:
+    def padded_index(self) -> NDArray[np.int32]:
         """The flat index of each pixel of the sample in the arrangement, never in a margin."""
         every = np.arange(1, self.shape[0] * self.shape[1] + 1, dtype=np.int32)
         inside = self._margins(every, False).ravel()
         flat = np.flatnonzero(inside).astype(np.int32)
         result = np.empty(len(flat), np.int32)
         result[inside[flat] - 1] = flat
-        return result
+        return result.reshape(self.shape)
 
     def usable(self, masks: list[NDArray[np.bool_]]) -> NDArray[np.uint8]:
         """1 where a window may be centered, given the phases of the mask."""
@@ -139,7 +145,7 @@ class Layout:
 class CoherentLevel(Level):
     """A level of the Gaussian stack, for the coherent search."""
 
-    layout: Layout  # where the phases lie in `pixels`
+    layout: StackLayout  # where the phases lie in `pixels`
     # (H * W, k): the pixels of the sample most similar to each, -1 for none
     similar: NDArray[np.int32]
     # (H * W,): number of each pixel's cell; cells measure how evenly the sample is used
@@ -148,7 +154,7 @@ class CoherentLevel(Level):
     @cached_property
     def centers_in_cells(self) -> NDArray[np.int64]:
         """How many of the centers lie in each cell."""
-        own = self.cells[self.places.ravel()[self.centers]]
+        own = self.cells[self.sample_index.ravel()[self.centers]]
         return np.bincount(own, minlength=int(self.cells.max()) + 1)
 
 
@@ -207,16 +213,15 @@ def _nearest_level(exemplar: Exemplar, reach: int) -> NearestLevel:
     """One resolution, and windows as large as they are."""
     windows = windows_of(exemplar, (reach,) * 4)
     every = np.arange(windows.usable.size, dtype=np.int32)
-    places = windows.to_sample(every).reshape(windows.usable.shape)
-    index = windows.from_sample(every[: exemplar.shape[0] * exemplar.shape[1]])
+    sample_index = windows.to_sample(every).reshape(windows.usable.shape)
+    padded_index = windows.from_sample(every[: exemplar.shape[0] * exemplar.shape[1]])
     return NearestLevel(
         pyramid=windows,  # seed points lie where windows are whole
         tileable=exemplar.tileable,
         pixels=windows.pixels,
         usable=windows.usable,
-        places=places,
-        index=index,
-        nearest=_nearest(windows.usable, index, exemplar.shape),
+        sample_index=sample_index,
+        padded_index=padded_index.reshape(exemplar.shape),
         reach=reach,
         search=nearest_search(windows, reach),
     )
@@ -246,17 +251,15 @@ def _pyramid_levels(method: Any, exemplar: Exemplar, reach: int, count: int) -> 
         # and wide windows would draw these straight instead. A belt is refined on one level only.
         fine = number == 0 and count > 1 and not method.joints
         own_reach = min(reach, _FINE_REACH) if fine else reach
-        layout = Layout(exemplar.shape, number, own_reach, exemplar.tileable)
-        usable = layout.usable(masks[number])
+        layout = StackLayout(exemplar.shape, number, own_reach, exemplar.tileable)
         levels.append(
             CoherentLevel(
                 pyramid=windows_of(samples[number], (0,) * 4, pictures[number][0]),
                 tileable=layout.tileable,
                 pixels=layout.arranged(pictures[number]),
-                usable=usable,
-                places=layout.places,
-                index=layout.index,
-                nearest=_nearest(usable, layout.index, layout.shape),
+                usable=layout.usable(masks[number]),
+                sample_index=layout.sample_index,
+                padded_index=layout.padded_index,
                 reach=layout.reach,
                 layout=layout,
                 similar=like,
@@ -271,14 +274,3 @@ def _cells(shape: tuple[int, int], side: int) -> NDArray[np.int32]:
     down, along = (np.arange(n, dtype=np.int32) // np.int32(side) for n in shape)
     cells: NDArray[np.int32] = np.add.outer(down * np.int32(shape[1] // side + 1), along).ravel()
     return cells
-
-
-def _nearest(
-    usable: NDArray[np.uint8], index: NDArray[np.int32], shape: tuple[int, int]
-) -> NDArray[np.int32]:
-    """See `Level.nearest`; `index` is where each pixel of the sample lies in the layout."""
-    may = usable.ravel()[index].reshape(shape)
-    if may.all():
-        return index.reshape(shape)
-    result: NDArray[np.int32] = index[nearest_center(may)]
-    return result

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from weftex.methods.pixels import Growth
 from weftex.methods.refinement.levels import ONE, CoherentLevel, Level, Prepared
 from weftex.raster.pyramids import gaussian_pyramid, gaussian_stack, mask_pyramid
+from weftex.search.picture_kernels import Picture
 from weftex.search.windows import Windows
 
 _KIND_BITS = 6  # lower bits of a guide's bytes that do not make another kind of place
@@ -38,10 +39,14 @@ class Output:
 
     def begin(self, level: Level, source: NDArray[np.int32]) -> None:
         """Show the sources of the pixels that are to be made; -1 leaves one to be made later."""
-        made = self.wanted & (source >= 0)
-        self.pixels[made] = level.pixels.reshape(-1, self.pixels.shape[2])[source[made]]
+        shown = self.wanted & (source >= 0)
+        self.pixels[shown] = level.pixels.reshape(-1, self.pixels.shape[2])[source[shown]]
         self.source[self.wanted] = source[self.wanted]
-        self.done[made] = 1
+        self.done[shown] = 1
+
+    def picture(self, wrap: tuple[bool, bool]) -> Picture:
+        """Return the output as kernels take it."""
+        return Picture(self.pixels, self.done, self.source, wrap)
 
 
 @dataclass(frozen=True, eq=False)
@@ -136,20 +141,15 @@ def sources_of_children(
     """Return (H, W) source of each pixel of a level: the one that continues its parent's."""
     step = 2 ** (coarser.number - 1)
     y, x = np.ogrid[: shape[0], : shape[1]]
-    parents = coarser_level.places.ravel()[coarser.source[y // 2, x // 2]]
-    v, u = np.divmod(parents, level.nearest.shape[1])
+    parents = coarser_level.sample_index.ravel()[coarser.source[y // 2, x // 2]]
+    v, u = np.divmod(parents, level.padded_index.shape[1])
     return level.at(v + y % 2 * step, u + x % 2 * step)
-
-
-def show_coarse(output: Output, growth: Growth) -> None:
-    """Let the preview show a coarse level; it shows the finest by itself."""
-    growth.coarse = (output.pixels, 2**output.number) if output.number else None
 
 
 def finish(output: Output, level: Level, windows: Windows, growth: Growth) -> None:
     """Hand the sources of the finest level over."""
-    places = level.places.ravel()[output.source[output.wanted]]
-    growth.source[output.wanted] = windows.from_sample(places)
+    index = level.sample_index.ravel()[output.source[output.wanted]]
+    growth.source[output.wanted] = windows.from_sample(index)
 
 
 def _every(rows: NDArray[np.int32], number: int) -> NDArray[np.int32]:

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import dataclasses
-import math
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from weftex.analysis.canvas_lattice import Around, four_numbers, is_sure
-from weftex.analysis.scale import dominant_scale
+from weftex.analysis.canvas_lattice import Around, four_numbers
+from weftex.analysis.scale import sure_lattice
 from weftex.canvas import Canvas
 from weftex.endless.boxes import Box, PlaneRequest
 from weftex.errors import InvalidInputError
@@ -19,7 +18,13 @@ from weftex.method import Model
 from weftex.methods.lattices import is_strained
 from weftex.methods.pixels import Growth
 from weftex.methods.refinement.levels import ONE, Prepared
-from weftex.methods.refinement.output import NO_GUIDE, Guide, Output
+from weftex.methods.refinement.output import (
+    NO_GUIDE,
+    Guide,
+    Output,
+    sources_of_children,
+    sources_shown,
+)
 from weftex.naming import method_of, text_of
 from weftex.random import draw
 from weftex.raster.masks import grown
@@ -27,8 +32,30 @@ from weftex.registry import METHODS
 from weftex.search.windows import Windows
 
 
+def start_sources(
+    prepared: Prepared,
+    outputs: list[Output],
+    number: int,
+    guide: Guide,
+    start_map: NDArray[np.int32] | None,
+    seed: int,
+) -> NDArray[np.int32]:
+    """Return the sources (H, W) that refinement of a level begins with; -1 for none.
+
+    The coarsest level shows the start's source map or, without, seed points: the paper's step 3.
+    Each finer one continues the next coarser.
+    """
+    level, output = prepared.levels[number], outputs[number]
+    if number + 1 < len(outputs):
+        coarser = outputs[number + 1], prepared.levels[number + 1]
+        return sources_of_children(*coarser, output.known.shape, level)
+    if start_map is not None:
+        return sources_shown(start_map, number, level)
+    return seed_sources(prepared, output, guide, seed)
+
+
 def seed_sources(prepared: Prepared, output: Output, guide: Guide, seed: int) -> NDArray[np.int32]:
-    """Return sources for a grid of seed points of an output, -1 elsewhere."""
+    """Return sources for a grid of seed points of an output (PlantSeed, Fig. 5), -1 elsewhere."""
     level, step = prepared.levels[output.number], 2**output.number
     pyramid, matches = level.pyramid, prepared.method.matches
     spacing = max(1, round(prepared.seed_spacing / step))
@@ -137,10 +164,8 @@ def fitted_starts(method: Any, exemplar: Exemplar) -> dict[str, Model]:
 
 def _by_lattice(exemplar: Exemplar) -> list[str]:
     """Near-regular synthesis with the sample's lattice, if that is sure."""
-    lattice = dominant_scale(exemplar).lattice
-    mask = exemplar.mask
-    pixels = math.prod(exemplar.shape) if mask is None else int(np.count_nonzero(mask))
-    if lattice is None or not is_sure(lattice, pixels):
+    lattice = sure_lattice(exemplar)
+    if lattice is None:
         return []
     return [text_of(METHODS["near-regular"](lattice=four_numbers(lattice)))]
 

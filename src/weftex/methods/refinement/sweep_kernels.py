@@ -11,28 +11,32 @@ from cython.cimports.weftex.search.picture_kernels import (
     coherent_places,
     known_runs,
 )
-from cython.cimports.weftex.search.window_kernels import gather_runs, run_distance
+from cython.cimports.weftex.search.window_kernels import copy_pixel, gather_runs, run_distance
 
 _MOST_EXCESS = cython.declare(cython.longlong, 16384)  # in 1/256
 
 
 @cython.cclass
 class Sources:
-    """The places of a sample's level: how they are numbered, and the cost of taking one."""
+    """The pixels of a sample's level, and the cost of taking one.
+
+    A padded index is into the level's picture with its margins, a sample index into the sample.
+    """
 
     reach: cython.Py_ssize_t  # of a window
-    places: cython.const[cython.int][::1]  # numbers of the padded pixels, see `Level`
-    index: cython.const[cython.int][::1]
-    similar: cython.const[cython.int][:, ::1]  # the places most like each place
+    sample_index: cython.const[cython.int][::1]  # of each padded pixel
+    padded_index: cython.const[cython.int][::1]  # of each pixel of the sample
+    similar: cython.const[cython.int][:, ::1]  # sample indices of the pixels most like each
     margin: cython.longlong  # factor of their distances in 1/256
-    cells: cython.const[cython.int][::1]  # of each place
+    cells: cython.const[cython.int][::1]  # of each pixel of the sample
     used: cython.int[::1]  # how often each cell is used
     capacity: cython.const[cython.int][::1]  # and may be
     weight: cython.longlong  # of using one too often
 
     def __init__(self, level, margin, usage):
-        self.reach, self.places, self.index = level.reach, level.places.ravel(), level.index
-        self.similar, self.margin = level.similar, margin
+        self.reach, self.similar, self.margin = level.reach, level.similar, margin
+        self.sample_index = level.sample_index.ravel()
+        self.padded_index = level.padded_index.ravel()
         self.cells, self.used, self.capacity, self.weight = usage
 
 
@@ -59,15 +63,11 @@ def take(
     place: cython.Py_ssize_t,
 ) -> cython.bint:  # fmt: skip
     """Give a pixel its place in the sample; return whether it changed."""
-    cython.declare(k=cython.Py_ssize_t)
-    columns: cython.Py_ssize_t = sample.pixels.shape[1]
+    changed: cython.bint = picture.source[y, x] != place
     picture.done[y, x] = 1
-    if picture.source[y, x] == place:
-        return False
-    picture.source[y, x] = cython.cast(cython.int, place)
-    for k in range(picture.pixels.shape[2]):
-        picture.pixels[y, x, k] = sample.pixels[place // columns, place % columns, k]
-    return True
+    if changed:
+        copy_pixel(sample.pixels, place, picture.pixels, picture.source, y, x)
+    return changed
 
 
 @cython.cfunc
@@ -121,40 +121,40 @@ def guide_distance(
 @cython.nogil
 @cython.exceptval(check=False)
 def gather_coherent(
-    picture: Picture, sample: Sample, query: Query, places: cython.int[::1],
+    picture: Picture, sample: Sample, query: Query, candidates: cython.int[::1],
     y: cython.Py_ssize_t, x: cython.Py_ssize_t, reach: cython.Py_ssize_t,
 ) -> cython.Py_ssize_t:  # fmt: skip
     """List a pixel's own place, then the coherent ones; return their number, -1 for none usable."""
     beside: cython.Py_ssize_t = 1 if reach > 0 else 0  # see `coherent_places`
     columns: cython.Py_ssize_t = sample.pixels.shape[1]
     own: cython.Py_ssize_t = picture.source[y, x]
-    places[0] = -1
+    candidates[0] = -1
     if own >= 0 and sample.usable[own // columns, own % columns]:
-        places[0] = cython.cast(cython.int, own)
+        candidates[0] = cython.cast(cython.int, own)
     query.count = known_runs(picture.done, y, x, picture.wrap_y, picture.wrap_x, beside, query.runs)
-    return coherent_places(picture, sample, y, x, query, places, 1)
+    return coherent_places(picture, sample, y, x, query, candidates, 1)
 
 
 @cython.cfunc
 @cython.nogil
 @cython.exceptval(check=False)
 def gather_similar(
-    sample: Sample, sources: Sources, places: cython.int[::1], coherent: cython.Py_ssize_t
+    sample: Sample, sources: Sources, candidates: cython.int[::1], coherent: cython.Py_ssize_t
 ) -> cython.Py_ssize_t:
-    """List the usable places most like the coherent ones after them; return their number in all."""
+    """List the usable pixels most like the coherent ones after them; return the number of all."""
     cython.declare(i=cython.Py_ssize_t, k=cython.Py_ssize_t, place=cython.Py_ssize_t)
     columns: cython.Py_ssize_t = sample.pixels.shape[1]
     count: cython.Py_ssize_t = coherent
     for i in range(coherent):
-        if places[i] < 0:
+        if candidates[i] < 0:
             continue
         for k in range(sources.similar.shape[1]):
-            place = sources.similar[sources.places[places[i]], k]
+            place = sources.similar[sources.sample_index[candidates[i]], k]
             if place < 0:
                 continue
-            place = sources.index[place]
+            place = sources.padded_index[place]
             if sample.usable[place // columns, place % columns]:
-                places[count] = cython.cast(cython.int, place)
+                candidates[count] = cython.cast(cython.int, place)
                 count += 1
     return count
 
@@ -173,7 +173,7 @@ def look(
 
 def refine_coherently(
     picture: Picture, sample: Sample, sources: Sources, guide: GuidePair, query: Query,
-    places: cython.int[::1], order: cython.const[cython.int][::1],
+    candidates: cython.int[::1], order: cython.const[cython.int][::1],
     tried: cython.const[cython.int][::1],
 ):  # fmt: skip
     """Give each pixel in `order` its best candidate; return how many pixels changed.
@@ -196,15 +196,15 @@ def refine_coherently(
             y = order[p] // width
             x = order[p] % width
             own = picture.source[y, x]
-            coherent = gather_coherent(picture, sample, query, places, y, x, reach)
-            count = gather_similar(sample, sources, places, coherent)
+            coherent = gather_coherent(picture, sample, query, candidates, y, x, reach)
+            count = gather_similar(sample, sources, candidates, coherent)
             look(picture, query, y, x, reach)
             if guide.weight > 0:
                 gather_guide(picture, guide, y, x, reach)
             best = -1
             least = -1
             for i in range(count + tried.shape[0]):
-                place = places[i] if i < count else tried[i - count]
+                place = candidates[i] if i < count else tried[i - count]
                 if place < 0:
                     continue
                 v = place // columns
@@ -214,7 +214,7 @@ def refine_coherently(
                     apart = guide_distance(guide, y, x, v, u, least)
                     if best >= 0 and apart >= least:
                         continue
-                factor = excess(sources, sources.cells[sources.places[place]])
+                factor = excess(sources, sources.cells[sources.sample_index[place]])
                 if i >= coherent:
                     factor = factor * sources.margin // 256
                 distance = run_distance(
@@ -227,16 +227,16 @@ def refine_coherently(
             if best < 0:
                 continue
             if own >= 0:
-                sources.used[sources.cells[sources.places[own]]] -= 1
-            sources.used[sources.cells[sources.places[best]]] += 1
-            best = sources.index[sources.places[best]]
+                sources.used[sources.cells[sources.sample_index[own]]] -= 1
+            sources.used[sources.cells[sources.sample_index[best]]] += 1
+            best = sources.padded_index[sources.sample_index[best]]
             changed += take(picture, sample, y, x, best)
     return changed
 
 
 def refine_to_nearest(
     picture: Picture, sample: Sample, whole: NearestWindows, above: NearestWindows, query: Query,
-    places: cython.int[::1], order: cython.const[cython.int][::1],
+    candidates: cython.int[::1], order: cython.const[cython.int][::1],
 ):  # fmt: skip
     """Give each pixel in `order` the nearest of all windows; return how many changed."""
     cython.declare(p=cython.Py_ssize_t, y=cython.Py_ssize_t, x=cython.Py_ssize_t)
@@ -247,8 +247,8 @@ def refine_to_nearest(
         for p in range(order.shape[0]):
             y = order[p] // width
             x = order[p] % width
-            near = gather_coherent(picture, sample, query, places, y, x, whole.reach)
+            near = gather_coherent(picture, sample, query, candidates, y, x, whole.reach)
             look(picture, query, y, x, whole.reach)
-            place = nearest_window(whole, above, query, places, near)
+            place = nearest_window(whole, above, query, candidates, near)
             changed += take(picture, sample, y, x, place)
     return changed

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Protocol
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -12,10 +10,10 @@ from weftex.methods.refinement.levels import ONE, CoherentLevel, Level, NearestL
 from weftex.methods.refinement.output import Guide, Output
 from weftex.progress import Progress
 from weftex.random import draw
-from weftex.search.picture_kernels import Picture, Sample
+from weftex.search.picture_kernels import Sample
 from weftex.search.windows import new_query
 
-#: The cell of each place, how often each cell is used, how often it may be, and the weight.
+#: The cell of each pixel of the sample, how often cells are used and may be, and the weight.
 Usage = tuple[NDArray[np.int32], NDArray[np.int32], NDArray[np.int32], int]
 
 _TRIED_IN_ALL = 2**23  # comparisons of the first sweep with places of the whole sample
@@ -25,33 +23,25 @@ _ROOM = 2  # a part of the sample may be used so many times as often as all othe
 #: How many times better a similar place must match than a coherent one: 1 breaks grain into tiny
 #: pieces, 4 changes the start little.
 _MARGIN = 2 * ONE
-_BESIDE = 10  # a pixel's own place, where its eight neighbors' go on, and one for none
+_BESIDE = 10  # a pixel's own source, where 8 neighbors' sources continue, and -1
 
 
-class Sweep(Protocol):
-    """Refines an output at one level, line by line."""
-
-    def lines(self, iteration: int) -> list[NDArray[np.int32]]:
-        """Flat indices of the wanted pixels in the order of an iteration."""
-
-    def refine(self, line: NDArray[np.int32], iteration: int) -> int:
-        """Refine the pixels of a line; return how many changed."""
-
-
-def sweep_of(prepared: Prepared, output: Output, guide: Guide, seed: int, cyclic: bool) -> Sweep:
+def sweep_of(
+    prepared: Prepared, output: Output, guide: Guide, seed: int, cyclic: bool
+) -> CoherentSweep | NearestSweep:
     """Return the sweep of the search that the level was prepared for.
 
-    `cyclic` sweeps from all four sides, for a hole. `seed` is for `weftex.random.draw`.
+    `NearestSweep` is the paper's. `cyclic` sweeps from all four sides, for a hole. `seed` is for
+    `weftex.random.draw`.
     """
     level = prepared.levels[output.number]
     if isinstance(level, NearestLevel):
         return NearestSweep(level, output, cyclic)
-    if isinstance(level, CoherentLevel):
-        return CoherentSweep(prepared, level, output, guide, seed, cyclic)
-    raise TypeError(f"no sweep for {type(level).__name__}")
+    assert isinstance(level, CoherentLevel)
+    return CoherentSweep(prepared, level, output, guide, seed, cyclic)
 
 
-def refine_texture(sweep: Sweep, iteration: int, progress: Progress) -> int:
+def refine_texture(sweep: CoherentSweep | NearestSweep, iteration: int, progress: Progress) -> int:
     """Refine all wanted pixels once (RefineTexture, section 3); return how many changed."""
     changed = 0
     for line in sweep.lines(iteration):
@@ -88,7 +78,7 @@ class CoherentSweep:
         usage = _usage_on(level, output, guide, evenness)
         everywhere = np.ones(guide.output.shape[:2], np.uint8)
         self._bundles = (
-            _picture(output, output.wrap),
+            output.picture(output.wrap),
             _sample(level),
             kernels.Sources(level, _MARGIN, usage),
             kernels.GuidePair(guide, everywhere, new_query(level.reach, guide.output.shape[2])),
@@ -97,7 +87,7 @@ class CoherentSweep:
         )
 
     def lines(self, iteration: int) -> list[NDArray[np.int32]]:
-        """The scans of a sweep: in alternating directions, or from all four sides."""
+        """Return flat indices of pixels in alternating directions, or from all four sides."""
         if self._cyclic:
             return cyclic_lines(self._rows, iteration, self._output_shape)
         if iteration % 2:
@@ -105,7 +95,7 @@ class CoherentSweep:
         return self._rows
 
     def refine(self, line: NDArray[np.int32], iteration: int) -> int:
-        """See `Sweep.refine`."""
+        """Refine the pixels of a line; return how many changed."""
         tried = self._tried(int(line[0]), self._tried_count if iteration == 0 else 0)
         return int(kernels.refine_coherently(*self._bundles, line, tried))
 
@@ -125,10 +115,8 @@ class NearestSweep:
         self._rows, self._output_shape = rows_of(output.wanted), output.known.shape
         self._cyclic = cyclic
         # From the second iteration neighborhoods are full, around the borders (section 3).
-        self._outputs = [
-            _picture(output, wrap)
-            for wrap in (output.wrap, output.wrap if cyclic else (True, True))
-        ]
+        later = output.wrap if cyclic else (True, True)
+        self._outputs = [output.picture(wrap) for wrap in (output.wrap, later)]
         self._bundles = (
             _sample(level),
             *level.search.bundles(),
@@ -137,13 +125,13 @@ class NearestSweep:
         )
 
     def lines(self, iteration: int) -> list[NDArray[np.int32]]:
-        """In scan order, or a hole from all four sides (Fig. 12)."""
+        """Return flat indices of pixels in scan order, or a hole's from all sides (Fig. 12)."""
         return (
             cyclic_lines(self._rows, iteration, self._output_shape) if self._cyclic else self._rows
         )
 
     def refine(self, line: NDArray[np.int32], iteration: int) -> int:
-        """See `Sweep.refine`; what is unknown in the first iteration is masked out."""
+        """Refine the pixels of a line; what is unknown in the first iteration is masked out."""
         output = self._outputs[min(iteration, 1)]
         return int(kernels.refine_to_nearest(output, *self._bundles, line))
 
@@ -188,10 +176,6 @@ class Convergence:
         return iteration + 1 >= self._at_least and total / output.count < self._threshold
 
 
-def _picture(output: Output, wrap: tuple[bool, bool]) -> Picture:
-    return Picture(output.pixels, output.done, output.source, wrap)
-
-
 def _sample(level: Level) -> Sample:
     """The sample at a level, without a period: the pixels beyond a border that tiles are there."""
     return Sample(level.pixels, level.usable, np.zeros(4, np.int32))
@@ -199,17 +183,17 @@ def _sample(level: Level) -> Sample:
 
 def _usage_on(level: CoherentLevel, output: Output, guide: Guide, weight: int) -> Usage:
     """How often each cell of the sample is used by the start, and may be."""
-    places = level.places.ravel()
-    made = places[output.source[output.wanted & (output.done > 0)]]
+    sample_index = level.sample_index.ravel()
+    shown = sample_index[output.source[output.wanted & (output.done > 0)]]
     if guide.weight:
         least = max(ONE >> 2 * output.number, 1)
         demand = guide.demand(output.wanted, level.centers, least)
-        cells = level.cells[places[level.centers]]
+        cells = level.cells[sample_index[level.centers]]
         room = _ROOM * np.bincount(cells, demand, len(level.centers_in_cells)) // ONE
     else:  # as often as all others, or once: on a coarse level for all that a pixel stands for
         count = max(output.count, len(level.centers) >> 2 * output.number)
         room = _ROOM * level.centers_in_cells * count // len(level.centers)
-    used = np.bincount(level.cells[made], minlength=len(room)).astype(np.int32)
+    used = np.bincount(level.cells[shown], minlength=len(room)).astype(np.int32)
     return level.cells, used, np.maximum(room, 1).astype(np.int32), weight
 
 

@@ -9,24 +9,37 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import ClassVar, Self
 
+import numpy as np
+from numpy.typing import NDArray
+
 from weftex.errors import InvalidInputError
 from weftex.exemplar import Exemplar
 from weftex.methods.pixels import Growth, PixelModel, WindowedMethod
+from weftex.methods.wei_levoy import scan_kernels
 from weftex.methods.wei_levoy.levels import (
     PROPOSED_WIDTH,
+    Level,
     levels_and_widths,
     noise,
     output_pyramid,
     parents_or_noise,
+    too_wide,
     window_width,
 )
-from weftex.methods.wei_levoy.passes import hole_passes, scan_passes
-from weftex.methods.wei_levoy.tsvq import Trees, replace_by_nearest
+from weftex.methods.wei_levoy.tsvq import Trees
 from weftex.parameters import parameter
-from weftex.search.pyramid_windows import sample_pyramid
+from weftex.progress import Progress
+from weftex.random import draw
+from weftex.raster.masks import peeled
+from weftex.search.picture_kernels import Picture
+from weftex.search.pyramid_windows import parent_offsets, sample_pyramid, window_offsets
 from weftex.search.windows import Windows, windows_of
 
 _TREES_WINDOWS = 2**17  # at most, of each level
+_MASKED_FACTOR = 8  # times the leaves: a window known in part says less of where to look
+_CLOSING_PASSES = 2  # over the border of a wrapped picture; after one, at one level, much is left
+_WHOLE_PASSES = 4  # over a hole by whole windows; the paper has one, but more make stones whole
+_LEAST_PIXELS = 64  # in one call of the kernel, where lines are shorter
 
 
 @dataclass(frozen=True)
@@ -122,10 +135,7 @@ class WeiLevoy(WindowedMethod):
         if self.levels == 1:
             raise InvalidInputError("parent_width has no effect unless levels is 2 or more")
         if self.window_width and width >= self.window_width:
-            raise InvalidInputError(
-                f"parent_width is {width}; it must be below window_width, "
-                f"which is {self.window_width}"
-            )
+            raise InvalidInputError(too_wide(width, self.window_width))
 
     def fit_exemplar(self, exemplar: Exemplar) -> PixelModel:
         """Build the pyramid and, for each level, the tree."""
@@ -197,3 +207,81 @@ def synthesize(prepared: Prepared, growth: Growth) -> None:
             # that best matches it": by the SSD of its S x S window, causal in raster scan, and of
             # the N x N window around its parent. The tree makes the search fast.
             replace_by_nearest(level, step, prepared.trees, wrap, progress)
+
+
+@dataclass(frozen=True, eq=False)
+class Pass:
+    """One pass over pixels of a level."""
+
+    places: NDArray[np.int32]  # flat indices of the pixels in their order
+    causal: bool  # L-shaped windows, or such that look to all sides
+    leaves: int  # to look into
+
+
+def scan_passes(
+    shape: tuple[int, ...], wrap: tuple[bool, bool], reach: int, leaves: int, further: int
+) -> list[Pass]:
+    """Return the passes over a level without known pixels; `wrap` is the canvas's.
+
+    The first is the paper's, in scan order with causal windows. Where the canvas wraps, a second
+    one replaces the border, as the first rows did not depend on the last.
+    """
+    every = np.arange(shape[0] * shape[1], dtype=np.int32)
+    found = [Pass(every, True, leaves)] + [Pass(every, False, leaves)] * further
+    border = np.zeros(shape, bool)
+    for axis in (0, 1):
+        if wrap[axis]:
+            lines = border.swapaxes(0, axis)
+            lines[:reach] = lines[max(len(lines) - reach, 0) :] = True
+    if border.any():
+        around = np.flatnonzero(border).astype(np.int32)
+        found += [Pass(around, False, leaves)] * _CLOSING_PASSES
+    return found
+
+
+def hole_passes(
+    unknown: NDArray[np.bool_], wrap: tuple[bool, bool], seed: int, leaves: int, further: int
+) -> list[Pass]:
+    """Return the passes of constrained synthesis: by known pixels, then by whole windows."""
+    places = inwards(unknown, wrap, seed)
+    first = Pass(places, False, leaves * _MASKED_FACTOR)
+    return [first] + [Pass(places, False, leaves)] * (_WHOLE_PASSES + further)
+
+
+def inwards(unknown: NDArray[np.bool_], wrap: tuple[bool, bool], seed: int) -> NDArray[np.int32]:
+    """Return flat indices of unknown pixels in layers from the border inward.
+
+    Neighbors of a layer follow each other in lines from a random corner, so that they continue
+    coherently.
+    """
+    layers = [np.empty(0, np.int32)]
+    for number, places in enumerate(peeled(unknown, wrap), 1):
+        bits = int(draw(seed, "wei-levoy order", number))
+        y, x = np.divmod(places, unknown.shape[1])
+        keys = [y * (1 - 2 * (bits & 1)), x * (1 - (bits & 2))]
+        layers.append(places[np.lexsort(keys[:: 1 - 2 * (bits >> 2 & 1)])])
+    return np.concatenate(layers)
+
+
+def replace_by_nearest(
+    level: Level, step: Pass, trees: Trees, wrap: tuple[bool, bool], progress: Progress
+) -> None:
+    """Replace the pixels of a pass in turn, each by the sample's pixel with the nearest window."""
+    if trees.window_width == 1:  # such a window sees nothing, and the noise stays
+        progress.advance(len(step.places))
+        return
+    tree = trees.of(level.number, causal=step.causal)
+    own = window_offsets(trees.window_width, step.causal)
+    parents = parent_offsets(trees.parent_widths[level.number])
+    spans = np.empty((len(own) + len(parents), 2), np.int32)
+    leaves = min(step.leaves, len(tree.places))
+    here, above = (
+        Picture(part.pixels, part.done, part.source, wrap)
+        for part in (level, level.coarser or level)
+    )
+    sample, bundle = level.sample.pixels, tree.bundle(spans)
+    line = max(level.pixels.shape[1], _LEAST_PIXELS)
+    for start in range(0, len(step.places), line):
+        places = step.places[start : start + line]
+        scan_kernels.replace_pixels(here, above, sample, own, parents, places, bundle, leaves)
+        progress.advance(len(places))

@@ -26,7 +26,7 @@ def levels_and_widths(
     width = window_width(exemplar, given_width)
     parent_width = max(1, width - 2) if given_parent_width is None else given_parent_width
     if parent_width >= max(width, 2):
-        raise InvalidInputError(_too_wide(parent_width, width))
+        raise InvalidInputError(too_wide(parent_width, width))
     samples = sample_pyramid(exemplar, given or _PROPOSED_LEVELS)
     levels = _levels_with_windows(samples, width, parent_width)
     if given is None:
@@ -45,7 +45,7 @@ def levels_and_widths(
             )
         parent_width = 0
     elif parent_width >= width:
-        raise InvalidInputError(_too_wide(parent_width, width))
+        raise InvalidInputError(too_wide(parent_width, width))
     return levels, width, parent_width
 
 
@@ -56,7 +56,8 @@ def window_width(exemplar: Exemplar, given: int | None) -> int:
     return width
 
 
-def _too_wide(parent_width: int, width: int) -> str:
+def too_wide(parent_width: int, width: int) -> str:
+    """Return what is wrong with windows at the parents that are as wide as the others."""
     return f"parent_width is {parent_width}; it must be below window_width, which is {width}"
 
 

@@ -18,13 +18,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from weftex.exemplar import Exemplar
-from weftex.methods.wei_levoy import scan_kernels
 from weftex.methods.wei_levoy import tsvq_kernels as kernels
-from weftex.methods.wei_levoy.levels import Level
-from weftex.methods.wei_levoy.passes import Pass
-from weftex.progress import Progress, counted
-from weftex.search.picture_kernels import Picture
-from weftex.search.pyramid_windows import parent_offsets, window_offsets, window_vectors
+from weftex.progress import counted
+from weftex.search.pyramid_windows import window_vectors
 
 #: Leaves of a tree without a given size hold at most so many vectors, unless these are all equal.
 LEAF_VECTORS = 32
@@ -94,9 +90,6 @@ def _splits(count: int) -> float:
     return count * math.log2(max(1.0, count / LEAF_VECTORS))
 
 
-_LEAST_PIXELS = 64  # in one call of the kernel, where lines are shorter
-
-
 class Trees:
     """The trees of a sample's levels; those of windows to all sides are built at first use."""
 
@@ -128,27 +121,3 @@ class Trees:
             )
             self._built[level, causal] = build_tsvq(vectors, places, self._tree_size)
         return self._built[level, causal]
-
-
-def replace_by_nearest(
-    level: Level, step: Pass, trees: Trees, wrap: tuple[bool, bool], progress: Progress
-) -> None:
-    """Replace the pixels of a pass in turn, each by the sample's pixel with the nearest window."""
-    if trees.window_width == 1:  # such a window sees nothing, and the noise stays
-        progress.advance(len(step.places))
-        return
-    tree = trees.of(level.number, causal=step.causal)
-    own = window_offsets(trees.window_width, step.causal)
-    parents = parent_offsets(trees.parent_widths[level.number])
-    spans = np.empty((len(own) + len(parents), 2), np.int32)
-    leaves = min(step.leaves, len(tree.places))
-    here, above = (
-        Picture(part.pixels, part.done, part.source, wrap)
-        for part in (level, level.coarser or level)
-    )
-    sample, bundle = level.sample.pixels, tree.bundle(spans)
-    line = max(level.pixels.shape[1], _LEAST_PIXELS)
-    for start in range(0, len(step.places), line):
-        places = step.places[start : start + line]
-        scan_kernels.replace_pixels(here, above, sample, own, parents, places, bundle, leaves)
-        progress.advance(len(places))

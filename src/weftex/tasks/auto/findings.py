@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from weftex.analysis.lattice import Lattice, find_lattice
 from weftex.analysis.properties import Evenness, evenness, sidedness
 from weftex.analysis.relief import LOOK, maps_alone, smaller_copy
-from weftex.analysis.scale import dominant_scale
+from weftex.analysis.scale import structure_scale
 from weftex.exemplar import Exemplar
 from weftex.progress import counted
 
@@ -47,7 +47,7 @@ def look(exemplar: Exemplar) -> Findings:
     with counted(4, "analysis") as advance:
         lattice = find_lattice(small)
         advance(1)
-        scale = dominant_scale(small, lattice).scale
+        scale = structure_scale(small, lattice).scale
         advance(1)
         if step > 1:
             maps = maps_alone(exemplar)

@@ -18,7 +18,7 @@ from weftex.analysis.lattice import Lattice, find_lattice
 from weftex.analysis.overlay import courses
 from weftex.analysis.properties import FORMS
 from weftex.analysis.relief import LOOK, smaller_copy
-from weftex.analysis.scale import dominant_scale
+from weftex.analysis.scale import structure_scale
 from weftex.canvas import Canvas
 from weftex.exemplar import Exemplar
 from weftex.tasks.auto.findings import SMALLEST_ANALYZED, Findings
@@ -195,7 +195,7 @@ def choose_for_hole(exemplar: Exemplar, canvas: Canvas) -> Choice:
         small, step = smaller_copy(exemplar, LOOK)
         if min(small.shape) >= SMALLEST_ANALYZED:
             lattice = find_lattice(small)
-            scale = dominant_scale(small).scale
+            scale = structure_scale(small).scale
             irregular = lattice is None and scale > _FINE * min(small.shape)
             irregular &= _is_small(exemplar.shape)
     if irregular:
