@@ -26,12 +26,8 @@ def odd_case(rng):
     """A sample from a pixel on, an output, a window from a pixel on, and any seed."""
     exemplar = weftex.Exemplar(random_exemplar(rng, *rng.integers(1, 24, 2)).pixels)
     width = int(rng.choice([w for w in (1, 3, 5, 7) if w <= min(exemplar.shape)]))
-    return (
-        exemplar,
-        tuple(rng.integers(1, 14, 2).tolist()),
-        width,
-        int(rng.integers(2**64, dtype="u8")),
-    )
+    size, seed = tuple(rng.integers(1, 14, 2).tolist()), int(rng.integers(2**64, dtype="u8"))
+    return exemplar, size, width, seed
 
 
 @random_cases(40)

@@ -13,7 +13,7 @@ from families import canvas_of, noise, with_guides
 from twins import refinement as reference
 from weftex.analysis.scale import structure_scale
 from weftex.canvas import Canvas
-from weftex.methods.refinement.start import hole_start, plant_seeds, starts_for
+from weftex.methods.refinement.start import hole_start, starts_for
 from weftex.methods.refinement.sweeps import cyclic_lines, rows_of
 
 WRAPS = [(False, False), (False, True), (True, False), (True, True)]
@@ -284,15 +284,3 @@ def test_seed_points_lie_a_scale_apart():
     assert weftex.Refinement().fit(exemplar).method.seed_scale is None
     given = weftex.Refinement(init="seeds", seed_scale=20.0).fit(exemplar)
     assert given.prepared.seed_spacing == 20
-
-
-def test_a_seed_point_of_the_nearest_search_is_the_pixel_that_was_matched(rng):
-    """Windows there are whole, so no tile has a corner nearer to the border of the sample."""
-    exemplar = weftex.Exemplar(noise((40, 44), rng=rng))
-    method = weftex.Refinement(search="nearest", init="seeds", window_width=9, seed_scale=6.0)
-    level = method.fit(exemplar).prepared.levels[0]
-    places, _, _ = plant_seeds(level.pyramid, (60, 60), (False, False), 6, 5, seed=1)
-    taken = level.at(*np.divmod(level.pyramid.to_sample(places), 44))
-    assert np.array_equal(
-        level.pixels.reshape(-1)[taken], exemplar.pixels.ravel()[level.pyramid.to_sample(places)]
-    )

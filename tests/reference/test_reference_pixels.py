@@ -37,11 +37,6 @@ def test_exact_matching(tolerance, structured, seed):
     assert np.array_equal(result.source, (expected.sources - 3) % sample.shape[:2])
 
 
-def test_gray_pictures_stay_gray():
-    made = reference.efros_leung(crop("pebbles", 12, 12)[:, :, 0], 6, 3)
-    assert made.image.shape == (6, 6) and made.sources.shape == (6, 6, 2)
-
-
 def test_errors_name_the_parameter():
     sample = crop("pebbles", 12, 12)
     with pytest.raises(InvalidInputError, match="window is 4; it must be odd and from 1 to 12"):
