@@ -15,9 +15,9 @@ TESTS = Path(__file__).parent
 READ = ("methods", "repeats", "search", "seams")
 #: Lower a ceiling when the code has become smaller; a feature that needs room removes something.
 CEILINGS = {
-    "lines of Python in src": 45_187,
-    "of these code": 31_517,
-    "modules": 268,
+    "lines of Python in src": 45_136,
+    "of these code": 31_452,
+    "modules": 265,
     "kernel classes": 23,
     "names that several kernel classes have": 0,
     "lines of tests": 24_227,
@@ -26,7 +26,7 @@ CEILINGS = {
     "graphcut: files to read": 18,
     "graphcut: lines to read": 3_801,
     "efros-leung: files to read": 8,
-    "efros-leung: lines to read": 1_254,
+    "efros-leung: lines to read": 1_234,
     "near-regular: files to read": 9,
     "near-regular: lines to read": 1_671,
 }

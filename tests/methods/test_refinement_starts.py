@@ -119,7 +119,7 @@ def test_thin_frames_are_filled_from(thick, search):
 def test_it_starts_from_methods_that_are_added_later(monkeypatch):
     with pytest.raises(weftex.InvalidInputError, match="init is 'mine'; known: ashik.*wei-levoy"):
         weftex.Refinement(init="mine")
-    monkeypatch.setitem(weftex.METHODS._homes, "mine", "weftex.methods.quilting:Quilting")
+    monkeypatch.setitem(weftex.registry._HOMES, "mine", "weftex.methods.quilting:Quilting")
     weftex.Refinement(init="mine", joints=6)
     with pytest.raises(weftex.InvalidInputError, match="init is 'mina'; did you mean 'mine'"):
         weftex.Refinement(init="mina")
