@@ -36,7 +36,6 @@ def test_best_tile(vectors, border):
 @given(st.lists(st.floats(-12, 12).map(lambda n: round(4 * n) / 4), min_size=4, max_size=4),
        st.integers(1, 4))  # fmt: skip
 @example([-10.75, 10.75, -6.25, 0.75], 2)  # whose sides lead through corners of pixels
-@example([0.0, 0.0, 5.0, -3.0], 3)
 def test_pixels_near_a_tile(sides, reach):
     """By lines along its sides in the reference, and row by row in the method."""
     first, second = np.reshape(sides, (2, 2))
