@@ -38,9 +38,9 @@ def test_in_a_photo_only_what_is_around_a_hole_counts(monkeypatch):
     hole[80:100, 90:104] = True
     pasted, cost = [], CutCanvas.cost
 
-    def counted(self, patch, number):
+    def counted(self, patch):
         pasted.append(patch)
-        return cost(self, patch, number)
+        return cost(self, patch)
 
     monkeypatch.setattr(CutCanvas, "cost", counted)
     sample = weftex.Exemplar(pixels[:60, :60])
@@ -136,7 +136,7 @@ def test_cuts_that_end_early_and_updated_runs_change_nothing(kind, seed, monkeyp
         costs = []
         for patch in patches:
             self._least = np.inf
-            costs.append(self.cost(patch, 0))
+            costs.append(self.cost(patch))
         filling, chosen = self.filling, whole(self, patches, map_)
         assert costs[patches.index(chosen)] <= max(min(costs), (1.4 if filling else 1) * min(costs))
         compared.append(max(costs) > min(costs))

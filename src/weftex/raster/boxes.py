@@ -29,7 +29,7 @@ def whole_windows(mask: NDArray[np.bool_], reach: tuple[int, int, int, int]) -> 
     inside = (max(height - up - down, 0), max(width - left - right, 0))
     if 0 not in inside:
         v, u = up + down + 1, left + right + 1
-        whole = True if mask.all() else box_sums(mask, v, u) == v * u  # sums cost most
+        whole = mask if v * u == 1 else mask.all() or box_sums(mask, v, u) == v * u
         usable[up : up + inside[0], left : left + inside[1]] = whole
     return usable
 

@@ -15,13 +15,9 @@ from cython.cimports.libc.string import memset
 @cython.nogil
 @cython.exceptval(check=False)
 def mark(
-    marks: cython.int[:, ::1],
-    halvings: cython.int,
-    top: cython.int,
-    bottom: cython.int,
-    left: cython.int,
-    right: cython.int,
-) -> cython.void:
+    marks: cython.int[:, ::1], halvings: cython.int, top: cython.int, bottom: cython.int,
+    left: cython.int, right: cython.int,
+) -> cython.void:  # fmt: skip
     """Add 1 to the offsets of a box, bottom and right included; `marks` has a line more of both."""
     if bottom < 0 or right < 0 or top > bottom or left > right:
         return
@@ -79,13 +75,9 @@ def mark_repeats(
                     at_y = y - rows[1, i]
                     at_x = x - columns[1, j]
                     mark(
-                        near,
-                        halvings,
-                        max(top, at_y - near_y),
-                        min(y, at_y + near_y),
-                        max(left, at_x - near_x),
-                        min(x, at_x + near_x),
-                    )
+                        near, halvings, max(top, at_y - near_y), min(y, at_y + near_y),
+                        max(left, at_x - near_x), min(x, at_x + near_x),
+                    )  # fmt: skip
                     mark(line, halvings, max(top, at_y - line_y), min(y, at_y + line_y), left, x)
                     mark(line, halvings, top, y, max(left, at_x - line_x), min(x, at_x + line_x))
 
@@ -124,6 +116,8 @@ def weigh_cell(
     along: cython.int = cython.cast(cython.int, weights.shape[1] // 2)
     for v in range(plane.shape[0]):
         to = cython.address(plane[v, 0])
+        if holes[v, 0] == holes[v, 1]:
+            continue
         memset(to, 0, plane.shape[1] * cython.sizeof(cython.int))
         for k in range(pixels.shape[0]):
             row = down + v + pixels[k, 0]
@@ -152,10 +146,8 @@ def count_beside(
     """Count the offsets at which a cell of one copy lies beside pixels of other copies of it."""
     cython.declare(k=cython.Py_ssize_t, y=cython.Py_ssize_t, x=cython.Py_ssize_t)
     cython.declare(down=cython.Py_ssize_t, along=cython.Py_ssize_t)
-    cython.declare(away=cython.Py_ssize_t, reach=cython.Py_ssize_t)
-    reach = 0
-    while (reach + 1) * (reach + 1) <= near[0]:
-        reach += 1
+    cython.declare(away=cython.Py_ssize_t)
+    reach: cython.Py_ssize_t = near[2]
     for k in range(pixels.shape[0]):
         if pixels[k, 2] == own[0]:
             continue
@@ -191,7 +183,7 @@ def sum_copies(
     place add up to a row and a column of `missing`, which is -1 or 0. `where`: distances in cells
     from the first pixel of `missing`, and the copy that is shown. `spans` and `holes` are where
     rows of `weights` and of `missing` begin and end. `near`: squared distances within which another
-    copy is beside one, and a mirrored copy close to one.
+    copy is beside one, and a mirrored copy close to one; and the root of the first.
     The sums: salience times weight, salience, pixels, cells beside another copy, cells, and cells
     close to a mirrored copy, these whether missing or not, as a cut may run there.
     """
@@ -213,6 +205,8 @@ def sum_copies(
             for k in range(cells[1, cell], cells[1, cell + 1]):
                 count_beside(pixels, near, mirrored, own[k], missing, sums[own[k, 0]])
                 for y in range(sums.shape[2]):
+                    if holes[own[k, 1] + y, 0] == holes[own[k, 1] + y, 1]:
+                        continue
                     weight = cython.address(plane[own[k, 1] + y, own[k, 2]])
                     new = cython.address(missing[own[k, 1] + y, own[k, 2]])
                     total = cython.address(sums[own[k, 0], 0, y, 0])

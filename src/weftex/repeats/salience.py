@@ -47,20 +47,19 @@ class SaliencePenalty:
         salience = np.zeros((height, width), np.int32)
         salience[: small[1].shape[0], : small[1].shape[1]] = _salience(*small)
         rows, columns = (np.arange(n) // side for n in self.shape)
-        #: Of each pixel of the exemplar, the cell of the sample, and the copy.
-        self.cell_of = (rows[:, None] * width + columns).astype(np.uint32)
+        #: Of each pixel of the exemplar the cell, times the number of copies, and the copy.
+        self.shows = ((rows[:, None] * width + columns) * len(boxes)).astype(np.int32)
         if exemplar.turn is not None:
-            self.cell_of = turned_pixels(self.cell_of, exemplar.turn)
-        self.copy_of = np.zeros(exemplar.shape, np.int32)
+            self.shows = turned_pixels(self.shows, exemplar.turn)
         # Of all copies the cells, and where they are, see `repeat_kernels.sum_copies`.
         self.most = [-(-max(box[axis] for box in boxes) // side) for axis in (2, 3)]
         own = []
         for number, (top, left, high, wide) in enumerate(boxes):
-            self.copy_of[top : top + high, left : left + wide] = number
+            self.shows[top : top + high, left : left + wide] += number
             y, x = np.indices((-(-high // side), -(-wide // side))).reshape(2, -1)
             v, u = (np.minimum(side * k + side // 2, n - 1) for k, n in ((y, high), (x, wide)))
             from_last = self.most[0] - 1 - y, self.most[1] - 1 - x
-            own.append([self.cell_of[top + v, left + u], np.full_like(y, number), *from_last])
+            own.append([*np.divmod(self.shows[top + v, left + u], len(boxes)), *from_last])
         every = np.concatenate(own, axis=1)
         every = every[:, np.argsort(every[0], kind="stable")]
         self.own = np.ascontiguousarray(every[1:].T, np.int32)
@@ -70,7 +69,7 @@ class SaliencePenalty:
         ways = [[(0, False)]] if exemplar.turn is None else TURNS[exemplar.turn]
         self.mirrored = np.array([mirrored for row in ways for _, mirrored in row], np.int32)
         near = [int((far * min(height, width)) ** 2) for far in (_NEAR, _CLOSE)]
-        self.near = np.array(near, np.int32)
+        self.near = np.array([*near, int(near[0] ** 0.5)], np.int32)
         # What lies around a hole stays, so repeats in line with it do not count more.
         line, self._far = (_IN_LINE, _LINE_FAR) if output.canvas.hole is None else (0.0, _FAR)
         self.weights = _weights(self.shape, side, line, self._far)
@@ -95,33 +94,34 @@ class SaliencePenalty:
         found = []
         for own, each in zip(factors, allowed, strict=True):
             lines = [(np.arange(n) << halvings) // self.cell for n in each.shape]
-            y, x = (np.clip(at, a, b) - a for at, a, b in zip(lines, first, last, strict=True))
-            found.append(own[np.ix_(y, x)])
+            for line, low, high in zip(lines, first, last, strict=True):
+                own = own.take(np.minimum(np.maximum(line, low), high) - low, axis=0).T
+            found.append(own)
         return found
 
     def _sums(
         self, pixel: tuple[int, int], copies: int, first: NDArray[np.intp], size: NDArray[np.intp]
     ) -> NDArray[np.int64]:
         """See `repeat_kernels.sum_copies`, for the offsets of a box of cells."""
-        source, cell_of, cells = self.output.source, self.cell_of.ravel(), self.cells.copy()
+        source, shows, cells = self.output.source, self.shows.ravel(), self.cells.copy()
         rows, columns = self._lines(pixel)
-        shown = source[np.ix_(rows[0], columns[0])]
-        v, u = np.nonzero(shown >= 0)
-        label = shown[v, u]
-        cell = cell_of[label]
+        shown = source[np.ix_(rows[0], columns[0])].ravel()
+        known = (shown >= 0).nonzero()[0]
+        v, u = np.divmod(known, columns.shape[1])
+        cell, copy = np.divmod(shows[shown[known]], copies)
         # The distances of cells from the last one of a copy at the first offset.
         away = [
             np.arange(low - n + 1, low + count)
             for low, n, count in zip(first, self.most, size, strict=True)
         ]
         missing = self._missing_at(pixel, [-line for line in away])
-        at = [rows[1][v] + away[0][0], columns[1][u] + away[1][0], self.copy_of.ravel()[label]]
+        at = [rows[1][v] + away[0][0], columns[1][u] + away[1][0], copy]
         small = np.uint16 if cells.size < 2**16 else np.uint32  # which is sorted faster
         order = np.argsort(cell.astype(small), kind="stable")
         where = np.ascontiguousarray(np.stack(at, 1)[order], np.int32)
         some = source[:: self.cell, :: self.cell]
         cells[0, 1:] = np.bincount(cell, minlength=cells.shape[1] - 1).cumsum()
-        cells[2, :-1] = np.bincount(cell_of[some[some >= 0]], minlength=cells.shape[1] - 1)
+        cells[2, :-1] = np.bincount(shows[some[some >= 0]] // copies, minlength=cells.shape[1] - 1)
         self._mean = max(float(cells[2, :-1].mean()), 1.0 / (cells.shape[1] - 1))
         sums = np.zeros((copies, 6, *size), np.int64)
         kernels.sum_copies(

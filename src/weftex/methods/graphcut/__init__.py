@@ -297,8 +297,8 @@ def cover(method: GraphCut, placement: Placement, sample: Sample, growth: Growth
     assert method.candidates is not None and method.refinements is not None
     count, tolerance = method.candidates, _given(method.tolerance, 1.0)  # random: all match
     copies = method.placement == "entire" and bool(sample.boxes)
-    picture = CutCanvas(sample, growth, placement.size, placement.reduction, count, copies=copies)
     threads = min(growth.threads, count) if math.prod(placement.size) >= _LARGE else 1
+    picture = CutCanvas(sample, growth, placement.size, placement.reduction, threads, copies=copies)
     with quick_map(threads) as map_:
 
         def best_patch(pixel: tuple[int, int], number: int, *, centered: bool) -> Patch:

@@ -27,7 +27,7 @@ _CELL = 8  # side in pixels of the squares that the costs of seams are summed ov
 class CutCanvas:
     """The canvas so far, with old seams: the labels of all patches that were pasted.
 
-    `candidates` are cut at a time, in blocks of `block` pixels a side, a power of 2. `copies`: all
+    Candidates are cut in `threads`, in blocks of `block` pixels a side, a power of 2. `copies`: all
     patches lie in one of the sample's oriented copies.
     """
 
@@ -37,7 +37,7 @@ class CutCanvas:
         growth: Growth,
         size: tuple[int, int],
         block: int,
-        candidates: int,
+        threads: int,
         *,
         copies: bool,
     ) -> None:
@@ -63,7 +63,7 @@ class CutCanvas:
             [np.arange(n + side, dtype=np.int32) % n for n, side in zip(shape, size, strict=True)]
             for shape in (self.shape, self.sample_shape)
         ]
-        self._graphs = [_graph(self.labeling, *size) for _ in range(candidates)]
+        self._graphs = [_graph(self.labeling, *size) for _ in range(threads)]  # that are free
         # Not in the paper: seed 1 fills a hole by the cheapest patches, each other seed by others.
         self.filling = growth.seed - 1 if canvas.known is not None and canvas.shown is None else 0
         self._least, self._tolerated = math.inf, _TOLERATED if self.filling else 1.0
@@ -90,24 +90,24 @@ class CutCanvas:
             if patch.factor < different.setdefault(patch[:-1], patch).factor:
                 different[patch[:-1]] = patch
         self._least = math.inf
-        found = map_(self.cost, different.values(), range(len(different)))
+        found = map_(self.cost, different.values())
         costs = dict(zip(different.values(), found, strict=True))
         most = max(min(costs.values()) * times for times in (1.0, self._tolerated))
         good = sorted((patch for patch in costs if costs[patch] <= most), key=costs.__getitem__)
         self.filling, which = divmod(self.filling, len(good))
         return good[which]
 
-    def cost(self, patch: Patch, number: int) -> float:
+    def cost(self, patch: Patch) -> float:
         """By how much a patch raises the cost of seams, for each missing pixel, times its factor.
 
         It is cut in blocks along the seam of least cost, new and old seams counted (section 3.1).
-        `number` is that of the candidate. Where another one is cheaper than this one can still be,
-        a value between both costs.
+        Where another one is cheaper than this one can still be, a value between both costs.
         """
         # A little more, as rounding must not keep the cheapest one from its cost.
         least = max(self._least, 0.0) * self._tolerated / patch.factor * (1 + 1e-9)
-        graph = self._graph_of(patch, number)
+        graph = self._graph_of(patch)
         more, covered = graph_kernels.cost_in_blocks(graph, self.halvings, least)
+        self._graphs.append(graph)
         each: float = more / max(covered, 1)
         cost = each * patch.factor if each > 0 else each / patch.factor
         self._least = min(self._least, cost)
@@ -115,16 +115,17 @@ class CutCanvas:
 
     def paste(self, patch: Patch) -> int:
         """Cut a patch in smaller and smaller blocks and copy it; return the pixels that it adds."""
-        graph = self._graph_of(patch, 0)
+        graph = self._graph_of(patch)
         covered: int = graph_kernels.paste_patch(graph, max(0, self.halvings - 1))
+        self._graphs.append(graph)
         return covered
 
-    def _graph_of(self, patch: Patch, number: int) -> graph_kernels.Graph:
-        """One of the graphs, over the box of a patch."""
+    def _graph_of(self, patch: Patch) -> graph_kernels.Graph:
+        """Take a free graph, and set it to the box of a patch."""
         (down, along), (from_rows, from_columns) = self._lines
         y, x = patch.top % self.shape[0], patch.left % self.shape[1]
         v, u = patch.source_top % self.sample_shape[0], patch.source_left % self.sample_shape[1]
-        graph = self._graphs[number]
+        graph = self._graphs.pop()
         graph.cover(
             down[y : y + patch.height],
             along[x : x + patch.width],

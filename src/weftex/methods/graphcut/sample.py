@@ -159,8 +159,11 @@ def _gradients(pixels: NDArray[np.uint8], joins: NDArray[np.uint8]) -> NDArray[n
     """(2, H * W): differences of all pixels from their right and lower neighbors, 0 without one."""
     found = np.zeros((2, joins.size), np.int32)
     for d, axis in enumerate((1, 0)):
-        apart = np.abs(np.subtract(np.roll(pixels, -1, axis), pixels, dtype=np.int16))
-        found[d] = (apart.sum(axis=2, dtype=np.int32) * (joins >> d & 1)).ravel()
+        beside = np.roll(pixels, -1, axis)
+        apart = np.maximum(pixels, beside) - np.minimum(pixels, beside)
+        for channel in np.moveaxis(apart, 2, 0):  # faster than a sum along the last axis
+            found[d] += channel.ravel()
+        found[d] *= joins.ravel() >> d & 1
     return found
 
 
