@@ -51,7 +51,7 @@ def readable(found: re.Match[str]) -> str:
 
 def parameters(cls: type) -> str:
     """The section of a method's parameters."""
-    from weftex.cli.options import parameters_of
+    from weftex.cli.arguments import parameters_of
 
     rows = ["Parameters", "----------"]
     for field, values in parameters_of(cls):  # type: ignore[arg-type]

@@ -99,7 +99,7 @@ def source_of(text: str) -> str:
 
 def parameters(slug: str) -> str:
     """The list of a method's parameters."""
-    from weftex.cli.options import parameters_of
+    from weftex.cli.arguments import parameters_of
     from weftex.registry import method_class
 
     lines = [

@@ -73,7 +73,7 @@ def recipes(draw):
 
 def parsed(words):
     """The recipe of a command that is not run."""
-    from weftex.cli import tasks
+    from weftex.cli.commands import tasks
 
     found = []
     with pytest.MonkeyPatch.context() as patch:

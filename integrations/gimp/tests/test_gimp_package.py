@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from weftex.cli.options import parse_task
+from weftex.cli.arguments import parse_task
 from weftex.cli.parser import Parser
 from weftex.recipe.declared import options_of
 

@@ -1,4 +1,4 @@
-"""The command line: finds the command and prints errors; `commands` has the commands."""
+"""The command line: finds the command in `commands`, and prints errors."""
 
 from __future__ import annotations
 
@@ -43,8 +43,7 @@ _COMMANDS = {
 }
 #: Commands that are in the module of another one.
 _BESIDE = {"samples": "methods", "unpack": "pack"}
-#: Those of `weftex.recipe.TASKS`.
-_TASKS = ("synth", "fill", "tile", "fuse")
+_BESIDE |= dict.fromkeys(("synth", "fill", "tile", "fuse"), "tasks")
 
 _ABOUT = """\
 usage: weftex COMMAND ...      (weftex COMMAND --help shows its options)
@@ -129,11 +128,7 @@ def _run(arguments: list[str]) -> None:
 
 def _run_command(name: str, argv: list[str]) -> None:
     """Run a command; `argv` is what follows its name."""
-    if name in _TASKS:
-        from weftex.cli.tasks import run_task
-
-        run_task(name, argv)
-    elif name == "completion":
+    if name == "completion":
         from weftex.cli.commands.completion import run
 
         run(argv, _COMMANDS, _run_command)

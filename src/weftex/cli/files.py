@@ -189,11 +189,11 @@ def write_debug(result: Synthesis, folder: str, outputs: Outputs) -> None:
 
 
 def report(args: argparse.Namespace, result: Synthesis, what: str, took: float, told: str) -> str:
-    """Print what was made, how and how fast, after the maps and the reasons if weftex chose."""
+    """Return what was made, how and how fast, after the maps and the reasons if weftex chose."""
     used = result.provenance
     if args.verbose:
         told += f"sample: {result.sample!r}\n"
-        told += "".join(f"used: {name} {value}\n" for name, value in used.items())
+        told += "".join(f"used: {k} {v}\n" for k, v in used.items() if k != "reason")
     why = told + (f"auto: {used['reason']}\n" if "reason" in used else "")
     why += "".join(f"note: {warning}\n" for warning in used.get("warnings", ()))
     why += f"best of: {used['best_of']['told']}\n" if "best_of" in used else ""

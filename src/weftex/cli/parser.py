@@ -122,7 +122,7 @@ class Parser(argparse.ArgumentParser):
             default = option.default_text or ("" if option.default in (None, False, True) else
                                               f"{option.default}")  # fmt: skip
             text = option.help + (f"; default: {default}" if default else "")
-            how: dict[str, object] = {"dest": option.flag, "help": text.replace("%", "%%")}
+            how: dict[str, object] = {"dest": option.dest, "help": text.replace("%", "%%")}
             if option.kind.name == "bool":
                 bare = option.default is False
                 how["action"] = "store_true" if bare else argparse.BooleanOptionalAction

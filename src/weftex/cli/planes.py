@@ -9,7 +9,7 @@ from functools import partial
 from typing import Any
 
 from weftex.canvas import MAX_PIXELS
-from weftex.cli.options import given_blocks
+from weftex.cli.arguments import given_blocks
 from weftex.cli.parser import HUGE
 from weftex.cli.terminal import Bar, Outputs, finish, say
 from weftex.errors import InvalidInputError
@@ -21,7 +21,7 @@ from weftex.planes.tiff import SUFFIXES
 from weftex.recipe import Recipe
 
 #: Options of synth that need the whole image.
-_WHOLE = ("--guide", "--sample-guide", "debug", "save_source")
+_WHOLE_IMAGE_OPTIONS = ("guide", "sample_guide", "debug", "save_source")
 
 
 def is_plane(recipe: Recipe, args: argparse.Namespace) -> bool:
@@ -42,13 +42,13 @@ def check_options(args: argparse.Namespace) -> None:
     """Refuse options that make no sense for a plane, before anything is read."""
     from weftex.planes.layout import check_block
 
-    for name in _WHOLE:
+    for name in _WHOLE_IMAGE_OPTIONS:
         if getattr(args, name, None):
-            option = name if name.startswith("--") else f"--{name.replace('_', '-')}"
+            option = name.replace("_", "-")
             raise InvalidInputError(
-                f"{option} needs the whole image, and {args.output} is written block by block"
+                f"--{option} needs the whole image, and {args.output} is written block by block"
             )
-    if getattr(args, "--best-of") not in (None, "1"):
+    if args.best_of not in (None, "1"):
         raise InvalidInputError("--best-of needs the whole image; name a method and a seed")
     given = [name for name in ("part", "workers") if getattr(args, name) is not None]
     if len(given) > 1:
@@ -57,7 +57,7 @@ def check_options(args: argparse.Namespace) -> None:
         args.part = parse_part(args.part)
         if args.restart:
             raise InvalidInputError("--restart has no effect with --part; restart without it")
-        if getattr(args, "--seed") is None:
+        if args.seed is None:
             raise InvalidInputError("--part needs --seed, the same for all parts")
     if args.workers is not None and args.workers < 1:
         raise InvalidInputError(f"--workers is {args.workers}; it must be 1 or more")
@@ -109,7 +109,7 @@ def synthesize(recipe: Recipe, args: argparse.Namespace) -> None:
         from weftex.planes.writing import seed_of_run
 
         job, seed = open_materials(recipe, args), recipe.seed
-        if getattr(args, "--seed") is None and not args.restart:
+        if args.seed is None and not args.restart:
             begun = seed_of_run(args.output)
             seed = seed if begun is None else begun
         how: dict[str, Any] = {"seed": seed, "tileable": recipe.options["tileable"]}

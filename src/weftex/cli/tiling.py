@@ -94,8 +94,8 @@ def each_job(
         if own.output == args.output:
             yield recipe, own
             continue
-        for flag in ("--save-source", "--maps"):
-            if vars(args).get(flag, vars(args).get(flag[2:].replace("-", "_"))) is not None:
+        for flag, given in (("--save-source", args.save_source), ("--maps", args.maps)):
+            if given is not None:
                 raise InvalidInputError(f"{flag} works for one photo, not for several")
         spec = {k: v for k, v in spec.items() if k != "sample"} | {"path": path}
         yield recipe.changed(materials=[spec]), own

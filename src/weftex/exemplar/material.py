@@ -112,21 +112,18 @@ class Material:
     @property
     def maps(self) -> dict[str, Exemplar]:
         """Each picture on its own, with its role."""
-        return {
-            name: Exemplar(
-                picture.pixels,
-                alpha=picture.alpha and not self.roles[name].channels,
-                icc=picture.icc,
-                name=self.name if name == self.main else name,
-                role=self.roles[name],
-            )
-            for name, picture in self.pictures.items()
-        }
+        return {name: self._map(name) for name in self.pictures}
 
     def exemplar(self, **options: Any) -> Exemplar:
         """Return the main picture with all others as its maps; options are those of `Exemplar`."""
-        maps = self.maps
-        return maps.pop(self.main).changed(**{"maps": maps} | options)
+        maps = {name: self._map(name) for name in self.pictures if name != self.main}
+        return self._map(self.main, **{"maps": maps} | options)
+
+    def _map(self, name: str, **options: Any) -> Exemplar:
+        picture, role = self.pictures[name], self.roles[name]
+        own: dict[str, Any] = {"alpha": picture.alpha and not role.channels, "icc": picture.icc}
+        own |= {"name": self.name if name == self.main else name, "role": role}
+        return Exemplar(picture.pixels, **own | options)
 
     def told(self) -> list[str]:
         """Return a line for each map of a set: what it was taken for, and what was left out."""

@@ -26,7 +26,7 @@ def json_of(
 ) -> dict[str, Any]:
     """Return the JSON of a command's recipe, which is local.
 
-    `given` has texts by options, such as "--size"; options without a value are there or not.
+    `given` has texts by `Option.dest`; options without a value are true or false.
     """
     found: dict[str, Any] = {"task": task, "method": method, "parameters": parameters}
     found["seed"] = value_of(SEED, given)
@@ -34,15 +34,13 @@ def json_of(
         found[name] = value_of(option, given)
     if task == "fuse":
         found["map"] = _map_of(found["map"], given)
-    specs: list[dict[str, Any]] = [_spec(path, given.get("--maps")) for path in paths]
+    specs: list[dict[str, Any]] = [_spec(path, given.get("maps")) for path in paths]
     for name in TASKS[task].material:
         option = MATERIAL[name]
         value = value_of(option, given)
         if value in (None, False):
             continue
-        places = specs
-        if task == "fill":  # of a photo, and of a sample that it may be filled from
-            places = {"maps": specs[:1], "repeats": specs[1:]}.get(name, specs)
+        places = specs[_meant(task, name)]
         if not places:
             raise InvalidInputError(
                 f"{option.flag} has no effect without --sample; for the photo, use --tileable"
@@ -52,16 +50,22 @@ def json_of(
     return found | {"materials": specs}
 
 
+def _meant(task: str, name: str) -> slice:
+    """Return which materials an option is about: fill has a photo, and a sample to fill it from."""
+    of_fill = {"maps": slice(0, 1), "repeats": slice(1, None)} if task == "fill" else {}
+    return of_fill.get(name, slice(None))
+
+
 def described_material(path: str, given: Mapping[str, Any], names: Words) -> dict[str, Any]:
     """Return the description of a material, with some options of `MATERIAL`."""
-    spec = _spec(path, given.get("--maps") if "maps" in names else None)
+    spec = _spec(path, given.get("maps") if "maps" in names else None)
     spec |= {name: value_of(MATERIAL[name], given) for name in names}
     return checked_material(spec, local=True)
 
 
 def value_of(option: Option, given: Mapping[str, Any]) -> Any:
     """Return the value of an option in JSON; None if it was not given."""
-    value = given.get(option.flag)
+    value = given.get(option.dest)
     return plain(option.read(value)) if isinstance(value, str) else value
 
 
@@ -145,13 +149,12 @@ def _material_words(
         values: list[Any] = [spec.get(name) for spec in specs]
         if name == "maps" and "path" not in specs[0]:
             continue  # they are uploads, which lie in one folder
-        places = {"maps": values[:1], "repeats": values[1:]} if task == "fill" else {}
-        asked = places.get(name, values)
+        asked = values[_meant(task, name)]
         if all(value is None for value in values):
             continue
         if name not in TASKS[task].material or any(value != asked[0] for value in asked):
             return None
-        if asked is not values and values.count(None) < len(values) - len(asked):
+        if values.count(None) < len(values) - len(asked):
             return None
         value = asked[0]
         words += option.words(names.get(value, value) if option.kind is PICTURE else value)

@@ -23,7 +23,7 @@ class Kind(NamedTuple):
 
 
 class Option(NamedTuple):
-    """An option of a job; its range and default are printed by the program."""
+    """An option of a job: what `help` says is completed with its default where it is printed."""
 
     name: str  # in JSON and in Python
     kind: Kind
@@ -43,6 +43,11 @@ class Option(NamedTuple):
     def flag(self) -> str:
         """The option on the command line."""
         return self.given_flag or "--" + self.name.replace("_", "-")
+
+    @property
+    def dest(self) -> str:
+        """The name of the option among the arguments of a command."""
+        return self.flag[2:].replace("-", "_")
 
     def read(self, text: str) -> Any:
         """Return the value of a text of the command line, or raise `InvalidInputError`."""

@@ -19,9 +19,10 @@ _ALL = ("task", "materials", "seed", "method", "parameters")
 FIELDS = frozenset({*_ALL, "sample", "path", "name", *MATERIAL, *GRADIENT}.union(
     *(task.options for task in TASKS.values())
 ))  # fmt: skip
-_WHOLE = ("guide", "sample_guide", "tileable", "fit", "best_of", "landmarks")  # not of windows
+#: Options that windows of an endless texture do not take.
+_WHOLE_IMAGE_OPTIONS = ("guide", "sample_guide", "tileable", "fit", "best_of", "landmarks")
 #: The most materials of a recipe that is not local, and the most results it makes to keep one.
-_MOST_MATERIALS, _MOST_TRIES = 8, 16
+_MOST_MATERIALS, _MOST_OF_BEST = 8, 16
 
 
 @dataclass(frozen=True)
@@ -103,7 +104,7 @@ class Recipe:
 
         if self.task == "synth":
             if options["window"] is not None:
-                for name in (*_WHOLE, "size"):
+                for name in (*_WHOLE_IMAGE_OPTIONS, "size"):
                     if options[name] != declared[name].default:
                         raise InvalidInputError(f"give {named(name)} or --window, not both")
             elif options["period"] is not None:
@@ -121,8 +122,8 @@ class Recipe:
             if options["sample_guide"] is not None and options["guide"] is None:
                 raise InvalidInputError(f"{named('sample_guide')} has no effect without a guide")
             count = options["best_of"]
-            if not local and count > _MOST_TRIES:
-                raise InvalidInputError(f"best_of is {count}; it must be from 1 to {_MOST_TRIES}")
+            if not local and count > _MOST_OF_BEST:
+                raise InvalidInputError(f"best_of is {count}; it must be from 1 to {_MOST_OF_BEST}")
         elif self.task == "fuse":
             self._check_map(named)
         elif any("turn" in spec for spec in self.materials[:1]):

@@ -26,7 +26,7 @@ from weftex.results.synthesis import Synthesis
 from weftex.seams.boundary import cut_around
 from weftex.search.translation import Spectra, correlations, window_mismatch
 from weftex.tasks.auto import AutoModel, Findings, look
-from weftex.tasks.auto.rule import is_sure
+from weftex.tasks.auto.rule import may_place
 
 Mask = NDArray[np.bool_]
 Indices = NDArray[np.int32]  # of pixels: row * width + column
@@ -65,7 +65,7 @@ def plain_sample(exemplar: Exemplar, landmarks: str) -> PlainSample | None:
             f"landmarks is {landmarks}; with several samples or rotated copies it must be keep"
         )
     findings = look(exemplar)
-    if findings.lattice is not None and is_sure(findings.lattice, findings.shape):
+    if findings.lattice is not None and may_place(findings.lattice, findings.shape):
         return None
     thin = landmarks == "thin"
     masks, rare = find_landmarks(exemplar, thin and findings.scale <= _COARSE * min(exemplar.shape))

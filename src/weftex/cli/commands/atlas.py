@@ -6,7 +6,7 @@ import json
 import os
 from typing import TYPE_CHECKING, Any
 
-from weftex.cli.options import parse_task
+from weftex.cli.arguments import parse_task
 from weftex.cli.parser import Parser
 from weftex.cli.terminal import Bar, Outputs, finish
 from weftex.recipe.command_line import value_of

@@ -9,8 +9,8 @@ from collections.abc import Iterator, Sequence
 from time import perf_counter
 from typing import Any, NamedTuple
 
+from weftex.cli.arguments import parse_task
 from weftex.cli.files import open_materials, pixels_of, plan
-from weftex.cli.options import parse_task
 from weftex.cli.parser import Parser
 from weftex.cli.terminal import Bar, Outputs, finish, say
 from weftex.errors import CancelledError, FileError, InvalidInputError, WeftexError, shown
@@ -75,7 +75,7 @@ def run(argv: list[str]) -> None:
         raise InvalidInputError("give --skip-existing or --force, not both")
 
     def work(bar: Bar, outputs: Outputs) -> str:
-        first = 0 if getattr(args, "--seed") is None else recipe.seed
+        first = 0 if args.seed is None else recipe.seed
         entries = entries_of(args.materials, args.output)
         seeds = [(first + k) % 2**64 for k in range(args.count)]
         template = args.template or ("{name}" if args.count == 1 else "{name}_{seed}")

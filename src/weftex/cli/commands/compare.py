@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from weftex.cli.options import check_numbers, check_size
+from weftex.cli.arguments import check_numbers, check_size
 from weftex.cli.parser import Parser
 from weftex.cli.terminal import Bar, Outputs, finish, print_json
 from weftex.recipe import MATERIAL, SEED

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from weftex.cli.options import parameters_of
+from weftex.cli.arguments import parameters_of
 from weftex.cli.parser import Parser
 
 #: Headings of what not every method does, and the kinds of canvas that it takes.

@@ -32,7 +32,7 @@ from weftex.tasks.auto.rule import (
     Choice,
     choose,
     choose_for_hole,
-    is_sure,
+    may_place,
     places_freely,
     strain_notes,
 )
@@ -95,7 +95,7 @@ class AutoModel(Model):
     def lattice(self) -> Lattice | None:
         """The lattice or rows that tileable outputs must fit, if those of the sample are sure."""
         found = self._exactly
-        if found.lattice is None or not is_sure(found.lattice, found.shape):
+        if found.lattice is None or not may_place(found.lattice, found.shape):
             return None
         return found.full or found.lattice
 

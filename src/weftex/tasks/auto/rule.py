@@ -12,8 +12,8 @@ from weftex.analysis.canvas_lattice import (
     CanvasLattice,
     fitting_sizes,
     four_numbers,
+    is_sure,
 )
-from weftex.analysis.canvas_lattice import is_sure as lattice_is_sure
 from weftex.analysis.lattice import Lattice, find_lattice
 from weftex.analysis.overlay import courses
 from weftex.analysis.properties import FORMS
@@ -110,7 +110,7 @@ def _too_small(findings: Findings) -> Choice | None:
 def _regular(findings: Findings, canvas: Canvas) -> Choice | None:
     """Return what follows a sure lattice or rows, and what does not where they do not fit."""
     lattice = findings.lattice
-    if lattice is None or not is_sure(lattice, findings.shape):
+    if lattice is None or not may_place(lattice, findings.shape):
         return None
     because = f"the sample has {words(lattice)}"
     used, quick = findings.full or lattice, _quickly_cut(canvas)
@@ -201,7 +201,7 @@ def choose_for_hole(exemplar: Exemplar, canvas: Canvas) -> Choice:
     if irregular:
         because = f"the structure around the hole is irregular (features of {scale * step:.3g} px)"
         return Choice("graphcut", dict(WHOLE), because)
-    if lattice is None or not is_sure(lattice, small.shape):
+    if lattice is None or not may_place(lattice, small.shape):
         return Choice("patch-sampling", {}, "no clear lattice was found around the hole")
     found = Lattice(tuple((x * step, y * step) for x, y in lattice.vectors), lattice.confidence)
     because = f"the photo around the hole has {words(found)}"
@@ -216,11 +216,11 @@ def choose_for_hole(exemplar: Exemplar, canvas: Canvas) -> Choice:
     return Choice("graphcut", {**WHOLE, "lattice": vectors}, because)
 
 
-def is_sure(lattice: Lattice, shape: tuple[int, int]) -> bool:
+def may_place(lattice: Lattice, shape: tuple[int, int]) -> bool:
     """Return whether blocks may be placed by a lattice, or by rows."""
     if len(lattice.vectors) == 1:
         return lattice.confidence >= _ROWS
-    return lattice_is_sure(lattice, math.prod(shape))
+    return is_sure(lattice, math.prod(shape))
 
 
 def _warnings(findings: Findings) -> list[str]:

@@ -16,7 +16,7 @@ from weftex.naming import make_method, text_of
 from weftex.raster.boxes import box_sums
 from weftex.results.synthesis import Synthesis
 from weftex.tasks.auto.findings import Findings, like_itself
-from weftex.tasks.auto.rule import WHOLE, Choice, is_sure, places_freely
+from weftex.tasks.auto.rule import WHOLE, Choice, may_place, places_freely
 
 Values = NDArray[np.int64]
 
@@ -49,7 +49,11 @@ def others(first: Choice, findings: Findings, canvas: Canvas, effort: str) -> li
     if first.method not in ("graphcut", "patch-sampling") or "lattice" in first.parameters:
         return []
     found = []
-    if lattice is not None and not is_sure(lattice, findings.shape) and lattice.confidence >= _WEAK:
+    if (
+        lattice is not None
+        and not may_place(lattice, findings.shape)
+        and lattice.confidence >= _WEAK
+    ):
         vectors = {"lattice": tuple(lattice)} if findings.exact else {}
         stiff = first.method == "graphcut" and findings.exact
         slug, placed = ("graphcut", WHOLE) if stiff else ("near-regular", {})

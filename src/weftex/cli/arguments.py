@@ -1,4 +1,4 @@
-"""Options of commands that recipes do not declare: outputs, limits, method parameters."""
+"""From the words of a task's command to its recipe, and the limits of all commands."""
 
 from __future__ import annotations
 
@@ -34,16 +34,16 @@ def parse_task(
     *,
     usual: str = "chosen for the sample",
 ) -> tuple[argparse.Namespace, Recipe]:
-    """Add what all tasks take, and parse it.
+    """Parse the words of a command: return its arguments, and the recipe that they make.
 
-    The materials are the parser's "materials", of "--sample" too; `usual` is the method where none
-    is named, in words.
+    This adds `options`, the method, its parameters and limits to the parser, which has "materials".
+    `usual` says in words which method is used where none is named.
     """
     parser.take(*options)
     text = f"synthesis method; 'weftex methods' lists them; default: {usual}"
     parser.add_argument("--method", metavar="NAME", help=text)
     parser.share("--threads", "--quiet", "--allow-huge")
-    name = _named(parser.filled(argv))
+    name = _method_in(parser.filled(argv))
     fields = _add_parameters(parser, argv, TASKS[task].usual_method, name)
     args = parser.parse(argv)
     check_numbers(args)
@@ -53,8 +53,8 @@ def parse_task(
     paths = paths[:1] if task == "tile" else paths  # each photo is a recipe of its own
     if given.get("sample") is not None:
         paths = [*paths, args.sample]
-    if isinstance(given.get("--size"), str):
-        given["--size"] = _in_pixels(given["--size"], paths[0], args, parser.command)
+    if isinstance(given.get("size"), str):
+        args.size = _in_pixels(args.size, paths[0], args, parser.command)
     chosen = None if args.method in (None, "auto") else args.method
     recipe = Recipe.from_json(json_of(task, paths, given, chosen, parameters), local=True)
     size = recipe.options.get("size")
@@ -91,8 +91,8 @@ def _in_pixels(text: str, path: str, args: argparse.Namespace, command: str) -> 
     return "x".join(str(max(1, round(side * picture.density))) for side in sides)
 
 
-def _named(argv: list[str]) -> str:
-    """The method that arguments name."""
+def _method_in(argv: list[str]) -> str:
+    """Return the method that arguments name, or nothing."""
     found = ""
     for word, after in zip(argv, [*argv[1:], ""], strict=False):
         if word == "--method" or word.startswith("--method="):

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import TYPE_CHECKING, NamedTuple
 
-from weftex.cli.options import given_blocks, parse_task
+from weftex.cli.arguments import given_blocks, parse_task
 from weftex.cli.parser import BLOCKS, Parser
 from weftex.cli.terminal import Bar, Outputs, finish
 from weftex.errors import InvalidInputError
@@ -144,6 +145,9 @@ def run_task(task: str, argv: list[str]) -> None:
         return "\n".join(_make(one, own, bar, outputs) for one, own in jobs)
 
     finish(work, args.quiet, verbose=args.verbose)
+
+
+run_synth, run_fill, run_tile, run_fuse = (partial(run_task, name) for name in _HELP)
 
 
 def _make(recipe: Recipe, args: argparse.Namespace, bar: Bar, outputs: Outputs) -> str:
