@@ -158,9 +158,9 @@ def test_not_enough_memory_is_one_line(here, capsys, monkeypatch):
 
 
 def test_a_map_that_cannot_be_written_leaves_no_map(here, capsys, monkeypatch):
-    import weftex.io.packed
+    import weftex.io.outputs
 
-    real, seen = weftex.io.packed.write_image, []
+    real, seen = weftex.io.outputs.write_image, []
 
     def fail_third(*words, **options):
         seen.append(words)
@@ -168,7 +168,7 @@ def test_a_map_that_cannot_be_written_leaves_no_map(here, capsys, monkeypatch):
             raise weftex.FileError("the disk is full")
         real(*words, **options)
 
-    monkeypatch.setattr(weftex.io.packed, "write_image", fail_third)
+    monkeypatch.setattr(weftex.io.outputs, "write_image", fail_third)
     words = ["synth", "sample:stone_wall", "-o", "new", "--size", 80]
     fails(capsys, here, *words, "--threads", 1)
     assert len(seen) == 3

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
     from weftex.cli.terminal import Outputs
     from weftex.exemplar import Exemplar
-    from weftex.io.packed import PackedSet
+    from weftex.io.outputs import OutputSet
     from weftex.io.pictures import Picture
     from weftex.recipe import Recipe
     from weftex.results.synthesis import Synthesis
@@ -106,7 +106,7 @@ class Plan:
     """What will be written."""
 
     pictures: dict[str, Picture]  # by maps, what files are like; the main one first
-    files: PackedSet
+    files: OutputSet
     folder: str  # of the files
     told: str  # what was taken for what, a line each
 
@@ -116,12 +116,14 @@ class Plan:
         return next(iter(self.pictures))
 
     def write(
-        self, pixels: Callable[[str], NDArray[Any]], outputs: Outputs, threads: int | None = None
+        self,
+        outputs: Outputs,
+        pixels_of: Callable[[str], NDArray[Any]] | None = None,
+        threads: int | None = None,
     ) -> None:
-        """Write pixels, asked for by the names of maps."""
-        from weftex.io.packed import write_set
-
-        write_set(self.files, self.folder, pixels, outputs.add, threads)
+        """Write pixels, asked for by the names of maps; by default those of the pictures."""
+        own = pixels_of or (lambda name: self.pictures[name].pixels)
+        self.files.write(self.folder, own, outputs.add, threads)
 
 
 def plan(
@@ -135,7 +137,7 @@ def plan(
     `made` is a sample with the maps to write; each is stored as the first material that has it, or
     as a preset wants it.
     """
-    from weftex.io.packed import PackedSet, check_set, fitted_file, kept_file
+    from weftex.io.outputs import OutputSet, fitted_file, kept_file
     from weftex.io.packing import pack_set
     from weftex.io.presets import read_preset
 
@@ -153,29 +155,22 @@ def plan(
         folder, name = os.path.split(args.output)
         main = first.main
         file, said = fitted_file(name, main, pictures[main], first.roles[main].name)
-        files, lines = PackedSet((file,)), lines + [f"note: {line}" for line in said]
+        files, lines = OutputSet((file,)), lines + [f"note: {line}" for line in said]
     elif args.preset is None:
         stems = {k: os.path.splitext(os.path.basename(p.path))[0] for k, p in pictures.items()}
-        files = PackedSet(tuple(kept_file(stems[k], k, p) for k, p in pictures.items()))
+        files = OutputSet(tuple(kept_file(stems[k], k, p) for k, p in pictures.items()))
     else:
         own = os.path.basename(os.path.abspath(str(args.output)))
         roles = {first.main: first.roles[first.main], **made.roles}
         files = pack_set(read_preset(args.preset), own, pictures, roles)
         lines += [f"map: {line}" for line in files.told()]
-    check_set(files, folder, lambda key: pictures[key].pixels)
+    files.check(folder, lambda key: pictures[key].pixels)
     told = "".join(f"{line}\n" for line in (*lines, *notes))
     return Plan(pictures, files, folder, told)
 
 
-def write(result: Synthesis, planned: Plan, args: argparse.Namespace, outputs: Outputs) -> None:
-    """Write the result and, from the same coordinates, each other map of the sample."""
-    planned.write(pixels_of(result, planned.main), outputs, args.threads)
-    if args.save_source is not None:
-        result.save(outputs.add(args.save_source))
-
-
 def pixels_of(result: Synthesis, main: str) -> Callable[[str], NDArray[Any]]:
-    """Return what renders a result by the names of the sample's maps."""
+    """Return what renders a result and, at the same coordinates, the other maps of its sample."""
     return lambda name: result.image if name == main else result.render(result.sample.map(name))
 
 
@@ -183,8 +178,7 @@ def write_debug(result: Synthesis, folder: str, outputs: Outputs) -> None:
     """Write how a result was put together."""
     from weftex.io.pictures import write_image
 
-    for what in ("sources", "patches", "seams"):
-        name = "coordinates" if what == "sources" else what
+    for what, name in (("sources", "coordinates"), ("patches", "patches"), ("seams", "seams")):
         write_image(outputs.add(os.path.join(folder, f"{name}.png")), result.draw(what))
 
 

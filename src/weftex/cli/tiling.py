@@ -165,7 +165,7 @@ def _resize(args: argparse.Namespace, axes: tuple[int, ...], option: Option) -> 
             made = plan(
                 [changed], changed.exemplar(), argparse.Namespace(**{"preset": None} | vars(own))
             )
-            made.write(lambda name, made=made: made.pictures[name].pixels, outputs)  # type: ignore[misc]
+            made.write(outputs)
             count += len(changed.pictures)
         did = "padded" if option is PAD else "cropped"
         return f"{did} {count} image{'s'[: count > 1]} in {args.output}, in {bar.took:.2f} s"

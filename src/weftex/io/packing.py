@@ -14,14 +14,12 @@ from numpy.typing import NDArray
 
 from weftex.errors import InvalidInputError
 from weftex.io.formats import FORMATS, StrPath, show, written_as
-from weftex.io.packed import (
-    PackedFile,
-    PackedSet,
+from weftex.io.outputs import (
+    OutputFile,
+    OutputSet,
     Part,
-    check_set,
     kept_file,
     reversed_map,
-    write_set,
 )
 from weftex.io.pictures import Picture, atomic, read_image
 from weftex.io.presets import UNUSED, Preset, PresetFile, read_preset, width_of
@@ -47,7 +45,7 @@ _SLACK = 1e-3  # that floats may lie outside 0 to 1
 
 def pack_set(
     preset: Preset, name: str, pictures: Mapping[str, Picture], roles: Mapping[str, Role]
-) -> PackedSet:
+) -> OutputSet:
     """Plan the files of a preset for a set of maps; `pictures` and `roles` are by map name.
 
     Raises `InvalidInputError` for maps whose sizes, channels or values do not fit.
@@ -57,7 +55,7 @@ def pack_set(
             kept_file(preset.stem(name, roles[key]), key, one, roles[key].name)
             for key, one in pictures.items()
         ]
-        return PackedSet(tuple(kept), (), name)
+        return OutputSet(tuple(kept), (), name)
     packer = _Packer(preset, name, pictures, roles)
     files = [made for one in preset.files if (made := packer.file(one)) is not None]
     if not files:
@@ -71,7 +69,7 @@ def pack_set(
         if not used or left:
             what = f"{', '.join(left)} of {key}" if used else key
             packer.notes.append(f"{what} is left out: preset {preset.name} has no file for it")
-    return PackedSet(tuple(files), tuple(packer.notes), name, preset.material)
+    return OutputSet(tuple(files), tuple(packer.notes), name, preset.material)
 
 
 class _Packer:
@@ -86,7 +84,7 @@ class _Packer:
         self.listed = dict.fromkeys(role for one in preset.files for role in one.roles)
         self.have = ", ".join(role.name for role in roles.values())
 
-    def file(self, wanted: PresetFile) -> PackedFile | None:
+    def file(self, wanted: PresetFile) -> OutputFile | None:
         """Plan a file; None if the set has nothing for it."""
         stem = wanted.name.replace("{name}", self.name)
         found = {role: self._find(role) for role in wanted.roles if role != UNUSED}
@@ -160,7 +158,7 @@ class _Packer:
                     f"{path} is {part.role}, and its {colors} channels differ; save it as gray"
                 )
 
-    def _fitted(self, wanted: PresetFile, stem: str, parts: list[Part]) -> PackedFile:
+    def _fitted(self, wanted: PresetFile, stem: str, parts: list[Part]) -> OutputFile:
         given = {part.source: self.pictures[part.source] for part in parts if part.source}
         sizes = {key: one.pixels.shape[:2] for key, one in given.items()}
         if len(set(sizes.values())) > 1:
@@ -184,7 +182,7 @@ class _Packer:
         four = len(parts) > 1 and sum(width_of(part.role) for part in parts) in (2, 4)
         half = first.half and dtype.kind == "f"
         how = kept or four, icc, half, first.density
-        return PackedFile(stem + suffix, tuple(parts), dtype, *how)
+        return OutputFile(stem + suffix, tuple(parts), dtype, *how)
 
     def _dtype(
         self, wanted: PresetFile, suffix: str, given: Mapping[str, Picture], parts: list[Part]
@@ -270,9 +268,9 @@ def write_preset(
     def pixels_of(key: str) -> Pixels:
         return pictures[key].pixels
 
-    check_set(planned, place, pixels_of)
+    planned.check(place, pixels_of)
     with ExitStack() as stack:
-        files = write_set(planned, place, pixels_of, lambda p: stack.enter_context(atomic(p)))
+        files = planned.write(place, pixels_of, lambda p: stack.enter_context(atomic(p)))
     return files, list(planned.notes)
 
 

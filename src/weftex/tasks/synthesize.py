@@ -212,11 +212,10 @@ def _best_of(
     made_by: dict[int, Synthesis] = {}  # the best so far
     ratings: dict[int, Rating] = {}
     scorer = MapsScorer(model.exemplar)
-    steps = Progress(
-        how["progress"], count, "outputs", lambda: made_by[kept].image if made_by else None
-    )
+    progress, threads = how["progress"], how["threads"]
+    steps = Progress(progress, count, "outputs", lambda: made_by[kept].image if made_by else None)
     for number in seeds:
-        made = model.sample(canvas, seed=number, threads=how["threads"], progress=steps.within())
+        made = model.sample(canvas, seed=number, threads=threads, progress=steps.within())
         ratings[number] = scorer.rate(made)
         if not made_by or ratings[number].choice < ratings[kept].choice:
             kept, made_by = number, {number: made}

@@ -94,7 +94,7 @@ def _write_grids(made: Atlas, plan: Plan, args: argparse.Namespace, outputs: Out
     stem = os.path.splitext(args.output)[0] if single else os.path.join(args.output, "atlas")
     texts = made.documents(os.path.basename(stem), image, None if single else maps)
     plan.write(
-        lambda name: made.image if name == plan.main else made.maps[name], outputs, args.threads
+        outputs, lambda name: made.image if name == plan.main else made.maps[name], args.threads
     )
     for suffix, text in texts.items():
         write_text(outputs.add(stem + suffix), text)

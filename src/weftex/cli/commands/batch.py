@@ -388,7 +388,7 @@ class Maker:
                 outputs.make_folder(path)
             made = plan(job.materials, job.like, options)
             try:
-                made.write(pixels_of(result, made.main), outputs, self.args.threads)
+                made.write(outputs, pixels_of(result, made.main), self.args.threads)
             except WeftexError as error:
                 raise type(error)(str(error).replace(path, target)) from None
         return path

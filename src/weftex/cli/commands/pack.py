@@ -57,7 +57,7 @@ def run(argv: list[str]) -> None:
         material = read_input(args.sample, args, spec.get("maps"))
         outputs.make_folder(args.output)
         made = plan([material], material.exemplar(), args)
-        made.write(lambda name: made.pictures[name].pixels, outputs)
+        made.write(outputs)
         return f"{made.told}packed {args.output} for {args.preset} in {bar.took:.2f} s"
 
     finish(work, args.quiet)
@@ -74,7 +74,7 @@ def run_unpack(argv: list[str]) -> None:
 
     def work(bar: Bar, outputs: Outputs) -> str:
         from weftex.io.map_files import map_files
-        from weftex.io.packed import PackedSet, kept_file, write_set
+        from weftex.io.outputs import OutputSet, kept_file
         from weftex.io.packing import unpack_set
         from weftex.io.pictures import MAX_PIXELS, is_folder, locate
         from weftex.io.presets import read_preset
@@ -92,9 +92,9 @@ def run_unpack(argv: list[str]) -> None:
         limits = {"max_pixels": None if args.allow_huge else MAX_PIXELS}
         maps, more = unpack_set(read_preset(args.preset), paths, **limits)
         maps = {role: replace(one, path="") for role, one in maps.items()}  # as PNG, or EXR
-        planned = PackedSet(tuple(kept_file(role, role, one) for role, one in maps.items()))
+        planned = OutputSet(tuple(kept_file(role, role, one) for role, one in maps.items()))
         outputs.make_folder(args.output)
-        write_set(planned, args.output, lambda role: maps[role].pixels, outputs.add)
+        planned.write(args.output, lambda role: maps[role].pixels, outputs.add)
         told = "".join(f"map: {note}\n" for note in (*notes, *more))
         found = ", ".join(maps)
         return f"{told}unpacked {found} of {args.preset} to {args.output} in {bar.took:.2f} s"

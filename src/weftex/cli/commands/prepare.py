@@ -71,7 +71,7 @@ def run(argv: list[str]) -> None:
 
             made = remove_landmarks(made)
         plans = plan([material], made, args)
-        plans.write(lambda name: plans.pictures[name].pixels, outputs)
+        plans.write(outputs)
         height, width = made.shape
         return f"{plans.told}prepared {width}x{height} {args.output} in {bar.took:.2f} s"
 

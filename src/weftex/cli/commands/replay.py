@@ -57,7 +57,7 @@ def run(argv: list[str]) -> None:
             given = read_input(args.background, args)
             around = given.maps if given.folder else {made.main: given.exemplar()}
         kept = {name: around[name].pixels if name in around else None for name in maps}
-        made.write(lambda name: result.render(maps[name], background=kept[name]), outputs)
+        made.write(outputs, lambda name: result.render(maps[name], background=kept[name]))
         size = f"{result.shape[1]}x{result.shape[0]}"
         return f"{made.told}made {size} {args.output} in {bar.took:.2f} s"
 

@@ -152,14 +152,16 @@ run_synth, run_fill, run_tile, run_fuse = (partial(run_task, name) for name in _
 
 def _make(recipe: Recipe, args: argparse.Namespace, bar: Bar, outputs: Outputs) -> str:
     """Do a task, write its output, and return what to print."""
-    from weftex.cli.files import open_job, report, write, write_debug
+    from weftex.cli.files import open_job, pixels_of, report, write_debug
 
     debug, start = getattr(args, "debug", None), bar.took
     job, plan = open_job(recipe, args, outputs)
     if debug is not None:
         outputs.make_folder(debug)
     result = job.make(progress=bar, threads=args.threads)
-    write(result, plan, args, outputs)
+    plan.write(outputs, pixels_of(result, plan.main), args.threads)
+    if args.save_source is not None:
+        result.save(outputs.add(args.save_source))
     if debug is not None:
         write_debug(result, debug, outputs)
     if recipe.task == "fill" and not job.hole.any():

@@ -1,4 +1,4 @@
-"""The files of a packed map set: their pixels, made from those of the maps, and their writing."""
+"""The files of an image or a map set: their pixels, made from those of the maps, and writing."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ class Part(NamedTuple):
 
 
 @dataclass(frozen=True)
-class PackedFile:
+class OutputFile:
     """A file to write."""
 
     name: str
@@ -109,10 +109,10 @@ def _converted(pixels: Pixels, role: str, dtype: np.dtype[Any], alpha: bool) -> 
 
 
 @dataclass(frozen=True)
-class PackedSet:
-    """The files of a set, and what else is to be written and said about them."""
+class OutputSet:
+    """The files of a picture or a set, and what else is to be written and said about them."""
 
-    files: tuple[PackedFile, ...]
+    files: tuple[OutputFile, ...]
     notes: tuple[str, ...] = ()
     name: str = ""
     material: str = ""  # one of `weftex.io.presets.MATERIALS`
@@ -157,8 +157,50 @@ class PackedSet:
         text = materialx_document(self.name, where, hextiled=hextiled)
         return {f"{self.name}.mtlx": text.encode()}
 
+    def check(self, folder: str, pixels_of: PixelsOf) -> None:
+        """Refuse what cannot be written, before any work; `pixels_of` gives pixels of this kind."""
+        by_name: dict[str, OutputFile] = {}
+        for one in self.files:
+            if one.name in by_name:
+                twins = [file.parts[0].source for file in (by_name[one.name], one)]
+                raise InvalidInputError(
+                    f"{' and '.join(twins)} would both be written to {one.name}; rename one of them"
+                )
+            by_name[one.name] = one
+            like = one.pixels(lambda key: pixels_of(key)[:1, :1])
+            check_output(os.path.join(folder, one.name), like, alpha=one.alpha)
+        for name in self.documents(lambda name: b""):
+            check_output(os.path.join(folder, name), suffixes=(suffix_of(name),))
 
-def fitted_file(name: str, key: str, like: Picture, role: str) -> tuple[PackedFile, list[str]]:
+    def write(
+        self,
+        folder: str,
+        pixels_of: PixelsOf,
+        add: Callable[[str], str],
+        threads: int | None = None,
+    ) -> list[str]:
+        """Write the files under the names that `add` returns for their paths; their names."""
+        files, at_once = self.files, thread_count(threads)
+        temporary = {one.name: add(os.path.join(folder, one.name)) for one in files}
+        shapes: dict[int, tuple[int, int]] = {}
+
+        def write_one(number: int) -> None:
+            one = files[number]
+            how: dict[str, Any] = {"alpha": one.alpha, "icc": one.icc, "half": one.half}
+            how |= {"density": one.density, "threads": max(1, at_once // len(files))}
+            pixels = one.pixels(pixels_of)
+            shapes[number] = pixels.shape[:2]
+            write_image(temporary[one.name], pixels, **how)
+
+        for _ in in_turn(write_one, range(len(files)), min(at_once, len(files))):
+            pass  # the first that fails ends it
+        documents = self.documents(lambda name: Path(temporary[name]).read_bytes(), shapes[0])
+        for name, data in documents.items():
+            write_bytes(add(os.path.join(folder, name)), data)
+        return [*temporary, *documents]
+
+
+def fitted_file(name: str, key: str, like: Picture, role: str) -> tuple[OutputFile, list[str]]:
     """Return a file of one map in the format of its name, and notes on what that loses."""
     kept = replace(kept_file("", key, like, role), name=name)
     form, given, notes = FORMATS.get(suffix_of(name)), like.pixels.dtype.name, list[str]()
@@ -177,52 +219,8 @@ def fitted_file(name: str, key: str, like: Picture, role: str) -> tuple[PackedFi
     return kept, notes
 
 
-def kept_file(stem: str, key: str, like: Picture, role: str = "color") -> PackedFile:
+def kept_file(stem: str, key: str, like: Picture, role: str = "color") -> OutputFile:
     """Return a file that holds one map as it is, in the format that it came in."""
     name = stem + written_as(like.path, like.pixels.dtype.kind == "f")
     how = like.alpha, like.icc, like.half, like.density
-    return PackedFile(name, (Part(role, key),), like.pixels.dtype, *how)
-
-
-def check_set(planned: PackedSet, folder: str, pixels_of: PixelsOf) -> None:
-    """Refuse what cannot be written, before any work; `pixels_of` gives pixels of this kind."""
-    by_name: dict[str, PackedFile] = {}
-    for one in planned.files:
-        if one.name in by_name:
-            twins = [file.parts[0].source for file in (by_name[one.name], one)]
-            raise InvalidInputError(
-                f"{' and '.join(twins)} would both be written to {one.name}; rename one of them"
-            )
-        by_name[one.name] = one
-        like = one.pixels(lambda key: pixels_of(key)[:1, :1])
-        check_output(os.path.join(folder, one.name), like, alpha=one.alpha)
-    for name in planned.documents(lambda name: b""):
-        check_output(os.path.join(folder, name), suffixes=(suffix_of(name),))
-
-
-def write_set(
-    planned: PackedSet,
-    folder: str,
-    pixels_of: PixelsOf,
-    add: Callable[[str], str],
-    threads: int | None = None,
-) -> list[str]:
-    """Write the files of a set under the names that `add` returns for their paths; their names."""
-    files, at_once = planned.files, thread_count(threads)
-    temporary = {one.name: add(os.path.join(folder, one.name)) for one in files}
-    shapes: dict[int, tuple[int, int]] = {}
-
-    def write_one(number: int) -> None:
-        one = files[number]
-        how: dict[str, Any] = {"alpha": one.alpha, "icc": one.icc, "half": one.half}
-        how |= {"density": one.density, "threads": max(1, at_once // len(files))}
-        pixels = one.pixels(pixels_of)
-        shapes[number] = pixels.shape[:2]
-        write_image(temporary[one.name], pixels, **how)
-
-    for _ in in_turn(write_one, range(len(files)), min(at_once, len(files))):
-        pass  # the first that fails ends it
-    documents = planned.documents(lambda name: Path(temporary[name]).read_bytes(), shapes[0])
-    for name, data in documents.items():
-        write_bytes(add(os.path.join(folder, name)), data)
-    return [*temporary, *documents]
+    return OutputFile(name, (Part(role, key),), like.pixels.dtype, *how)
