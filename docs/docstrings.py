@@ -28,7 +28,7 @@ def split(found: re.Match[str]) -> str:
     """One entry for each name, with its own part of the text and of the type if they have parts."""
     names, kind, text = found[1].split(", "), found[2] or "", found[3]
     parts = " ".join(text.split()).removesuffix(".").split("; ")
-    kinds = kind.removeprefix(" : ").split(", ")
+    kinds = re.split(r", (?![^(]*\))", kind.removeprefix(" : "))
     if len(kinds) != len(names) or "optional" in kinds:
         kinds = [kind.removeprefix(" : ")] * len(names)
     own = [f"    {part[0].upper()}{part[1:]}." for part in parts]
@@ -71,6 +71,8 @@ class Readable(Extension):
     def on_function(self, *, func: Function, **_: Any) -> None:
         """Show the values of defaults that are constants."""
         for parameter in func.parameters:
+            if str(parameter.annotation) == "Seed":
+                parameter.annotation = "int, numpy Generator or None"
             if re.fullmatch(r"_?[A-Z][A-Z_]+", str(parameter.default)):
                 module = importlib.import_module(func.module.path)
                 parameter.default = repr(getattr(module, str(parameter.default)))

@@ -216,8 +216,8 @@ class Method(ABC):
     """Base of all methods: a frozen dataclass whose fields are parameters.
 
     A method of your own sets `slug`, its name; `title`; `paper`, its reference; and `supports`, a
-    frozenset of "wrap" (tileable output), "known" (holes), "guide", "many" (several samples) and
-    "random_access" (windows). A task that it does not name is refused.
+    frozenset that may contain "wrap" (tileable output) and "guide". Methods of weftex also have
+    "known" (holes), "many" (several samples) and "random_access" (windows).
 
     Raises
     ------

@@ -38,8 +38,8 @@ class Exemplar(Displayable):
     Parameters
     ----------
     pixels : array (H, W) or (H, W, C)
-        uint8, uint16, float32 or float64; any number of channels. Copied, never rescaled. The
-        mask of a NumPy masked array is the opposite: True where not usable.
+        uint8, uint16, float32 or float64; any number of channels. Copied, never rescaled. If it is
+        a NumPy masked array, its masked pixels are not used.
     maps : mapping of str to array or Exemplar, optional
         Aligned maps (normal, roughness, height …), of any of these dtypes, any number of channels,
         and the same height and width, or an integer multiple or fraction of both. They take part in
@@ -52,8 +52,8 @@ class Exemplar(Displayable):
     tileable : bool, optional
         The sample repeats without a seam, so patches can cross its borders.
     alpha : bool, optional
-        The last channel is straight alpha; by default with 2 and 4 channels. An array that looks
-        like (channels, height, width) is refused unless this is given.
+        Whether the last channel is straight alpha; by default with 2 and 4 channels. If the shape
+        looks like (channels, height, width), such as (3, 64, 64), `alpha` must be given.
     icc : bytes, optional
         Color profile, written to files.
     name : str, optional
@@ -73,7 +73,7 @@ class Exemplar(Displayable):
     maps : dict of str to array
         The pixels of its maps.
     pieces : bool
-        The sample consists of separate parts, such as turned copies or several photos.
+        Whether the sample consists of parts that are masked off from each other, such as copies.
     turn, copy_shape : str or None, (int, int) or None
         Which copies `weftex.prepare.turned` added, None if it was not used; height and width of
         one of these copies, None without them.

@@ -50,7 +50,7 @@ class Synthesis(Displayable, SourceMap):
         Distance in pixels over which steps of tone at seams are spread; 0 copies pixels unchanged.
         Holes, drawings, normals and colors with alpha are always copied unchanged.
     turn, copy_shape : str or None, (int, int) or None
-        The copies that `prepare.turned` added to the sample; height and width of one of them.
+        The copies that `prepare.turned` added to the sample; height and width of one copy.
     is_window : bool
         The result is a window of an endless plane, where tone steps are not spread.
     threads : int

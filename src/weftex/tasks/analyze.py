@@ -202,7 +202,7 @@ def analyze(
         Also rate this lattice. For rows, one vector is the step from row to row. The other is one
         pixel long, and has the direction of the rows.
     runners_up : int
-        Number of other lattices to list, 0 to 24; 3 by default.
+        Number of other lattices to list, 0 to 24.
 
     Returns
     -------

@@ -73,10 +73,10 @@ def fill(
         Take patches from this sample instead of the photo. It must have the photo's dtype and
         channels, and maps of the same roles.
     method : str or Method
-        A name in `weftex.METHODS`, or a method with its parameters. By default `patch-sampling`;
-        `graphcut` if the photo has a lattice, or is at most 512x512 and has rows or features larger
-        than a twelfth of its side, and neither `sample` nor `parameters` is given. The result's
-        `provenance` has the reason.
+        A name in `weftex.METHODS`, or a method with its parameters. By default `patch-sampling`. If
+        neither `sample` nor `parameters` is given, `graphcut` for a photo with a lattice, and for a
+        photo of at most 512x512 with rows, or with features larger than a twelfth of its side. The
+        result's `provenance` has the reason.
     overlap : int
         Width in pixels of a zone around the holes that may change too. The boundary between photo
         and filling is cut inside it, so that it does not follow the outline of the mask.
@@ -92,9 +92,9 @@ def fill(
     progress : callable, optional
         See `weftex.progress.ProgressCallback`; the preview shows the surroundings of the holes.
     **parameters
-        Parameters of the method. By default `boundary_width` is 4, `epsilon` 0.02, `candidates`
-        400, and `patch_size` 48 to 128 pixels: about two fifths of the width of the holes, at most
-        a fifth of the photo's shorter side, and less where holes leave few windows of that size.
+        Parameters of the method. In holes, `patch-sampling` has the defaults `boundary_width` 4,
+        `epsilon` 0.02, `candidates` 400, and `patch_size` 48 to 128: about two fifths of the holes'
+        width, at most a fifth of the photo's shorter side, less if few such windows are left.
 
     Returns
     -------
@@ -104,7 +104,7 @@ def fill(
     Raises
     ------
     InvalidInputError
-        If sizes, dtypes or channels differ, or the mask leaves nothing to learn from.
+        If sizes, dtypes or channels differ, or no pixel outside the mask can be copied.
     UnsupportedError
         If the method does not fill holes.
     FileError

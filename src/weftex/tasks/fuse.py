@@ -90,8 +90,8 @@ def fuse(
 
     Returns
     -------
-    PixelSynthesis
-        The result. Its exemplar holds all samples, one below the other.
+    Synthesis
+        The result. Its `sample` holds all samples, one below the other.
 
     Raises
     ------

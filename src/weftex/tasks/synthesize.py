@@ -52,7 +52,7 @@ def synthesize(
     size : int, (int, int) or Canvas
         Height and width of the output in pixels.
     method : str or Method
-        A name in `weftex.METHODS`, or a method with its parameters. By default `Auto` analyzes the
+        A name in `weftex.METHODS`, "auto", or a method with its parameters. "auto" analyzes the
         sample and chooses; the result's `provenance` has the choice and its reason.
     seed : int, numpy Generator or None
         The same seed gives the same bytes, with any number of threads. None draws a seed; from a
@@ -67,16 +67,16 @@ def synthesize(
         An image of the sample's size that `guide` is compared with, such as a map of labels; see
         `Exemplar`.
     fit : bool
-        Whether to make the size nearest to `size` into which whole tiles or rows of the sample's
-        lattice fit. It needs `tileable`, and changes nothing if the sample has no lattice.
+        Whether to change `size` to the nearest one that contains whole tiles or rows of a
+        lattice. It needs `tileable`, and has no effect if the sample has no lattice.
     best_of : int
         Number of results, 1 to 1000, made with `seed`, `seed` + 1 and so on. The result with the
         best score is returned. Its provenance has all scores.
     landmarks : {"auto", "keep", "thin", "remove"}
         What to do with landmarks, small salient regions that reveal repeats: keep them, show each
-        only at places far apart, or remove them. By default `Auto` thins them in outputs of at
-        least 8 times the sample's area if features are small; other methods keep them. Samples with
-        a lattice or rows are not changed.
+        only at places far apart, or remove them. With "auto", the method `Auto` thins them if the
+        output has at least 8 times the sample's area and features are small. All other methods keep
+        them. Samples with a lattice or rows are not changed.
     threads : int, optional
         Maximum number of threads; one for each processor by default.
     progress : callable, optional

@@ -99,7 +99,7 @@ class GraphCut(Method):
     )
     seam_cost: str = parameter(
         "gradient",
-        "cost of a seam: color difference (difference), or also divided by gradients (gradient)",
+        "cost of a seam: color difference (difference), or that divided by gradients (gradient)",
         choices=("gradient", "difference"),
     )
     refinements: float | None = parameter(
@@ -123,7 +123,7 @@ class GraphCut(Method):
         "number of pyramid levels for matching and cutting; 0 is full resolution (the paper)",
         low=0,
         high=8,
-        default_text="up to 4; patches keep at least 24 pixels a side",
+        default_text="up to 4, while patches stay at least 24 pixels wide",
     )
     tone_reach: float = parameter(
         16.0,
@@ -136,7 +136,7 @@ class GraphCut(Method):
     )
     lattice: tuple[float, ...] | None = parameter(
         None,
-        "lattice vectors x1,y1,x2,y2, whose multiples are the shifts; for rows P apart: 0,P,1,0",
+        "shift only by multiples of the lattice vectors x1,y1,x2,y2; for rows P apart: 0,P,1,0",
         count=4,
         unit="px",
         default_text="any shift",
