@@ -58,8 +58,8 @@ class Canvas:
         Image that the output follows. It is compared with the sample's guide if there is one (see
         `Exemplar`), else with the sample's pixels, and has their dtype and channels.
     shown : int32 array (H, W), optional
-        For a block of an endless plane: the source of each pixel that another block made, as
-        row * width + column in the sample; -1 for others. Methods may start from it in the hole.
+        The source of each pixel that is there before, in a block of an endless plane or a border
+        that may change, as row * width + column in the sample; else -1. Methods may start from it.
 
     Raises
     ------

@@ -23,6 +23,8 @@ from weftex.results.pixels import PixelSynthesis
 from weftex.seams.boundary import cut_around
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from numpy.typing import NDArray
 
     from weftex.exemplar import Sample
@@ -186,14 +188,29 @@ def fill(
     part = Canvas(*place.shape, region.wrap, features, region.crop(hole), canvas.known_from)
     assert part.hole is not None
     how: dict[str, Any] = {"seed": seed, "threads": threads, "progress": progress}
+    own = np.arange(part.hole.size, dtype=np.int32).reshape(part.shape)
+    photo_shown = np.where(region.crop(masked), np.int32(-1), own)
+
+    def filled(by: Method, given: frozenset[str] | None) -> Synthesis:
+        if not (overlap and inside and "overlap" in by.supports):
+            return by.for_hole(part.hole, usable, given).fit(near).sample(part, **how)
+        # The method cuts between the photo and its patches itself, by all that is there.
+        border = hole & ~masked if source.mask is None else hole & ~masked & source.mask
+        around = near.changed(mask=usable | (region.near & region.crop(border)))
+        begun = replace(part, shown=photo_shown)
+        return by.for_hole(part.hole, usable, given).fit(around).sample(begun, **how)
+
     with listening(progress):
-        made = _filled_by_auto(near, part, how) if by_sample and inside else None
+        made = _filled_by_auto(near, part, filled) if by_sample and inside else None
         if made is None:
-            made = chosen.for_hole(part.hole, usable, given).fit(near).sample(part, **how)
+            made = filled(chosen, given)
     if overlap:
-        cut = cut_around(
-            features, made.image.reshape(features.shape), part.hole, region.crop(masked)
-        )
+        if made.canvas.shown is not None:
+            assert isinstance(made, PixelSynthesis)
+            cut = part.hole & (made.index != own)
+        else:
+            image = made.image.reshape(features.shape)
+            cut = cut_around(features, image, part.hole, region.crop(masked))
         canvas = replace(canvas, hole=region.put(cut, hole.shape))
         made.provenance["overlap"] = int(overlap)
     source_to = region.corner if inside else (0, 0)
@@ -202,17 +219,19 @@ def fill(
     return result
 
 
-def _filled_by_auto(near: Exemplar, part: Canvas, how: dict[str, Any]) -> Synthesis | None:
+def _filled_by_auto(
+    near: Exemplar,
+    part: Canvas,
+    filled: Callable[[Method, frozenset[str] | None], Synthesis],
+) -> Synthesis | None:
     """Fill as "auto" chooses; None if that is the default, or too few pixels are left for it."""
     from weftex.tasks.auto import choose_for_hole
 
     choice = choose_for_hole(near, part)
     if choice.method == FOR_HOLES:
         return None
-    method = make_method(choice.method, choice.parameters)
-    assert part.hole is not None and near.mask is not None
     try:
-        made = method.for_hole(part.hole, near.mask, None).fit(near).sample(part, **how)
+        made = filled(make_method(choice.method, choice.parameters), None)
     except InvalidInputError:
         return None
     made.provenance["reason"] = choice.reason

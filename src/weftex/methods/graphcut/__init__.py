@@ -57,7 +57,7 @@ class GraphCut(Method):
         "V. Kwatra, A. Schödl, I. Essa, G. Turk, A. Bobick: Graphcut textures: image and video "
         "synthesis using graph cuts. ACM Transactions on Graphics 22(3), 2003"
     )
-    supports: ClassVar[frozenset[str]] = frozenset({"wrap", "known"})
+    supports: ClassVar[frozenset[str]] = frozenset({"wrap", "known", "overlap"})
 
     placement: str = parameter(
         "subpatch",
@@ -252,7 +252,7 @@ class GraphCutModel(PixelModel):
 
     def synthesize(self, sample: Sample, growth: Growth) -> None:
         """Cover the canvas with patches, then put more patches over its worst seams."""
-        if growth.canvas.shown is not None:  # a block of a plane: its border may be cut again
+        if growth.canvas.shown is not None:  # of a plane's block or a hole, whose border may change
             growth.show(growth.canvas.shown >= 0)
         method, shape = self.on(growth.canvas)
         placement = placement_of(method, shape, sample, growth)

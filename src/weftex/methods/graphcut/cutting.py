@@ -45,8 +45,7 @@ class CutCanvas:
         self.shape, self.sample_shape = canvas.shape, sample.exemplar.shape
         self.done, self.halvings = growth.done.ravel(), block.bit_length() - 1
         known = self.done.copy()
-        if canvas.shown is not None:
-            assert canvas.hole is not None
+        if canvas.shown is not None and canvas.hole is not None:
             known = (~canvas.hole).ravel().astype(np.uint8)
         pixels, self.runs = growth.pixels.reshape(known.size, -1), np.zeros(known.size, np.int8)
         self.labeling = cost_kernels.Labeling(
@@ -65,7 +64,8 @@ class CutCanvas:
         ]
         self._graphs = [_graph(self.labeling, *size) for _ in range(threads)]  # that are free
         # Not in the paper: seed 1 fills a hole by the cheapest patches, each other seed by others.
-        self.filling = growth.seed - 1 if canvas.known is not None and canvas.shown is None else 0
+        fills = canvas.known is not None and (canvas.shown is None or canvas.known_from is not None)
+        self.filling = growth.seed - 1 if fills else 0
         self._least, self._tolerated = math.inf, _TOLERATED if self.filling else 1.0
 
     def missing(self) -> Iterator[tuple[int, int]]:
