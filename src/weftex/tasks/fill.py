@@ -36,6 +36,8 @@ if TYPE_CHECKING:
 
     #: A path, a PIL image or a bool array (H, W), True where the photo is to be filled.
     Mask = str | os.PathLike[str] | NDArray[np.bool_] | Any
+    #: Fills by a method, of which these parameters were given.
+    _Filled = Callable[[Method, frozenset[str] | None], Synthesis]
 
 #: Pixels around a hole that are used at least; more if the method needs them.
 _LEAST_REACH = 256
@@ -185,20 +187,21 @@ def fill(
         alpha=False,
         name=source.name,
     )
-    part = Canvas(*place.shape, region.wrap, features, region.crop(hole), canvas.known_from)
+    missing = region.crop(hole)
+    part = Canvas(*place.shape, region.wrap, features, missing, canvas.known_from)
     assert part.hole is not None
     how: dict[str, Any] = {"seed": seed, "threads": threads, "progress": progress}
-    own = np.arange(part.hole.size, dtype=np.int32).reshape(part.shape)
+    own = np.arange(missing.size, dtype=np.int32).reshape(part.shape)
     photo_shown = np.where(region.crop(masked), np.int32(-1), own)
 
     def filled(by: Method, given: frozenset[str] | None) -> Synthesis:
         if not (overlap and inside and "overlap" in by.supports):
-            return by.for_hole(part.hole, usable, given).fit(near).sample(part, **how)
+            return by.for_hole(missing, usable, given).fit(near).sample(part, **how)
         # The method cuts between the photo and its patches itself, by all that is there.
-        border = hole & ~masked if source.mask is None else hole & ~masked & source.mask
+        border = hole & ~masked & (True if source.mask is None else source.mask)
         around = near.changed(mask=usable | (region.near & region.crop(border)))
         begun = replace(part, shown=photo_shown)
-        return by.for_hole(part.hole, usable, given).fit(around).sample(begun, **how)
+        return by.for_hole(missing, usable, given).fit(around).sample(begun, **how)
 
     with listening(progress):
         made = _filled_by_auto(near, part, filled) if by_sample and inside else None
@@ -207,10 +210,10 @@ def fill(
     if overlap:
         if made.canvas.shown is not None:
             assert isinstance(made, PixelSynthesis)
-            cut = part.hole & (made.index != own)
+            cut = missing & (made.index != own)
         else:
             image = made.image.reshape(features.shape)
-            cut = cut_around(features, image, part.hole, region.crop(masked))
+            cut = cut_around(features, image, missing, region.crop(masked))
         canvas = replace(canvas, hole=region.put(cut, hole.shape))
         made.provenance["overlap"] = int(overlap)
     source_to = region.corner if inside else (0, 0)
@@ -219,11 +222,7 @@ def fill(
     return result
 
 
-def _filled_by_auto(
-    near: Exemplar,
-    part: Canvas,
-    filled: Callable[[Method, frozenset[str] | None], Synthesis],
-) -> Synthesis | None:
+def _filled_by_auto(near: Exemplar, part: Canvas, filled: _Filled) -> Synthesis | None:
     """Fill as "auto" chooses; None if that is the default, or too few pixels are left for it."""
     from weftex.tasks.auto import choose_for_hole
 
