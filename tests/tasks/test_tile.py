@@ -52,10 +52,8 @@ def test_maps_come_along():
 
 
 def test_a_size_that_whole_tiles_fit_into_is_named():
-    pixels = wall(160, 200)
-    assert any(
-        "crop the photo first" in w for w in weftex.tile(pixels, seed=1).provenance["warnings"]
-    )
+    warnings = weftex.tile(wall(160, 200), seed=1).provenance["warnings"]
+    assert any("crop the photo first" in w for w in warnings)
     whole = weftex.tile(wall(144, 192), seed=1)
     assert not any("crop" in w for w in whole.provenance.get("warnings", ()))
 

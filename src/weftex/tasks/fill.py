@@ -139,14 +139,8 @@ def fill(
     hole = grown(masked, int(overlap), wrap) if overlap else masked
     whole, source = (whole, whole) if sample is None else _load_sample(sample, whole)
     inside = sample is None
-    canvas = Canvas(
-        *whole.shape,
-        wrap,
-        known=whole.pixels,
-        hole=hole,
-        known_from=(0, 0) if inside else None,
-        known_maps={} if inside else whole.maps,
-    )
+    around: dict[str, Any] = {"known_from": (0, 0)} if inside else {"known_maps": whole.maps}
+    canvas = Canvas(*whole.shape, wrap, whole.pixels, hole, **around)
     chosen.require(canvas)
     if not hole.any():
         return PixelSynthesis(
@@ -192,28 +186,26 @@ def fill(
     assert part.hole is not None
     how: dict[str, Any] = {"seed": seed, "threads": threads, "progress": progress}
     own = np.arange(missing.size, dtype=np.int32).reshape(part.shape)
-    photo_shown = np.where(region.crop(masked), np.int32(-1), own)
+    anew = region.crop(masked)
 
     def filled(by: Method, given: frozenset[str] | None) -> Synthesis:
         if not (overlap and inside and "overlap" in by.supports):
             return by.for_hole(missing, usable, given).fit(near).sample(part, **how)
         # The method cuts between the photo and its patches itself, by all that is there.
         border = hole & ~masked & (True if source.mask is None else source.mask)
-        around = near.changed(mask=usable | (region.near & region.crop(border)))
-        begun = replace(part, shown=photo_shown)
-        return by.for_hole(missing, usable, given).fit(around).sample(begun, **how)
+        with_border = near.changed(mask=usable | (region.near & region.crop(border)))
+        begun = replace(part, shown=np.where(anew, np.int32(-1), own))
+        return by.for_hole(missing, usable, given).fit(with_border).sample(begun, **how)
 
     with listening(progress):
         made = _filled_by_auto(near, part, filled) if by_sample and inside else None
         if made is None:
             made = filled(chosen, given)
     if overlap:
-        if made.canvas.shown is not None:
-            assert isinstance(made, PixelSynthesis)
+        if isinstance(made, PixelSynthesis) and made.canvas.shown is not None:
             cut = missing & (made.index != own)
         else:
-            image = made.image.reshape(features.shape)
-            cut = cut_around(features, image, missing, region.crop(masked))
+            cut = cut_around(features, made.image.reshape(features.shape), missing, anew)
         canvas = replace(canvas, hole=region.put(cut, hole.shape))
         made.provenance["overlap"] = int(overlap)
     source_to = region.corner if inside else (0, 0)

@@ -21,6 +21,7 @@ from weftex.prepare.landmarks import find_landmarks, has_joint_network
 from weftex.random import draw
 from weftex.raster.masks import grown
 from weftex.raster.turning import boxes_of, turned_pixels
+from weftex.results.files import ABOUT
 from weftex.results.pixels import PixelSynthesis
 from weftex.results.synthesis import Synthesis
 from weftex.seams.boundary import cut_around
@@ -267,19 +268,10 @@ class PlainSample:
                     which = draw(seed, "filling", zone, row, column) % len(self.fillings)
                     source = self.fillings[int(which)].ravel()[source]
                 index[pixels] = there[number, source]
-            made = PixelSynthesis(
-                made.canvas,
-                index,
-                sample_shape=made.sample_shape,
-                exemplar=picture,
-                known_from=made.known_from,
-                provenance=made.provenance,
-                match_tone=made.match_tone,
-                tone_reach=made.tone_reach,
-                threads=made.threads,
-            )
-        about = {"found": len(self.masks), "rare": self.rare, "shown": count}
-        made.provenance["landmarks"] = about
+            about = {name: getattr(made, name) for name in (*ABOUT, "threads")}
+            made = PixelSynthesis(made.canvas, index, exemplar=picture, **about)
+        counts = {"found": len(self.masks), "rare": self.rare, "shown": count}
+        made.provenance["landmarks"] = counts
         if self.because:
             made.provenance["reason"] = f"{made.provenance['reason']}; {self.because}"
         return made
