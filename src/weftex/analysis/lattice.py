@@ -241,7 +241,7 @@ def _plain(vectors: NDArray[np.float64]) -> tuple[Vector, ...]:
 
 @dataclass(frozen=True)
 class Rated:
-    """A lattice or rows, and its rating by section 3.3 of the thesis.
+    """A lattice or rows, rated as in section 3.3 of the thesis by D. López Recas (2011).
 
     Attributes
     ----------

@@ -23,7 +23,8 @@ def fusion(
 ) -> Made:
     """Merge textures where a map says, with belts of a merged texture between them.
 
-    The paper on pixel-based texture synthesis by non-parametric sampling, section 4.
+    S. Shin, T. Nishita, S. Y. Shin: On pixel-based texture synthesis by non-parametric sampling,
+    2006, section 4.
 
     Parameters
     ----------

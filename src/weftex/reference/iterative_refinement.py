@@ -25,8 +25,8 @@ def iterative_refinement(
 ) -> Made:
     """Plant a grid of seed points, and refine the texture until it no longer changes.
 
-    The paper on pixel-based texture synthesis by non-parametric sampling, section 3: iterative
-    refinement with an exhaustive search.
+    S. Shin, T. Nishita, S. Y. Shin: On pixel-based texture synthesis by non-parametric sampling,
+    2006, section 3: iterative refinement with an exhaustive search.
 
     Parameters
     ----------

@@ -48,7 +48,7 @@ class Synthesis(Displayable, SourceMap):
         Match the tone of a filled hole to its surroundings.
     tone_reach : float
         Distance in pixels over which steps of tone at seams are spread; 0 copies pixels unchanged.
-        Holes, drawings, normals and colors with alpha are always copied unchanged.
+        Holes, images of few colors, normals and colors with alpha are always copied unchanged.
     turn, copy_shape : str or None, (int, int) or None
         The copies that `prepare.turned` added to the sample; height and width of one copy.
     is_window : bool

@@ -51,7 +51,7 @@ class Band:
 
 @dataclass(frozen=True)
 class Ratings:
-    """Lattices of a sample, rated as in section 3.3 of the thesis on near-regular textures.
+    """Lattices of a sample, rated as in section 3.3 of the thesis by D. López Recas (2011).
 
     Attributes
     ----------
