@@ -96,11 +96,10 @@ class Option(NamedTuple):
         return [f"{self.flag}={text}"] if text.startswith("-") else [self.flag, text]
 
     def as_json(self) -> dict[str, Any]:
-        """Return what a page needs to ask for a value, as for parameters of methods."""
+        """Return what a page needs to ask for a value."""
         names = ("name", "default", "help", "low", "high", "unit", "default_text")
         own = {name: getattr(self, name) for name in names}
-        own |= {"type": self.kind.name, "choices": list(self.choices), "needs": None}
-        return own | {"needs_canvas": "", "idle_canvas": "", "count": 0, "parity": ""}
+        return own | {"type": self.kind.name, "choices": list(self.choices)}
 
 
 def plain(value: Any) -> Any:

@@ -161,6 +161,8 @@ def fill(
         usable &= source.mask
     # What was given stays as it is; a method that is an object was given with all its values.
     given = frozenset(parameters) if isinstance(method, str) or is_auto(method) else None
+    # `whole` and `canvas` are the photo. Only a region of it is filled: `place` is what it shows,
+    # `near` is the sample for it, and `part` its canvas.
     reach = max(_LEAST_REACH, chosen.hole_reach)
     region = Region(hole, canvas.wrap, usable if inside else None, reach)
     if inside:
