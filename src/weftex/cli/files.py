@@ -86,9 +86,7 @@ def open_job(
     make_room(paths[:1] if recipe.task == "fill" else paths, args, outputs)
     job = open_materials(recipe, args)
     notes = [f"map: {note}" for note in job.notes] if recipe.task == "synth" else []
-    made = plan(job.materials, job.like, args, notes)
-    job.check()
-    return job, made
+    return job, plan(job.materials, job.like, args, notes)
 
 
 def make_room(paths: list[str], args: argparse.Namespace, outputs: Outputs) -> None:

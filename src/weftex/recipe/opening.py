@@ -13,6 +13,7 @@ from weftex.errors import InvalidInputError
 from weftex.exemplar import Exemplar
 from weftex.exemplar.material import Material, read_material, role_of_picture
 from weftex.recipe.recipe import Recipe, gradient
+from weftex.results.scales import check_size
 from weftex.roles import COLOR, Role, role_of
 from weftex.tasks.synthesize import synthesize_on
 
@@ -271,13 +272,6 @@ class OpenedRecipe:
         picture = self.open_picture(given)
         return Exemplar(picture.pixels, alpha=picture.alpha, name=picture.path)
 
-    def check(self) -> None:
-        """Raise `InvalidInputError` where maps of the sample do not fit into the size."""
-        from weftex.results.scales import check_size
-
-        if self.recipe.task in ("synth", "fuse"):
-            check_size(self.like, self.shape)
-
     def make(
         self,
         *,
@@ -290,7 +284,8 @@ class OpenedRecipe:
 
         Whoever keeps models of synth gives `get_model`, which returns the model of its sample.
         """
-        self.check()
+        if self.recipe.task in ("synth", "fuse"):
+            check_size(self.like, self.shape)
         how: dict[str, Any] = {"seed": self.recipe.seed if seed is None else seed}
         how |= {"threads": threads, "progress": progress}
         if self.recipe.task == "synth":
