@@ -5,7 +5,8 @@ from __future__ import annotations
 import os
 import sys
 from collections.abc import Callable, Iterable, Iterator
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager, nullcontext
+from functools import cache
 from typing import Any
 
 from weftex.errors import InvalidInputError, is_whole, shown
@@ -103,3 +104,22 @@ def in_turn(work: Callable[[Any], Any], over: Iterable[Any], threads: int) -> It
         finally:  # also where nobody asks for more
             for future in ahead:
                 future.cancel()
+
+
+@cache
+def _blas() -> Any:
+    from threadpoolctl import ThreadpoolController
+
+    return ThreadpoolController()
+
+
+def one_blas_thread() -> AbstractContextManager[Any]:
+    """Return a context that keeps BLAS to one thread.
+
+    Its threads busy-wait, so a product of a millisecond takes a tenth of a second beside other
+    work. Rounding must not depend on their number either.
+    """
+    if os.environ.get("OPENBLAS_NUM_THREADS") == "1":
+        return nullcontext()
+    limit: AbstractContextManager[Any] = _blas().limit(limits=1, user_api="blas")
+    return limit

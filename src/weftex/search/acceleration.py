@@ -7,16 +7,14 @@ so the coordinates, and with them the candidates, are the same on every machine 
 
 from __future__ import annotations
 
-import os
-from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass
-from functools import cache
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from weftex.errors import missing_packages
+from weftex.threads import one_blas_thread
 
 _VARIANCE = 0.97  # that components keep, as in the paper
 MOST_COMPONENTS = 48  # keeps a sum of squares in the kernel under 2**31
@@ -101,25 +99,6 @@ class Components:
     offset: NDArray[np.int32]  # (D,): subtracted from a product with `basis`
     shift: int  # to the right, with rounding, which brings coordinates to their range
     coordinates: NDArray[np.int16]  # (D, n): of the windows; one component is one row
-
-
-@cache
-def _blas() -> Any:
-    from threadpoolctl import ThreadpoolController
-
-    return ThreadpoolController()
-
-
-def one_blas_thread() -> AbstractContextManager[Any]:
-    """Return a context that keeps BLAS to one thread.
-
-    Its threads busy-wait, so a product of a millisecond takes a tenth of a second beside other
-    work. Rounding must not depend on their number either.
-    """
-    if os.environ.get("OPENBLAS_NUM_THREADS") == "1":
-        return nullcontext()
-    limit: AbstractContextManager[Any] = _blas().limit(limits=1, user_api="blas")
-    return limit
 
 
 def fit_pca(windows: NDArray[np.uint8], variance: float = _VARIANCE) -> Components:

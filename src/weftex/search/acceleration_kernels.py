@@ -39,13 +39,9 @@ def block_means(canvas, y, x, blocks, side, means):
 @cython.nogil
 @cython.exceptval(check=False)
 def offer(
-    key: cython.longlong,
-    place: cython.int,
-    count: cython.Py_ssize_t,
-    wanted: cython.Py_ssize_t,
-    keys: cython.p_longlong,
-    places: cython.p_int,
-) -> cython.Py_ssize_t:
+    key: cython.longlong, place: cython.int, count: cython.Py_ssize_t, wanted: cython.Py_ssize_t,
+    keys: cython.p_longlong, places: cython.p_int,
+) -> cython.Py_ssize_t:  # fmt: skip
     """Put a candidate into a heap that keeps the `wanted` smallest keys; return its new size."""
     cython.declare(i=cython.Py_ssize_t, child=cython.Py_ssize_t)
     if count < wanted:

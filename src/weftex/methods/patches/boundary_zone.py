@@ -84,7 +84,7 @@ def boundary_zone(
     cut = [side.any() if outlines else side.any(axis=1).all() for side in sides]
     return BoundaryZone(
         weight=weight.astype(np.uint16),
-        strips=strips_over(zone),
+        strips=strips_over(zone, width),
         blocks=np.ascontiguousarray(blocks, np.int32),
         side=side,
         bands=np.array([depth, left, right, top, bottom, *cut], np.int32),
@@ -92,22 +92,14 @@ def boundary_zone(
     )
 
 
-def _run_lengths(mask: NDArray[np.bool_]) -> NDArray[np.int64]:
-    """For each pixel the length of the row run that it lies in, 0 outside."""
-    start, stop, row = row_runs(mask)
-    lengths = np.zeros(mask.shape, np.int64)
-    flat = lengths.ravel()
-    for a, b, r in zip(start, stop, row, strict=True):
-        flat[r * mask.shape[1] + a : r * mask.shape[1] + b] = b - a
-    return lengths
-
-
-def strips_over(zone: NDArray[np.bool_]) -> NDArray[np.int32]:
-    """Cover the zone with strips, each pixel along the direction in which its part is longer."""
-    flat = _run_lengths(zone) >= _run_lengths(zone.T).T
-    start, stop, row = row_runs(zone & flat)
-    lying = np.stack([0 * row, row, start, stop - start], axis=1)
-    start, stop, column = row_runs((zone & ~flat).T)
+def strips_over(zone: NDArray[np.bool_], width: int) -> NDArray[np.int32]:
+    """Cover the zone with strips: lying ones longer than its width, and upright ones elsewhere."""
+    start, stop, row = row_runs(zone)
+    lying = np.stack([0 * row, row, start, stop - start], axis=1)[stop - start > width]
+    left = zone.copy()
+    for _, v, u, length in lying.tolist():
+        left[v, u : u + length] = False
+    start, stop, column = row_runs(left.T)
     upright = np.stack([0 * column + 1, start, column, stop - start], axis=1)
     return np.ascontiguousarray(np.concatenate([lying, upright]), np.int32)
 

@@ -28,18 +28,13 @@ from weftex.methods.patches.orders import (
     scan_pixels,
     spiral_patches,
 )
-from weftex.methods.patches.patch_kernels import (
-    SKIPPED,
-    Patches,
-    Shortlist,
-    Tolerance,
-    lay_patches,
-)
+from weftex.methods.patches.patch_kernels import SKIPPED, Patches, Shortlist, Tolerance, lay_patches
 from weftex.methods.patches.plane_order import PatchAxis, PlaneOrder, least_period
 from weftex.progress import Progress, ProgressCallback
 from weftex.results.paste_kernels import Layout
 from weftex.results.patches import PatchSynthesis
 from weftex.results.synthesis import Synthesis
+from weftex.threads import thread_map
 
 #: Covers an output with patches: the algorithm of a method.
 Cover = Callable[["Output", Any], None]
@@ -68,25 +63,16 @@ class PatchModel(Model):
         method = self._given.resolved_on(canvas, self.method)
         output = Output(self.analysis.for_method(method), canvas, seed, threads, progress)
         self._cover(output, method)
-        placements, weights = output.placements, output.weights()
+        placements = output.placements
         if method.pixelwise:  # of the window only the pixel in the middle is pasted
             reach = output.frame.boundary_width
             placements[:, :2] = (placements[:, :2] + reach - output.frame.margin) % canvas.shape
             placements[:, 2:4] += reach
             placements[:, 4] = 0
-            weights = np.full((1, 1, 1), 256, np.uint16)
         placements[:, 2:4] %= self.exemplar.shape
-        return PatchSynthesis(
-            canvas,
-            placements,
-            weights,
-            output.cuts,
-            sample_shape=self.exemplar.shape,
-            exemplar=self.exemplar,
-            known_from=canvas.known_from,
-            provenance=method.describe() | {"seed": seed},
-            picture=output.picture(),
-        )
+        about = method.describe() | {"seed": seed}
+        known_from, picture = canvas.known_from, output.picture()
+        return output.synthesis(canvas, about, picture=picture, known_from=known_from)
 
     @property
     def _plane_boundary(self) -> int:
@@ -117,24 +103,14 @@ class PatchModel(Model):
         if self._pieces is None:
             self._pieces = SamplePieces(self.exemplar, analysis.windows(side, side)[0])
         order = partial(plan.order, seed=asked.seed, pieces=self._pieces)
-        canvas = Canvas(*plan.frame_shape)
+        canvas = Canvas(*plan.frame.shape)
         output = Output(analysis, canvas, asked.seed, asked.threads, progress, order)
         self._cover(output, self.method)
-        top, left = (span.first - at for span, at in zip(box, plan.corner, strict=True))
-        here = slice(top, top + box.shape[0]), slice(left, left + box.shape[1])
-        picture = output.picture()
-        return PatchSynthesis(
-            canvas_of(box),
-            output.placements,
-            output.weights(),
-            output.cuts,
-            frame=np.array([*canvas.shape, top, left]),
-            sample_shape=self.exemplar.shape,
-            exemplar=self.exemplar,
-            is_window=True,
-            provenance=self.method.describe() | asked.told,
-            picture=None if picture is None else np.ascontiguousarray(picture[here]),
-        )
+        here, picture = box.within(plan.frame), output.picture()
+        picture = None if picture is None else np.ascontiguousarray(picture[here])
+        frame = np.array([*canvas.shape, *(at.start for at in here)])
+        about = self.method.describe() | asked.told
+        return output.synthesis(canvas_of(box), about, picture=picture, frame=frame, is_window=True)
 
 
 class Output:
@@ -208,17 +184,9 @@ class Output:
             for run in piece:
                 paste(run)
 
-        if not order.parallel:
+        with thread_map(self._threads if order.parallel else 1) as map_:
             for step in order.steps:
-                for piece in step.pieces:
-                    paste_piece(piece)
-                progress.advance(step.done)
-            return
-        from concurrent.futures import ThreadPoolExecutor
-
-        with ThreadPoolExecutor(self._threads) as pool:
-            for step in order.steps:
-                list(pool.map(paste_piece, step.pieces))
+                list(map_(paste_piece, step.pieces))
                 progress.advance(step.done)
 
     def search_for(self, run: Run) -> ZoneSearch:
@@ -263,10 +231,22 @@ class Output:
             )
         return self._shortlists[get_ident()]
 
-    def weights(self) -> NDArray[np.uint16]:
-        """Weight of every zone's new pixels in 1/256: (zones, rows, columns)."""
+    def synthesis(self, canvas: Canvas, about: dict[str, Any], **more: Any) -> PatchSynthesis:
+        """Return the patches as a result on a canvas, which may be a part of the frame."""
         found = [search.zone.weight for search in self._zones.searches]
-        return np.stack(found) if found else np.zeros((0, *self.frame.window), np.uint16)
+        weights = np.stack(found) if found else np.zeros((0, *self.frame.window), np.uint16)
+        if self.method.pixelwise:
+            weights = np.full((1, 1, 1), 256, np.uint16)
+        return PatchSynthesis(
+            canvas,
+            self.placements,
+            weights,
+            self.cuts,
+            sample_shape=self.analysis.exemplar.shape,
+            exemplar=self.analysis.exemplar,
+            provenance=about,
+            **more,
+        )
 
     def picture(self) -> NDArray[np.uint8] | None:
         """The matched pixels where they are the picture itself, so that it need not be rendered."""

@@ -18,6 +18,7 @@ from weftex.canvas import Canvas
 from weftex.methods.patches.analysis import Zones
 from weftex.methods.patches.method import PatchMethod
 from weftex.random import draw
+from weftex.raster.masks import grown
 
 _MOST_AROUND = 11  # earlier patches that a patch should not repeat
 _THREADS_FROM = 512  # patches; fewer are pasted faster by one thread
@@ -284,10 +285,9 @@ def pasted_nearby(corners: NDArray[np.int32], reach: NDArray[np.int64]) -> NDArr
     """Return the latest earlier patches nearer than `reach` to each; -1 for none."""
     around = np.full((len(corners), _MOST_AROUND), -1, np.int32)
     for k in range(1, len(corners)):
-        near = np.flatnonzero((np.abs(corners[:k] - corners[k]) < reach).all(axis=1))[
-            -_MOST_AROUND:
-        ]
-        around[k, : len(near)] = near
+        near = (np.abs(corners[:k] - corners[k]) < reach).all(axis=1)
+        latest = np.flatnonzero(near)[-_MOST_AROUND:]
+        around[k, : len(latest)] = latest
     return around
 
 
@@ -353,12 +353,11 @@ def spiral(cells: NDArray[np.bool_]) -> Iterator[tuple[int, int]]:
 def _groups(cells: NDArray[np.bool_]) -> Iterator[NDArray[np.bool_]]:
     left = cells.copy()
     while left.any():
-        group = np.zeros_like(left)
-        stack = [tuple(int(k) for k in np.argwhere(left)[0])]
-        while stack:
-            y, x = stack.pop()
-            if not (0 <= y < left.shape[0] and 0 <= x < left.shape[1] and left[y, x]):
-                continue
-            left[y, x], group[y, x] = False, True
-            stack += [(y + dy, x + dx) for dy in (-1, 0, 1) for dx in (-1, 0, 1)]
+        group, wider = (
+            np.zeros_like(left),
+            np.arange(left.size).reshape(left.shape) == left.argmax(),
+        )
+        while (wider != group).any():
+            group, wider = wider, grown(wider, 1, (False, False)) & left
+        left &= ~group
         yield group

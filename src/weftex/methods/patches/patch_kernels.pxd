@@ -30,16 +30,13 @@ cdef class WindowSearch:
     cdef Py_ssize_t stride
     cdef const unsigned char[:, ::1] usable
     cdef const int[::1] corners
-    cdef Py_ssize_t area
-    cdef const int[:, ::1] strips
-    cdef const int[:, ::1] blocks
-    cdef Py_ssize_t side
+    cdef Py_ssize_t area, side  # these and the next ones: of `BoundaryZone`
+    cdef const int[:, ::1] strips, blocks
     cdef const int[::1] bands
     cdef const unsigned char[:, :, :, :, ::1] nodes
-    cdef const short[:, ::1] basis
+    cdef const short[:, ::1] basis, coordinates  # these and the next ones: of `Components`
     cdef const int[::1] offset
     cdef int shift
-    cdef const short[:, ::1] coordinates
 
 cdef class Shortlist:
     cdef Py_ssize_t wanted  # candidates: m of Liang et al., section 3.2

@@ -103,15 +103,10 @@ class Shortlist:
 
 
 def lay_patches(
-    canvas: cython.uchar[:, :, ::1],
-    patches: Patches,
-    first: cython.Py_ssize_t,
-    last: cython.Py_ssize_t,
-    layout: Layout,
-    search: WindowSearch,
-    tolerance: Tolerance,
+    canvas: cython.uchar[:, :, ::1], patches: Patches, first: cython.Py_ssize_t,
+    last: cython.Py_ssize_t, layout: Layout, search: WindowSearch, tolerance: Tolerance,
     shortlist: Shortlist,
-):
+):  # fmt: skip
     """Choose sources for patches `first` to `last` - 1, cut each and paste it on the canvas.
 
     All have the zone of `search`. `layout` has the weights of this zone alone, as number 0.

@@ -92,19 +92,16 @@ class PlaneOrder:
     """The patches that a window of a plane depends on."""
 
     def __init__(self, axes: tuple[PatchAxis, PatchAxis], box: Box) -> None:
-        self.axes = rows, columns = axes
-        (down, shown_rows), (across, shown_columns) = (
-            rows.around(box.rows),
-            columns.around(box.columns),
-        )
-        self.numbers = down, across  # numbers of the rows and of the columns of patches
+        self.axes = axes
+        around = [axis.around(span) for axis, span in zip(axes, box, strict=True)]
+        # numbers of the rows and of the columns of patches, and which of them show
+        self.numbers, self.shown = zip(*around, strict=True)
         # where they begin on the plane, in pixels
         self.starts = tuple(
             np.array([axis.patches.node(n) for n in line.tolist()], np.int64)
             for axis, line in zip(self.axes, self.numbers, strict=True)
         )
-        self.shape = len(down), len(across)
-        self.shown = shown_rows, shown_columns
+        self.shape = len(self.numbers[0]), len(self.numbers[1])
         self._place()
 
     def _place(self) -> None:
@@ -181,7 +178,8 @@ class PlaneOrder:
         )
         around = np.where(self.depends_on[:, y, x], number[rows, columns], np.int32(-1))
         around = np.ascontiguousarray(around.T)
-        corners = np.stack([self.starts[0][y], self.starts[1][x]], axis=1) - self.corner
+        corners = np.stack([self.starts[0][y], self.starts[1][x]], axis=1)
+        corners -= [span.first for span in self.frame]
         changes = np.flatnonzero((np.diff(zone) != 0) | (np.diff(turn) != 0)) + 1
         ends = [0, *changes.tolist(), len(y)]
         steps = []
@@ -213,19 +211,14 @@ class PlaneOrder:
         bits: NDArray[np.uint64] = share.astype(np.uint64) << np.uint64(32)
         return bits
 
-    @property
-    def corner(self) -> tuple[int, int]:
-        """Where the frame of all needed patches begins on the plane."""
-        rows, columns = (np.flatnonzero(self.needed.any(axis=a)) for a in (1, 0))
-        return int(self.starts[0][rows[0]]), int(self.starts[1][columns[0]])
-
-    @property
-    def frame_shape(self) -> tuple[int, int]:
-        """Height and width of the frame of all needed patches."""
-        rows, columns = (np.flatnonzero(self.needed.any(axis=a)) for a in (1, 0))
-        top, left = self.corner
-        last = int(self.starts[0][rows[-1]]), int(self.starts[1][columns[-1]])
-        return last[0] - top + self.axes[0].window, last[1] - left + self.axes[1].window
+    @cached_property
+    def frame(self) -> Box:
+        """The box of the plane that all needed patches lie in."""
+        spans = []
+        for k, axis in enumerate(self.axes):
+            starts = self.starts[k][self.needed.any(axis=1 - k)].tolist()
+            spans.append(Span(starts[0], starts[-1] + axis.window))
+        return Box(*spans)
 
     def _zones(self, zones: Zones, y: Ints, x: Ints) -> Ints:
         """Return the number of each patch's boundary zone."""

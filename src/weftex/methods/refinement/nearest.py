@@ -16,8 +16,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from weftex.methods.refinement import nearest_kernels
-from weftex.search.acceleration import Components, coordinates_of, main_components, one_blas_thread
+from weftex.search.acceleration import Components, coordinates_of, main_components
 from weftex.search.windows import Windows
+from weftex.threads import one_blas_thread
 
 _LEARNED_WINDOWS = 512  # windows that the components are learned from
 _COMPONENT_LENGTH = 2000
