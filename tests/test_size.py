@@ -15,14 +15,14 @@ TESTS = Path(__file__).parent
 READ = ("methods", "repeats", "search", "seams")
 #: Lower a ceiling when the code has become smaller; a feature that needs room removes something.
 CEILINGS = {
-    "lines of Python in src": 45_131,
-    "of these code": 31_442,
+    "lines of Python in src": 45_086,
+    "of these code": 31_402,
     "modules": 265,
     "kernel classes": 23,
     "names that several kernel classes have": 0,
     "lines of tests": 24_226,
     "quilting: files to read": 11,
-    "quilting: lines to read": 2_568,
+    "quilting: lines to read": 2_499,
     "graphcut: files to read": 18,
     "graphcut: lines to read": 3_799,
     "efros-leung: files to read": 8,
