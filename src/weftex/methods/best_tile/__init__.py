@@ -238,7 +238,6 @@ def tile_errors(exemplar: Exemplar, vectors: tuple[float, ...], border: int) -> 
     int64 (H, W), by the tile's first corner; -1 where a tile with its borders is not on usable
     pixels. Borders of no width make all tiles equal.
 
-    >>> from weftex.exemplar import Exemplar
     >>> stripes = np.tile(np.uint8([10, 90]), (8, 4))
     >>> errors = tile_errors(Exemplar(stripes), (2, 0, 0, 2), 1)
     >>> int(errors.max()), int((errors == 0).sum())
@@ -250,8 +249,7 @@ def tile_errors(exemplar: Exemplar, vectors: tuple[float, ...], border: int) -> 
     total = np.zeros(shape, np.int64)
     if not fits.any():
         return total - 1
-    x1, y1, x2, y2 = vectors
-    sides = np.array([[y1, x1], [y2, x2]])
+    sides = np.reshape(vectors, (2, 2))[:, ::-1].astype(np.float64)  # rows first
     pixels = exemplar.matching().astype(np.int64)
     for k in (0, 1) if border else ():
         step = np.rint(sides[k]).astype(int)

@@ -23,7 +23,7 @@ _FINE_REACH = 1  # pixels from the middle of a window to its side, on the finest
 
 
 @dataclass(frozen=True, eq=False)
-class Level:
+class SampleLevel:
     """The sample at one resolution.
 
     Sources are pixels of the sample at full resolution, on coarser levels too, so pieces that fit
@@ -101,15 +101,13 @@ class StackLayout:
     @cached_property
     def sample_index(self) -> NDArray[np.int32]:
         """Flat index of the pixel of the sample that each shows; -1 for none and for a mirrored."""
-        every = np.arange(1, self.shape[0] * self.shape[1] + 1, dtype=np.int32)
-        result: NDArray[np.int32] = self._margins(every, self.tileable) - 1
+        result: NDArray[np.int32] = self._numbers("wrap" if self.tileable else "constant") - 1
         return result
 
     @cached_property
     def padded_index(self) -> NDArray[np.int32]:
         """The flat index of each pixel of the sample in the arrangement, never in a margin."""
-        every = np.arange(1, self.shape[0] * self.shape[1] + 1, dtype=np.int32)
-        inside = self._margins(every, False).ravel()
+        inside = self._numbers("constant").ravel()
         flat = np.flatnonzero(inside).astype(np.int32)
         result = np.empty(len(flat), np.int32)
         result[inside[flat] - 1] = flat
@@ -125,11 +123,12 @@ class StackLayout:
         width = whole[0].shape[1]
         return np.concatenate([np.pad(k, ((0, 0), (0, width - k.shape[1]))) for k in whole])
 
-    def _margins(self, every: NDArray[np.int32], beyond: bool) -> NDArray[np.int32]:
-        """Arrange the pixels of the sample; margins are zeros, or the sample's continuation."""
+    def _numbers(self, mode: str) -> NDArray[np.int32]:
+        """Arrange the pixels of the sample, numbered from 1; margins are 0, or its continuation."""
+        every = np.arange(1, self.shape[0] * self.shape[1] + 1, dtype=np.int32)
         step, sample = 1 << self.number, every.reshape(self.shape)
         phases = [sample[y::step, x::step] for y, x in phase_starts(self.number)]
-        return self._below(phases, "wrap" if beyond else "constant")
+        return self._below(phases, mode)
 
     def _below(self, phases: list[NDArray[Any]], mode: Any) -> NDArray[Any]:
         m, columns = self.margin, phases[0].shape[1]
@@ -142,7 +141,7 @@ class StackLayout:
 
 
 @dataclass(frozen=True, eq=False)
-class CoherentLevel(Level):
+class CoherentLevel(SampleLevel):
     """A level of the Gaussian stack, for the coherent search."""
 
     layout: StackLayout  # where the phases lie in `pixels`
@@ -159,7 +158,7 @@ class CoherentLevel(Level):
 
 
 @dataclass(frozen=True, eq=False)
-class NearestLevel(Level):
+class NearestLevel(SampleLevel):
     """The only level of the paper's search (section 3, Search Tree Construction)."""
 
     search: NearestSearch
@@ -175,7 +174,7 @@ class Prepared:
 
     method: Any  # the `Refinement`, resolved
     windows: Windows  # of one pixel
-    levels: list[Level]
+    levels: list[SampleLevel]
     starts: dict[str, Model]
     rounds: tuple[int, ...]  # maximum number of iterations of each level, finest first
     seed_spacing: float  # pixels of the sample
@@ -199,7 +198,7 @@ def prepare(
     if method.search == "coherent":
         last *= 2  # structure is determined on the coarsest level, where it costs least
     rounds = (*[max(1, method.iterations // 2)] * finer, last)
-    levels: list[Level]
+    levels: list[SampleLevel]
     if method.search == "nearest":
         levels = [_nearest_level(exemplar, reach)]
     else:

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from weftex.methods.pixels import Growth
-from weftex.methods.refinement.levels import ONE, CoherentLevel, Level, Prepared
+from weftex.methods.refinement.levels import ONE, CoherentLevel, Prepared, SampleLevel
 from weftex.raster.pyramids import gaussian_pyramid, gaussian_stack, mask_pyramid
 from weftex.search.picture_kernels import Picture
 from weftex.search.windows import Windows
@@ -18,7 +18,7 @@ _KIND_BITS = 6  # lower bits of a guide's bytes that do not make another kind of
 _MOST_MOVED = 0.15  # of a start; more would break patterns that it continues
 
 
-class Output:
+class OutputLevel:
     """The output at one level while it is refined; level 0 is the finest."""
 
     def __init__(
@@ -29,7 +29,7 @@ class Output:
         known: NDArray[np.bool_],
         wrap: tuple[bool, bool],
     ) -> None:
-        # pixels (H, W, K); source (H, W): flat indices into `Level.pixels`, -1 for none
+        # pixels (H, W, K); source (H, W): flat indices into `SampleLevel.pixels`, -1 for none
         self.number, self.pixels, self.source = number, pixels, source
         # done (H, W): 1 where a pixel is known or made; known (H, W): pixels that do not change;
         # wrap: whether the vertical and the horizontal axis wrap
@@ -37,7 +37,7 @@ class Output:
         self.wanted = ~known
         self.count = int(self.wanted.sum())
 
-    def begin(self, level: Level, source: NDArray[np.int32]) -> None:
+    def begin(self, level: SampleLevel, source: NDArray[np.int32]) -> None:
         """Show the sources of the pixels that are to be made; -1 leaves one to be made later."""
         shown = self.wanted & (source >= 0)
         self.pixels[shown] = level.pixels.reshape(-1, self.pixels.shape[2])[source[shown]]
@@ -54,7 +54,7 @@ class Guide:
     """The guides of the output and the sample at one level."""
 
     output: NDArray[np.uint8]  # (H, W, G)
-    sample: NDArray[np.uint8]  # (H', W', G), laid out as `Level.pixels`
+    sample: NDArray[np.uint8]  # (H', W', G), laid out as `SampleLevel.pixels`
     pyramid: NDArray[np.uint8]  # (H'', W'', G): the sample's guide at this level of its pyramid
     weight: int  # of a squared difference, in 1/256; 0 without a guide
 
@@ -81,17 +81,20 @@ _NOTHING = np.zeros((1, 1, 1), np.uint8)
 NO_GUIDE = Guide(_NOTHING, _NOTHING, _NOTHING, 0)
 
 
-def output_pyramid(windows: Windows, levels: Sequence[Level], growth: Growth) -> list[Output]:
+def output_pyramid(
+    windows: Windows, levels: Sequence[SampleLevel], growth: Growth
+) -> list[OutputLevel]:
     """Return the known pixels at each level, the finest first."""
-    known = mask_pyramid(growth.done.astype(bool), len(levels), growth.canvas.wrap)
-    pictures = gaussian_pyramid(growth.pixels, len(levels), growth.canvas.wrap)
+    wrap = growth.canvas.wrap
+    masks = mask_pyramid(growth.done.astype(bool), len(levels), wrap)
+    pictures = gaussian_pyramid(growth.pixels, len(levels), wrap)
     y, x = np.divmod(windows.to_sample(growth.source), growth.exemplar.shape[1])
     outputs = []
-    for number, level in enumerate(levels):
+    for number, (level, known) in enumerate(zip(levels, masks, strict=True)):
         # Known pixels may be in the sample too: then their sources go on in their neighbors.
         own = _every(y, number), _every(x, number)
-        source = np.where(known[number] & (own[0] >= 0), level.at(*own), np.int32(-1))
-        outputs.append(Output(number, pictures[number], source, known[number], growth.canvas.wrap))
+        source = np.where(known & (own[0] >= 0), level.at(*own), np.int32(-1))
+        outputs.append(OutputLevel(number, pictures[number], source, known, wrap))
     return outputs
 
 
@@ -113,7 +116,9 @@ def guides_of(prepared: Prepared, growth: Growth) -> list[Guide]:
     ]
 
 
-def levels_that_show(sources: NDArray[np.int32], levels: Sequence[Level], growth: Growth) -> int:
+def levels_that_show(
+    sources: NDArray[np.int32], levels: Sequence[SampleLevel], growth: Growth
+) -> int:
     """Return the number of levels on which few pixels of a source map (H, W, 2) are moved.
 
     Windows are wide on coarse levels, and none is centered near a hole of the sample.
@@ -128,15 +133,14 @@ def levels_that_show(sources: NDArray[np.int32], levels: Sequence[Level], growth
     return 1
 
 
-def sources_shown(sources: NDArray[np.int32], number: int, level: Level) -> NDArray[np.int32]:
+def sources_shown(sources: NDArray[np.int32], number: int, level: SampleLevel) -> NDArray[np.int32]:
     """Return the sources (H, W, 2) of a picture as far as a level shows it; -1 stays."""
-    y, x = np.moveaxis(sources, -1, 0)
-    y, x = _every(y, number), _every(x, number)
+    y, x = (_every(axis, number) for axis in np.moveaxis(sources, -1, 0))
     return np.where(y < 0, np.int32(-1), level.at(y, x))
 
 
 def sources_of_children(
-    coarser: Output, coarser_level: Level, shape: tuple[int, ...], level: Level
+    coarser: OutputLevel, coarser_level: SampleLevel, shape: tuple[int, ...], level: SampleLevel
 ) -> NDArray[np.int32]:
     """Return (H, W) source of each pixel of a level: the one that continues its parent's."""
     step = 2 ** (coarser.number - 1)
@@ -146,7 +150,7 @@ def sources_of_children(
     return level.at(v + y % 2 * step, u + x % 2 * step)
 
 
-def finish(output: Output, level: Level, windows: Windows, growth: Growth) -> None:
+def finish(output: OutputLevel, level: SampleLevel, windows: Windows, growth: Growth) -> None:
     """Hand the sources of the finest level over."""
     index = level.sample_index.ravel()[output.source[output.wanted]]
     growth.source[output.wanted] = windows.from_sample(index)

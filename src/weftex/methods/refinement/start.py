@@ -21,7 +21,7 @@ from weftex.methods.refinement.levels import ONE, Prepared
 from weftex.methods.refinement.output import (
     NO_GUIDE,
     Guide,
-    Output,
+    OutputLevel,
     sources_of_children,
     sources_shown,
 )
@@ -34,7 +34,7 @@ from weftex.search.windows import Windows
 
 def start_sources(
     prepared: Prepared,
-    outputs: list[Output],
+    outputs: list[OutputLevel],
     number: int,
     guide: Guide,
     start_map: NDArray[np.int32] | None,
@@ -54,7 +54,9 @@ def start_sources(
     return seed_sources(prepared, output, guide, seed)
 
 
-def seed_sources(prepared: Prepared, output: Output, guide: Guide, seed: int) -> NDArray[np.int32]:
+def seed_sources(
+    prepared: Prepared, output: OutputLevel, guide: Guide, seed: int
+) -> NDArray[np.int32]:
     """Return sources for a grid of seed points of an output (PlantSeed, Fig. 5), -1 elsewhere."""
     level, step = prepared.levels[output.number], 2**output.number
     pyramid, matches = level.pyramid, prepared.method.matches

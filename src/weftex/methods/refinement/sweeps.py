@@ -6,8 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from weftex.methods.refinement import sweep_kernels as kernels
-from weftex.methods.refinement.levels import ONE, CoherentLevel, Level, NearestLevel, Prepared
-from weftex.methods.refinement.output import Guide, Output
+from weftex.methods.refinement.levels import ONE, CoherentLevel, NearestLevel, Prepared, SampleLevel
+from weftex.methods.refinement.output import Guide, OutputLevel
 from weftex.progress import Progress
 from weftex.random import draw
 from weftex.search.picture_kernels import Sample
@@ -27,7 +27,7 @@ _BESIDE = 10  # a pixel's own source, where 8 neighbors' sources continue, and -
 
 
 def sweep_of(
-    prepared: Prepared, output: Output, guide: Guide, seed: int, cyclic: bool
+    prepared: Prepared, output: OutputLevel, guide: Guide, seed: int, cyclic: bool
 ) -> CoherentSweep | NearestSweep:
     """Return the sweep of the search that the level was prepared for.
 
@@ -60,7 +60,7 @@ class CoherentSweep:
         self,
         prepared: Prepared,
         level: CoherentLevel,
-        output: Output,
+        output: OutputLevel,
         guide: Guide,
         seed: int,
         cyclic: bool,
@@ -111,7 +111,7 @@ class CoherentSweep:
 class NearestSweep:
     """Gives a pixel the nearest of all windows (Search Tree Construction, section 3)."""
 
-    def __init__(self, level: NearestLevel, output: Output, cyclic: bool) -> None:
+    def __init__(self, level: NearestLevel, output: OutputLevel, cyclic: bool) -> None:
         self._rows, self._output_shape = rows_of(output.wanted), output.known.shape
         self._cyclic = cyclic
         # From the second iteration neighborhoods are full, around the borders (section 3).
@@ -148,15 +148,13 @@ class Convergence:
         # sweeps to be seen from all sides.
         self._threshold, self._at_least = threshold, 4 if cyclic else 2
         self.curve: list[dict[str, float]] = []
-        self._before: NDArray[np.uint8]
-        self._there: NDArray[np.bool_]
 
-    def remember(self, output: Output) -> None:
+    def remember(self, output: OutputLevel) -> None:
         """Keep the picture before an iteration."""
         self._before = output.pixels[output.wanted]
         self._there = output.done[output.wanted] > 0
 
-    def reached(self, output: Output, iteration: int, changed: int) -> bool:
+    def reached(self, output: OutputLevel, iteration: int, changed: int) -> bool:
         """Compare with the picture before; return whether to stop."""
         old = self._before.astype(np.float64)
         step = ((output.pixels[output.wanted].astype(np.float64) - old) ** 2).sum(axis=1)
@@ -176,12 +174,12 @@ class Convergence:
         return iteration + 1 >= self._at_least and total / output.count < self._threshold
 
 
-def _sample(level: Level) -> Sample:
+def _sample(level: SampleLevel) -> Sample:
     """The sample at a level, without a period: the pixels beyond a border that tiles are there."""
     return Sample(level.pixels, level.usable, np.zeros(4, np.int32))
 
 
-def _usage_on(level: CoherentLevel, output: Output, guide: Guide, weight: int) -> Usage:
+def _usage_on(level: CoherentLevel, output: OutputLevel, guide: Guide, weight: int) -> Usage:
     """How often each cell of the sample is used by the start, and may be."""
     sample_index = level.sample_index.ravel()
     shown = sample_index[output.source[output.wanted & (output.done > 0)]]

@@ -18,7 +18,7 @@ from weftex.methods.pixels import Growth, PixelModel, WindowedMethod
 from weftex.methods.wei_levoy import scan_kernels
 from weftex.methods.wei_levoy.levels import (
     PROPOSED_WIDTH,
-    Level,
+    OutputLevel,
     levels_and_widths,
     noise,
     output_pyramid,
@@ -264,7 +264,7 @@ def inwards(unknown: NDArray[np.bool_], wrap: tuple[bool, bool], seed: int) -> N
 
 
 def replace_by_nearest(
-    level: Level, step: Pass, trees: Trees, wrap: tuple[bool, bool], progress: Progress
+    level: OutputLevel, step: Pass, trees: Trees, wrap: tuple[bool, bool], progress: Progress
 ) -> None:
     """Replace the pixels of a pass in turn, each by the sample's pixel with the nearest window."""
     if trees.window_width == 1:  # such a window sees nothing, and the noise stays

@@ -77,7 +77,7 @@ def _levels_with_windows(samples: list[Exemplar], width: int, parent_width: int)
 
 
 @dataclass(frozen=True, eq=False)
-class Level:
+class OutputLevel:
     """A level of the output's pyramid; level 0 is the finest."""
 
     number: int
@@ -86,7 +86,7 @@ class Level:
     source: NDArray[np.int32]  # (H, W): flat indices into the sample's level, or -1
     unknown: NDArray[np.bool_]  # (H, W): the pixels to make
     done: NDArray[np.uint8]  # (H, W): 1 where windows include the pixel: known, made, or noise
-    coarser: Level | None  # the level of the parents
+    coarser: OutputLevel | None  # the level of the parents
 
     def start_from(self, source: NDArray[np.int32]) -> None:
         """Copy the unknown pixels from the sample's level."""
@@ -101,7 +101,7 @@ def output_pyramid(
     done: NDArray[np.uint8],
     samples: list[Exemplar],
     wrap: tuple[bool, bool],
-) -> list[Level]:
+) -> list[OutputLevel]:
     """Return the pyramid of an output, coarsest level first.
 
     `pixels` (H, W, K), `source` and `done` (H, W) are the finest level's; unknown pixels are noise,
@@ -109,14 +109,14 @@ def output_pyramid(
     """
     pictures = gaussian_pyramid(pixels, len(samples), wrap)
     masks = mask_pyramid(done > 0, len(samples), wrap)
-    levels: list[Level] = []
+    levels: list[OutputLevel] = []
     for number in reversed(range(len(samples))):
         known = masks[number]
         sources = np.full(known.shape, -1, np.int32) if number else source
         seen = (known if done.any() else np.ones_like(known)).astype(np.uint8)
         coarser = levels[-1] if levels else None
         levels.append(
-            Level(number, samples[number], pictures[number], sources, ~known, seen, coarser)
+            OutputLevel(number, samples[number], pictures[number], sources, ~known, seen, coarser)
         )
     return levels
 
@@ -134,7 +134,7 @@ def noise(sample: Exemplar, seed: int, number: int, shape: tuple[int, ...]) -> N
     return shuffled.reshape(shape).astype(np.int32)
 
 
-def parents_or_noise(level: Level, seed: int) -> NDArray[np.int32]:
+def parents_or_noise(level: OutputLevel, seed: int) -> NDArray[np.int32]:
     """Return flat indices into the sample's level: the child of each parent's source, or noise.
 
     The coarsest level has noise.
