@@ -15,8 +15,8 @@ TESTS = Path(__file__).parent
 READ = ("methods", "repeats", "search", "seams")
 #: Lower a ceiling when the code has become smaller; a feature that needs room removes something.
 CEILINGS = {
-    "lines of Python in src": 45_086,
-    "of these code": 31_402,
+    "lines of Python in src": 45_084,
+    "of these code": 31_401,
     "modules": 265,
     "kernel classes": 23,
     "names that several kernel classes have": 0,

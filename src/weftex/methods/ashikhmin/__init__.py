@@ -184,10 +184,8 @@ class Choice:
         at_random = pick(
             self._windows.centers, growth.seed, "ashikhmin", number, line[:, None], tries
         )
-        kernels.choose(
-            self._windows.kernel, growth.picture, self._choice,
-            line, at_random, around, number > 0,
-        )  # fmt: skip
+        sample, again = self._windows.kernel, number > 0
+        kernels.choose(sample, growth.picture, self._choice, line, at_random, around, again)
         self._progress.advance(len(line))
 
     def close(self, lines: list[NDArray[np.int32]]) -> None:

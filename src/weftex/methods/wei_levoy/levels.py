@@ -147,5 +147,4 @@ def parents_or_noise(level: OutputLevel, seed: int) -> NDArray[np.int32]:
     parents = coarser.source[rows // 2, columns // 2]
     y, x = children(parents, coarser.sample.shape[1], rows, columns)
     places = np.minimum(y, height - 1) * width + np.minimum(x, width - 1)
-    source: NDArray[np.int32] = places.astype(np.int32)
-    return source
+    return places.astype(np.int32)
