@@ -38,7 +38,6 @@ from weftex.analysis.candidates import (
     WEIGHTS,
     Evidence,
     better_pair,
-    course_candidate,
     pair_candidates,
     row_candidate,
     with_alternation,
@@ -56,7 +55,7 @@ FOLDERS = (DATA / "surfaces", ROOT / "examples" / "samples")
 SAMPLES = ("bricks", "tiles", "weave", "pebbles", "grass", "wood", "leaves", "stone_wall")
 _TOLERANCE = {1: 0.06, 2: 0.04}
 _SIDES = (256, 384)
-FITTED = ("pairs", "rows", "joints")
+FITTED = ("pairs", "rows")
 _PRIOR = 0.05  # as if a twentieth of a crop said that a weight is 0
 _BINS = (0.5, 0.6, 0.7, 0.8, 0.9, 1.001)
 
@@ -75,7 +74,6 @@ class Case:
     seconds: float
     pair: tuple[tuple[float, ...], bool] | None  # figures of the better pair, whether it is right
     rows: tuple[tuple[float, ...], bool] | None
-    courses: tuple[tuple[float, ...], bool] | None  # rows of which joints tell
 
     @property
     def right(self) -> bool:
@@ -116,11 +114,9 @@ def look(kind: str, real: bool, fitted: bool, pixels: NDArray, truth: Vectors) -
             shown = min(height, width) >= 3 * float(np.hypot(*truth[0]))
         pair, rows = better_pair(fields, pair_candidates(fields)), row_candidate(fields)
         pair = pair and with_alternation(fields, pair)
-        one_of = (pair, rows, course_candidate(fields, rows))
-        if (
-            pair is not None and pair.kind != "pairs"
-        ):  # has other figures, and nothing else is asked
-            one_of = (None, None, None)
+        one_of = (pair, rows)
+        if pair is not None and pair.kind != "pairs":  # has other figures; nothing else is asked
+            one_of = (None, None)
         figures = [
             one and (one.figures, is_right(_plain(one, fields.flat.step), truth)) for one in one_of
         ]
@@ -162,16 +158,15 @@ def real_names(more: Sequence[Path]) -> list[tuple[str, str]]:
 def fit(cases: Sequence[Case]) -> list[NDArray]:
     """Weights by which figures say how often a lattice is right, and how often rows are.
 
-    Logistic regression over what would be chosen: the surer of the pairs, rows where no pair is
-    right more often than not, and rows of which joints tell where those are not, either. That hangs
-    on the weights, so they are fitted in turn. Every surface counts as much, and drawn ones
-    together as much as real ones.
+    Logistic regression over what would be chosen: the surer of the pairs, and rows where no pair is
+    right more often than not. That depends on the weights, so pairs are fitted first. Every surface
+    counts as much, and drawn ones together as much as real ones.
     """
     crops_of: dict[tuple[bool, str], int] = defaultdict(int)
     for case in cases:
         crops_of[case.real, case.kind] += 1
     weights = [np.array(WEIGHTS[kind]) for kind in FITTED]
-    for step in [0] * 8 + [1] * 4 + [2]:
+    for step in [0] * 8 + [1] * 4:
         chosen = []
         for case in cases:
             one = _chosen(case, weights, step)
@@ -182,8 +177,7 @@ def fit(cases: Sequence[Case]) -> list[NDArray]:
             continue
         x = np.array([figures for figures, _, _ in chosen])
         y, w = (np.array([float(one[k]) for one in chosen]) for k in (1, 2))
-        if step == 1:
-            x[:, 1] = 0
+        x[:, weights[step] == 0] = 0  # figures that this kind does not have
         weights[step] = _logistic(x, y, w * len(w) / w.sum())
     return weights
 
@@ -192,7 +186,7 @@ def _chosen(
     case: Case, weights: Sequence[NDArray], step: int
 ) -> tuple[tuple[float, ...], bool] | None:
     """Figures of what is chosen of a case by weights, and whether it is right."""
-    found = (case.pair, case.rows, case.courses)
+    found = (case.pair, case.rows)
     for one, weight in zip(found[:step], weights, strict=False):
         if one is not None and SUREST / (1 + np.exp(-np.dot(one[0], weight))) >= 0.5:
             return None

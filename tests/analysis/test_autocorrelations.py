@@ -89,7 +89,7 @@ def test_a_copy_is_no_lattice(rng):
 
 def test_confidence_grows_with_either_figure():
     def of(contrast, clear, number=30):
-        return Evidence(np.eye(2), contrast, clear, number, "pairs").confidence
+        return Evidence(np.eye(2), "pairs", contrast, clear, number).confidence
 
     assert of(-0.1, -2) == of(0, 0) < 0.1
     for low, high in ((of(0, 1), of(0, 3)), (of(0.02, 1), of(0.1, 1)), (of(0, 2, 4), of(0, 2, 40))):
@@ -100,7 +100,7 @@ def test_confidence_grows_with_either_figure():
 def test_the_clearer_pair_is_taken_if_it_has_half_of_the_contrast(rng):
     fields = autocorrelations(Exemplar(rng.integers(0, 256, (64, 64), np.uint8)))
     strong, clear = (
-        Evidence(np.array(vectors, np.float64), contrast, sure, 9, "pairs")
+        Evidence(np.array(vectors, np.float64), "pairs", contrast, sure, 9)
         for vectors, contrast, sure in (
             (((20, 0), (0, 17)), 0.3, 1.0),
             (((7, 1), (0, 9)), 0.1, 5.0),
@@ -108,7 +108,7 @@ def test_the_clearer_pair_is_taken_if_it_has_half_of_the_contrast(rng):
     )
     assert better_pair(fields, []) is None and better_pair(fields, [clear]) is clear
     assert better_pair(fields, [strong, clear]) is strong
-    half = Evidence(clear.vectors, 0.15, 5.0, 9, "pairs")
+    half = Evidence(clear.vectors, "pairs", 0.15, 5.0, 9)
     assert better_pair(fields, [strong, half]) is half
-    same = Evidence(strong.vectors + 0.01, 0.3, 5.0, 9, "pairs")
+    same = Evidence(strong.vectors + 0.01, "pairs", 0.3, 5.0, 9)
     assert better_pair(fields, [strong, same]) is strong

@@ -44,7 +44,7 @@ def test_what_crosses_rows_says_how_they_are_shifted(rng, shift):
         pixels[row * high : row * high + 2] = 200
     fields, rows = (
         autocorrelations(sample(pixels)),
-        Evidence(np.array([[0.0, 24.0]]), 0.5, 0.5, 5, "rows"),
+        Evidence(np.array([[0.0, 24.0]]), "rows"),
     )
     vectors = crossing_candidate(fields, rows).vectors
     truth = Lattice(((wide, 0), (shift * wide, high)))

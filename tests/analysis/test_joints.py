@@ -10,9 +10,9 @@ from weftex.analysis.candidates import (
     Evidence,
     bond_candidate,
     checked_by_rows,
-    course_candidate,
+    row_candidate,
 )
-from weftex.analysis.joints import Joints, checked, find_courses
+from weftex.analysis.joints import Courses, Joints, checked, find_courses
 from weftex.analysis.lattice import Lattice, find_lattice
 from weftex.analysis.relief import Relief, relief
 from weftex.exemplar import Exemplar
@@ -66,18 +66,20 @@ def test_what_a_mask_leaves_out_has_no_joints(rng):
     assert found is not None and abs(found.vector[1]) == pytest.approx(36, abs=1)
 
 
-def test_confidence_of_joints_grows_with_each_figure():
-    def of(height, alike):
-        return Evidence(np.eye(2)[:1], height, alike, 3, "joints").confidence
+def test_confidence_of_rows_grows_with_each_figure():
+    def of(height, alike, contrast=0.0, clear=0.0):
+        sure = Courses(np.eye(2)[0], height, alike, 3).sure
+        return Evidence(np.eye(2)[:1], "rows", contrast, clear, 3, sure).confidence
 
     assert of(-1, 0.5) == of(0, 0.5) == of(0.5, -1) < of(0.3, 0.5) < of(0.5, 0.5) < of(0.5, 0.8)
+    assert of(0.3, 0.5) < of(0.3, 0.5, 0.1) < of(0.3, 0.5, 0.1, 1.0)
     assert of(2, 1) == pytest.approx(SUREST, abs=1e-3)
 
 
 def test_a_pair_by_chance_is_rows(rng):
     """Two vectors that each lead some rows on, and stones of any width: nothing else tells them."""
     rows = autocorrelations(Exemplar(courses(rng, [34, 39, 36, 41, 35, 38])))
-    chance = Evidence(np.array([[92.0, -37.0], [76.0, 74.0]]), 0.1, 5.0, 9, "pairs")
+    chance = Evidence(np.array([[92.0, -37.0], [76.0, 74.0]]), "pairs", 0.1, 5.0, 9)
     assert checked_by_rows(rows, chance).vectors.shape == (1, 2)
 
 
@@ -86,7 +88,7 @@ def test_a_mesh_is_no_rows(rng):
     pixels = rng.normal(120, 30, (192, 192))
     pixels[::32], pixels[:, ::24] = 220, 220
     pixels[1::32], pixels[:, 1::24] = 220, 220
-    mesh = Evidence(np.array([[24.0, 0.0], [0.0, 32.0]]), 0.1, 5.0, 9, "pairs")
+    mesh = Evidence(np.array([[24.0, 0.0], [0.0, 32.0]]), "pairs", 0.1, 5.0, 9)
     fields = autocorrelations(Exemplar(np.clip(np.rint(pixels), 0, 255).astype(np.uint8)))
     assert checked_by_rows(fields, mesh) is mesh
 
@@ -100,7 +102,7 @@ def test_rows_of_a_bond_are_told_by_the_joints_within_them(rng):
     assert Lattice(tuple(map(tuple, vectors))).same_as(Lattice(((48, 0), (24, 18))), 0.03)
     assert sure > 3 > 1.5 > bonds.of(np.array([[30.0, 0.0], [8.0, 18.0]]))
     assert bonds.of(np.array([[48.0, 5.0], [3.0, 40.0]])) is None
-    assert bond_candidate(fields, course_candidate(fields, None)).clear < 3
+    assert bond_candidate(fields, row_candidate(fields)).bond < 3
 
 
 def test_checks_of_which_two_are_seen_are_as_sure_as_others(rng):

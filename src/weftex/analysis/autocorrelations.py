@@ -66,6 +66,11 @@ class Field:
         found: Floats = self.tables[coarse, *self._at(x, y)]
         return found
 
+    def around(self, x: Floats, y: Floats) -> Floats:
+        """Return the highest correlation around each shift."""
+        found: Floats = self.tables[1][self._at(x, y)]
+        return found
+
     def shares(self, x: Floats, y: Floats) -> Floats:
         """Return the share of the sample that overlaps at each shift."""
         found: Floats = (1 - abs(x) / self.width) * (1 - abs(y) / self.height)

@@ -1,13 +1,13 @@
 """The evidence for a lattice of a sample, or for its rows: beyond the thesis.
 
-Pairs of vectors come from the correlation, as it is and whitened; rows from its ridges or from
+Pairs of vectors come from the correlation, as it is and whitened; rows from its ridges and from
 joints. Where rows are known, a second family of joints or the joints within the rows give the
 vector along them.
 
 `contrast` is how far the correlation at multiples is above that between them; `clear` is the same
 of the whitened sample, less chance and in units of it, which falls with the root of the number of
-multiples. Rows by joints (`weftex.analysis.joints`) have the contrast of edges in different strips
-and how alike these are; the bond of rows has one figure. A logistic regression combines them.
+multiples. Lines (`weftex.analysis.joints`) have the contrast of edges in different strips, and how
+alike these are; the bond of rows has one figure. A logistic regression combines them.
 `python benchmarks/quality/lattices.py --fit` prints weights; their reliability is in
 docs/background/lattice.md.
 """
@@ -45,28 +45,30 @@ CLEAR = 0.945  # confidence of a pair that needs no further check
 _LEAST_CROSSINGS = 0.6  # confidence of joints that cross rows
 _LEAST_STRIPES = 0.94  # confidence of stripes along both vectors; setts had up to 0.91
 _LEAST_BOND = 0.92  # confidence of the bond of rows; 150 rows without one had up to 0.91
-_NOTHING = -0.02  # contrast, less its error, of a pair that is absent from the sample
 _BETTER = 1.5  # times the evidence of a pair, that another bond of its rows must have
 _OF_ROWS = 3.4  # evidence of joints within rows that a pair must have
 _FAINT = 0.1  # contrast of rows below which joints must be regular
 _REGULAR = 0.35  # of the correlation of strips: the part that regular rows have at multiples
+_SURER = 0.05  # of confidence, from which rows by joints are surer than those by ridges
+_AS_OFTEN = 0.8  # of the clearness of rows, that those at half the distance have
+_NEAREST = np.array([[1, 0], [0, 1], [1, 1], [1, -1]])  # multiples whose heights are compared
+_SEEN = 0.15  # of each side, that must overlap there
+_EVEN = 0.27  # of the highest, that the lowest has: copies had up to 0.19, lattices from 0.36 on
 _ERRORS = 4.0  # standard errors by which a larger tile's multiples stand out
-_TWICE = 0.06  # of the distance: the tolerance of rows at twice the distance of joints
 #: Of crossings of two families of joints: all, or of each row every second, third or fourth,
 #: shifted from row to row; either family may be the rows.
 _SHIFTED = [(1, 0), (2, 1), (3, 1), (3, 2), (4, 1), (4, 3)]
 _CROSSINGS = [np.array([[k, 0], [shift, 1]]) for k, shift in _SHIFTED]
 _CROSSINGS += [whole[::-1, ::-1] for whole in _CROSSINGS[2:]]
 
-#: Weights of `Evidence.figures`, of which the first is 1, by figure.
+#: Weights of `Evidence.figures`, by what there is evidence for.
 WEIGHTS: dict[str, tuple[float, ...]] = {
-    "pairs": (-4.32, 6.32, 1.54),
-    "rows": (-5.46, 0.0, 3.01),
-    "joints": (-5.93, 13.96),
-    "crossings": (-4.78, 15.82),
-    "stripes": (-2.09, 12.34),
-    "bonds": (-9.02, 3.06),
-    "both": (-10.0, 3.06, 10.0),  # the bonds, and the figure of the crossings
+    "pairs": (-4.32, 6.32, 1.54, 0.0, 0.0),
+    "rows": (-7.08, 2.38, 2.18, 16.71, 0.0),
+    "crossings": (-4.78, 0.0, 0.0, 15.82, 0.0),  # of joints across rows
+    "stripes": (-2.09, 0.0, 0.0, 12.34, 0.0),  # along both vectors
+    "bonds": (-9.02, 0.0, 0.0, 0.0, 3.06),  # joints within rows
+    "both": (-10.0, 0.0, 0.0, 10.0, 3.06),  # joints across and within rows
 }
 #: Of the surest: some tiles pass for lattices that are part of one, whatever is fields.
 SUREST = 0.95
@@ -79,38 +81,36 @@ _MOST = 40.0  # exponents beyond this are no numbers
 class Evidence:
     """The evidence for vectors (x, y) in pixels of the relief: two, or one from row to row.
 
-    `kind` says what the figures measure: "pairs" and "rows" the correlations, "joints" of rows,
-    "crossings" of joints across rows, "stripes" along both vectors, "bonds" within rows, or "both"
-    of these.
+    `kind` is a key of `WEIGHTS`; what it gives no weight may be left out.
     """
 
     vectors: NDArray[np.float64]
-    contrast: float  # at multiples, less its standard error
-    clear: float  # of the whitened sample, in units of chance; see `kind`
-    number: int  # of multiples
     kind: str
+    contrast: float = 0.0  # of the correlation at multiples, less its standard error
+    clear: float = 0.0  # the same of the whitened correlation, in units of chance
+    number: int = 1  # of multiples
+    lines: float = 0.0  # `Courses.sure` of joints or stripes
+    bond: float = 0.0  # of joints within rows, see `Bonds.best`
 
     @property
     def figures(self) -> tuple[float, ...]:
-        """The figures that are weighted; each grows more slowly the larger it is."""
-        contrast, clear = max(self.contrast, 0.0), max(self.clear, 0.0)
-        if self.kind in ("joints", "crossings", "stripes"):
-            return 1.0, math.sqrt(contrast * clear)
-        if self.kind == "bonds":
-            return 1.0, clear
-        if self.kind == "both":
-            return 1.0, clear, contrast
-        return 1.0, contrast / (_HALF + contrast), math.asinh(clear * self.number**0.5)
+        """The figures that are weighted."""
+        contrast = max(self.contrast, 0.0)
+        return 1.0, contrast / (_HALF + contrast), math.asinh(self.often), self.lines, self.bond
+
+    @property
+    def often(self) -> float:
+        """How clear all multiples together are."""
+        return max(self.clear, 0.0) * self.number**0.5
 
     @property
     def confidence(self) -> float:
         """The share of lattices with such evidence that are right, from 0 to `SUREST`.
 
-        >>> Evidence(np.eye(2), 0.4, 20.0, 60, "pairs").confidence > 0.9
+        >>> Evidence(np.eye(2), "pairs", contrast=0.4, clear=20.0, number=60).confidence > 0.9
         True
         """
-        weights = WEIGHTS[self.kind]
-        total = sum(part * weight for part, weight in zip(self.figures, weights, strict=True))
+        total = float(np.dot(self.figures, WEIGHTS[self.kind]))
         return SUREST / (1 + math.exp(-min(max(total, -_MOST), _MOST)))
 
 
@@ -122,13 +122,25 @@ def pair_candidates(fields: Autocorrelations) -> list[Evidence]:
     found: list[Evidence] = []
     for field in (fields.field, fields.white):
         best = highest(rated_pairs(field, "contrast"))
-        if best is None:
+        if best is None or _is_copied(fields, best):
             continue
         whitened = field is fields.white
         # In the whitened sample threads are clear, and checks are made of them.
         one = evidence_of(fields, settled(field, best))
         found.append(one if whitened else _of_checks(fields, best, one))
     return found
+
+
+def _is_copied(fields: Autocorrelations, vectors: Floats) -> bool:
+    """Return whether a pair is made by parts that are copies of others, as cloned photos have.
+
+    Each copy makes one high multiple, beside which those of a lattice are even.
+    """
+    shifts = _NEAREST @ vectors
+    far = np.array([fields.field.width, fields.field.height])
+    x, y = shifts[((1 - abs(shifts) / far) >= _SEEN).all(axis=1)].T
+    heights = [field.around(x, y) for field in (fields.field, fields.white)]
+    return len(x) > 2 and all(one.min() < _EVEN * one.max() for one in heights)
 
 
 def _of_checks(fields: Autocorrelations, highest: Floats, settled: Evidence) -> Evidence:
@@ -145,7 +157,7 @@ def _of_checks(fields: Autocorrelations, highest: Floats, settled: Evidence) -> 
     told = checked(fields.flat, highest)
     if told is None:
         return settled
-    found = Evidence(highest, told.contrast, told.alike, told.number, "stripes")
+    found = Evidence(highest, "stripes", lines=told.sure)
     least = _LEAST_STRIPES if smaller else max(_LEAST_STRIPES, settled.confidence)
     return found if found.confidence >= least else settled
 
@@ -192,41 +204,51 @@ def evidence_of(fields: Autocorrelations, vectors: Floats) -> Evidence:
     reach = reach_of(fields.field, vectors, MOST_MULTIPLES)
     return Evidence(
         vectors,
+        "pairs",
         contrast_of(fields.field, vectors, reach),
         contrast_of(fields.white, vectors, reach) / max(fields.chance, 1e-12),
         int(rate(fields.field, vectors[None], reach, "contrast").count[0]),
-        "pairs",
     )
 
 
 def row_candidate(fields: Autocorrelations) -> Evidence | None:
-    """Return the best rows and their evidence; None for faint lines at irregular distances."""
-    rows = find_rows(fields.flat)
-    if rows is None:
-        return None
-    # Joints at both sides of what repeats are two to a row.
-    joints = (rated(fields.flat, rows[0] / parts) for parts in (1, 2))
-    if rows[1] < _FAINT and all(one.contrast < _REGULAR * one.alike for one in joints):
-        return None
-    clear, number = ridges(fields.white.correlation, rows[0])
-    return Evidence(rows[0][None], rows[1], clear / max(fields.chance, 1e-12), number, "rows")
+    """Return the rows by ridges, or those by joints where these are clearly surer, or None."""
+    ridged, joined = find_rows(fields.flat), find_courses(fields.flat)
+    found = None if ridged is None else _by_ridges(fields, *ridged)
+    other = None if joined is None else _rows_by(fields, joined.vector, 0.0)
+    if found is None or other is None:
+        return found or other
+    return other if other.confidence > found.confidence + _SURER else found
 
 
-def course_candidate(fields: Autocorrelations, rows: Evidence | None) -> Evidence | None:
-    """Return the rows with the best evidence of joints.
+def _by_ridges(fields: Autocorrelations, vector: Floats, contrast: float) -> Evidence | None:
+    """Return the evidence for rows by ridges, or for rows at half their distance.
 
-    A row with a joint at both sides has two: where the rows of levels are twice as far apart in the
-    same direction, they are returned.
+    Ridges must stand out of the whitened sample. Every second one may be the higher by chance, but
+    joints come at the right distance.
     """
-    found = find_courses(fields.flat)
-    if found is None:
+    found = _rows_by(fields, vector, contrast)
+    if found is None or found.clear <= 0:
         return None
-    vector = found.vector
-    if rows is not None:
-        own = rows.vectors[0] * (1 if rows.vectors[0] @ vector > 0 else -1)
-        if np.hypot(*(own - 2 * vector)) < _TWICE * np.hypot(*own):
-            vector = own
-    return _by_joints(replace(found, vector=vector))
+    if _is_regular(rated(fields.flat, vector)):
+        return found
+    half = _rows_by(fields, vector / 2, 0.0)
+    return half if half is not None and half.often > _AS_OFTEN * found.often else found
+
+
+def _rows_by(fields: Autocorrelations, vector: Floats, contrast: float) -> Evidence | None:
+    """Return the evidence for rows; None for faint lines at irregular distances."""
+    # Joints at both sides of what repeats are two to a row.
+    lines = [rated(fields.flat, vector / parts) for parts in (1, 2)]
+    if contrast < _FAINT and not any(map(_is_regular, lines)):
+        return None
+    height, number = ridges(fields.white.correlation, vector)
+    clear, sure = height / max(fields.chance, 1e-12), max(one.sure for one in lines)
+    return Evidence(vector[None], "rows", contrast, clear, number, sure)
+
+
+def _is_regular(lines: Courses) -> bool:
+    return lines.contrast >= _REGULAR * lines.alike
 
 
 def bond_candidate(fields: Autocorrelations, rows: Evidence) -> Evidence | None:
@@ -234,30 +256,30 @@ def bond_candidate(fields: Autocorrelations, rows: Evidence) -> Evidence | None:
     found = Bonds(fields.white.correlation, rows.vectors[0]).best(fields.chance)
     if found is None:
         return None
-    return Evidence(fitted(fields.white, reduced(found[0])), 0.0, found[1], 1, "bonds")
+    return Evidence(fitted(fields.white, reduced(found[0])), "bonds", bond=found[1])
 
 
-def checked_by_rows(fields: Autocorrelations, pair: Evidence) -> Evidence | None:
-    """Return the pair, a better one by the joints of its rows, its rows alone, or None.
+def checked_by_rows(fields: Autocorrelations, pair: Evidence) -> Evidence:
+    """Return the pair, a better one by the joints of its rows, or its rows alone.
 
-    A pair without contrast and joints is None: copied parts make one in the whitened sample. A pair
-    with joints along one family of lines only is rows, as chance makes the second vector.
+    A pair with joints along one family of lines only is rows, as chance makes the second vector.
     """
-    rows = course_candidate(fields, None)
+    rows = row_candidate(fields)
     if rows is None or rows.confidence < LEAST:
-        return pair if pair.contrast > _NOTHING else None
+        return pair
     found = crossing_candidate(fields, rows)
-    if found is not None and found.confidence >= _LEAST_CROSSINGS:
+    if found is not None and found.confidence >= LEAST:
         times = made_of(pair.vectors, found.vectors)
         if times is not None and abs(np.linalg.det(times)) < 1.5:  # they are one lattice
             return pair
+    if found is not None and found.confidence >= _LEAST_CROSSINGS:
         return found if _clear(fields, found.vectors) > _clear(fields, pair.vectors) else pair
     down = rows.vectors[0]
     sure = Bonds(fields.white.correlation, down).of(pair.vectors)
     if sure is None:
         return pair
     bond = bond_candidate(fields, rows)
-    if bond is not None and bond.confidence >= _LEAST_BOND and bond.clear > _BETTER * sure:
+    if bond is not None and bond.confidence >= _LEAST_BOND and bond.bond > _BETTER * sure:
         return bond
     return pair if sure >= _OF_ROWS else rows
 
@@ -275,7 +297,7 @@ def lattice_of_rows(fields: Autocorrelations, rows: Evidence) -> Evidence:
     least = {"crossings": _LEAST_CROSSINGS, "bonds": _LEAST_BOND, "both": _LEAST_BOND}
     if len(found) == 2:
         across, within = found
-        told = replace(within, contrast=across.figures[1], kind="both")
+        told = replace(within, lines=across.lines, kind="both")
         found += [replace(told, vectors=one.vectors) for one in found]
     sure = [one for one in found if one.confidence >= least[one.kind]]
     return max(sure, key=lambda one: (_clear(fields, one.vectors), one.confidence), default=rows)
@@ -295,14 +317,10 @@ def crossing_candidate(fields: Autocorrelations, rows: Evidence) -> Evidence | N
     found = max((whole @ crossings for whole in _CROSSINGS), key=partial(_clear, fields))
     near = (found, *(fitted(field, reduced(found)) for field in (fields.field, fields.white)))
     vectors = max(near, key=partial(_clear, fields))
-    return replace(_by_joints(second), vectors=reduced(vectors), kind="crossings")
+    return Evidence(reduced(vectors), "crossings", lines=second.sure)
 
 
 def _clear(fields: Autocorrelations, vectors: Floats) -> float:
     """Return the contrast of multiples in the whitened correlation."""
     vectors = reduced(vectors)
     return contrast_of(fields.white, vectors, reach_of(fields.white, vectors, MOST_MULTIPLES))
-
-
-def _by_joints(rows: Courses) -> Evidence:
-    return Evidence(rows.vector[None], rows.contrast, rows.alike, rows.number, "joints")

@@ -54,6 +54,11 @@ class Courses:
     alike: float  # the correlation at no shift; 1 for a sample of lines only
     number: int  # of multiples
 
+    @property
+    def sure(self) -> float:
+        """The geometric mean of contrast and likeness, 0 where one of them is below 0."""
+        return (max(self.contrast, 0.0) * max(self.alike, 0.0)) ** 0.5
+
 
 class Joints:
     """The edges of a sample, which can be added up along lines of any direction."""

@@ -21,7 +21,6 @@ from weftex.analysis.candidates import (
     Evidence,
     better_pair,
     checked_by_rows,
-    course_candidate,
     evidence_of,
     lattice_of_rows,
     pair_candidates,
@@ -47,7 +46,6 @@ from weftex.progress import counted
 Vector = tuple[float, float]
 
 _LONGEST = 1e9  # pixels; no picture is as large, and products of vectors stay numbers
-_LEAST_ROWS = 0.6  # confidence of rows that are reported: drawn rubble had up to 0.57
 
 
 @dataclass(frozen=True)
@@ -210,9 +208,9 @@ def _by_contrast(fields: Autocorrelations) -> Evidence | None:
     with counted(2, "analysis") as step:
         best = better_pair(fields, pair_candidates(fields))
         step(1)
-        if best is not None and LEAST <= best.confidence < CLEAR and best.kind != "stripes":
-            best = checked_by_rows(fields, best)
         if best is not None and best.confidence >= LEAST:
+            if best.confidence < CLEAR and best.kind != "stripes":
+                best = checked_by_rows(fields, best)
             if len(best.vectors) == 1:
                 return best
             best = predicted(fields, best)
@@ -226,11 +224,9 @@ def _by_contrast(fields: Autocorrelations) -> Evidence | None:
 
 
 def _rows(fields: Autocorrelations) -> Evidence | None:
-    """Return the rows by ridges, or else by joints, that are sure enough."""
+    """Return the rows that are sure enough."""
     best = row_candidate(fields)
-    if best is None or best.confidence < _LEAST_ROWS:
-        best = course_candidate(fields, best)
-    return best if best is not None and best.confidence >= _LEAST_ROWS else None
+    return best if best is not None and best.confidence >= LEAST else None
 
 
 def _plain(vectors: NDArray[np.float64]) -> tuple[Vector, ...]:
