@@ -13,8 +13,8 @@ from weftex.analysis.autocorrelations import autocorrelations
 from weftex.analysis.candidates import SUREST, Evidence, better_pair
 from weftex.analysis.correlation import correlate, whitened
 from weftex.analysis.lattice import Lattice, find_lattice
+from weftex.analysis.lines import find_rows
 from weftex.analysis.relief import Relief, relief
-from weftex.analysis.rows import find_rows
 from weftex.exemplar import Exemplar
 
 sys.path.insert(0, str(Path(__file__).parents[2] / "benchmarks" / "quality"))

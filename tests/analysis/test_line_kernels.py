@@ -6,9 +6,8 @@ import numpy as np
 import pytest
 
 from weftex.analysis.autocorrelations import _tops
-from weftex.analysis.joints import Joints
+from weftex.analysis.lines import Joints, _profiles
 from weftex.analysis.relief import Relief
-from weftex.analysis.rows import _profiles
 
 
 @pytest.mark.parametrize("angle", [0.0, 0.3, 1.2, np.pi / 2, 2.9])

@@ -5,6 +5,6 @@ has it as one function: `correlation` (3.1 and 3.2), `autocorrelations` and thei
 1), `pairs` and their goodness (steps 2 to 6), `lattice`.
 
 What the thesis lacks, and photos need, can be skipped: `candidates` weighs the evidence for a
-lattice and for rows, from `tiles` (smaller and larger ones), `rows` (ridges), `joints` and `bonds`.
+lattice and for rows, from `tiles` (smaller and larger ones), `lines` (ridges, joints) and `bonds`.
 `colored_rows` finds boards, for near-regular synthesis.
 """

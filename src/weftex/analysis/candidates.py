@@ -6,7 +6,7 @@ vector along them.
 
 `contrast` is how far the correlation at multiples is above that between them; `clear` is the same
 of the whitened sample, less chance and in units of it, which falls with the root of the number of
-multiples. Lines (`weftex.analysis.joints`) have the contrast of edges in different strips, and how
+multiples. Lines (`weftex.analysis.lines`) have the contrast of edges in different strips, and how
 alike these are; the bond of rows has one figure. A logistic regression combines them.
 `python benchmarks/quality/lattices.py --fit` prints weights; their reliability is in
 docs/background/lattice.md.
@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 
 from weftex.analysis.autocorrelations import Autocorrelations
 from weftex.analysis.bonds import Bonds
-from weftex.analysis.joints import Courses, checked, find_courses, rated
+from weftex.analysis.lines import Courses, checked, find_courses, find_rows, rated, ridges
 from weftex.analysis.pairs import (
     MOST_MULTIPLES,
     contrast_of,
@@ -36,7 +36,6 @@ from weftex.analysis.pairs import (
     reduced,
 )
 from weftex.analysis.prediction import predicting
-from weftex.analysis.rows import find_rows, ridges
 from weftex.analysis.tiles import alternating, made_of, settled, stand_out
 from weftex.raster.arrays import Floats
 
@@ -101,7 +100,7 @@ class Evidence:
     @property
     def often(self) -> float:
         """How clear all multiples together are."""
-        return max(self.clear, 0.0) * self.number**0.5
+        return max(self.clear, 0.0) * math.sqrt(self.number)
 
     @property
     def confidence(self) -> float:

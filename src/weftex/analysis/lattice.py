@@ -28,6 +28,7 @@ from weftex.analysis.candidates import (
     row_candidate,
     with_alternation,
 )
+from weftex.analysis.lines import ridges
 from weftex.analysis.pairs import (
     MOST_MULTIPLES,
     goodness_of,
@@ -38,7 +39,6 @@ from weftex.analysis.pairs import (
     reduced,
 )
 from weftex.analysis.relief import maps_alone
-from weftex.analysis.rows import ridges
 from weftex.errors import InvalidInputError
 from weftex.exemplar import Exemplar
 from weftex.progress import counted
@@ -145,7 +145,7 @@ class Lattice:
         else:
             bx, by = self.vectors[1]
             det = ax * by - bx * ay
-            a, b = math.floor((x * by - y * bx) / det), math.floor((ax * y - ay * x) / det)
+            a, b = (math.floor((x * by - y * bx) / det), math.floor((ax * y - ay * x) / det))
             corners = [(i * ax + j * bx, i * ay + j * by) for i in (a, a + 1) for j in (b, b + 1)]
         return min(corners, key=lambda c: math.hypot(c[0] - x, c[1] - y))
 

@@ -12,7 +12,7 @@ from functools import lru_cache
 import numpy as np
 
 from weftex.analysis.autocorrelations import Autocorrelations
-from weftex.analysis.joints import Joints, joints_of
+from weftex.analysis.lines import Joints, joints_of
 from weftex.analysis.pairs import fitted, multiples, reduced
 from weftex.analysis.relief import Relief, means
 from weftex.raster.arrays import Floats, fast_size, median
@@ -64,7 +64,7 @@ class Edges:
         if self.step == 1:
             joints = joints_of(flat)
         else:
-            levels, usable = means(flat.levels, self.step), means(flat.usable, self.step)
+            levels, usable = (means(flat.levels, self.step), means(flat.usable, self.step))
             joints = Joints(Relief(levels, usable, flat.step * self.step))
         inner = joints.inner
         self.sides = np.array(inner.shape)[::-1]
@@ -126,7 +126,7 @@ class Edges:
             if min(own.sum(), (~own).sum()) < _FEWEST:
                 continue
             (high, error), (low, other) = (_mean(heights[x], weights[x]) for x in (own, ~own))
-            gap, sure = 1 - low / max(high, 1e-9), (high - low) / (error + other + 1e-9) ** 0.5
+            gap, sure = (1 - low / max(high, 1e-9), (high - low) / (error + other + 1e-9) ** 0.5)
             explained = (high - low) ** 2 * weights[own].sum() * weights[~own].sum()
             if explained <= most or not any(gap > least and sure > n for least, n in _HIGHER):
                 continue

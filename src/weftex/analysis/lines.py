@@ -1,4 +1,8 @@
-"""Rows by their joints: edges added up along lines, of parts of the sample that share no pixel.
+"""Rows, such as boards or courses: by ridges of the autocorrelation, and by joints.
+
+Along a row nothing repeats, so the autocorrelation has ridges and no peaks. Its mean along lines
+of one direction leaves the ridges. The rows have the direction and distance at which the ridges
+are highest above the places half and a third of the way between them.
 
 A joint is thin, and often faint beside the tones that it separates, but long. So the sample is
 cut across into strips, and edges are added up along lines in each of them. Lines of one direction
@@ -7,6 +11,7 @@ are at the same places in every strip, and rows are at one distance; stones and 
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import Any
 from weakref import WeakKeyDictionary
@@ -15,6 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from weftex.analysis import kernels
+from weftex.analysis.correlation import correlate
 from weftex.analysis.pairs import PHASES
 from weftex.analysis.relief import Relief, means, mixed
 from weftex.raster.arrays import Floats, fast_size, median
@@ -28,6 +34,9 @@ _COARSE = np.deg2rad(np.arange(0, 180, 3.0))
 _FINE = [np.deg2rad([-step, 0, step]) for step in (1.2, 0.5, 0.25)]  # the last of near ones
 _CROSSING = 0.42  # sine of the least angle between lines that cross
 _STEP = 0.5  # pixels between distances that are tried
+_NEARBY = np.deg2rad(np.arange(-2.5, 2.51, 0.5))  # directions of ridges near the best one
+_SAMPLES = 61  # places along a line whose correlations are averaged
+_COLORED = 0.05  # of the variance of all channels: the most that their mean has in colors alone
 _NEAR = np.linspace(0.94, 1.06, 25)  # of a distance, that a finer look tries
 _RIDGES = 8  # rows away that are rated, as far as the sample has them
 _FARTHEST = 0.05  # what ridges count at least, as near ones count 1
@@ -57,7 +66,7 @@ class Courses:
     @property
     def sure(self) -> float:
         """The geometric mean of contrast and likeness, 0 where one of them is below 0."""
-        return (max(self.contrast, 0.0) * max(self.alike, 0.0)) ** 0.5
+        return math.sqrt(max(self.contrast, 0.0) * max(self.alike, 0.0))
 
 
 class Joints:
@@ -175,6 +184,41 @@ def find_courses(flat: Relief, across: Floats | None = None) -> Courses | None:
     return Courses(vector, float(own[0]), float(plain[0]), int(number[0]))
 
 
+def find_rows(flat: Relief) -> tuple[Floats, float] | None:
+    """Find the vector from one row to the next, and the height of its ridges."""
+    reach = min(flat.usable.shape)
+    if reach < _CLOSEST * (_FEWEST + 1):
+        return None
+    correlation = correlate(_with_edges(flat.levels), flat.usable >= 0.5)
+    distances = np.arange(_CLOSEST, _REACH * reach / _FEWEST, _STEP / 2)
+    angle, best = 0.0, (0.0, 0.0)
+    for angles in (_COARSE, _NEARBY):
+        angles = angle + angles
+        profiles = _profiles(correlation, angles, reach)
+        found = [_highest(profile, distances) for profile in profiles]
+        k = max(range(len(found)), key=lambda k: found[k][1])
+        angle, best, profile = float(angles[k]), found[k], profiles[k]
+    if best[1] <= 0:
+        return None
+    distance = _settled(profile, best[0], _CLOSEST)
+    return distance * np.array([-np.sin(angle), np.cos(angle)]), best[1]
+
+
+def ridges(correlation: Floats, vector: Floats) -> tuple[float, int]:
+    """Return the height of the ridges of rows without the highest, and their number.
+
+    Rows of many heights have some ridges by chance, which are not at all multiples.
+    """
+    reach = int(_REACH * min(side // 2 + 1 for side in correlation.shape))
+    angle, distance = np.arctan2(-vector[0], vector[1]), float(np.hypot(*vector))
+    profile = _profiles(correlation, np.array([angle]), reach)[0]
+    number = max(1, min(_RIDGES, int((reach - 1) / distance)))
+    times, places = np.arange(1, number + 1), np.arange(reach)
+    own, *others = (np.interp((times - phase) * distance, places, profile) for phase in PHASES)
+    lower = np.sort(own - np.max(others, axis=0))[: max(1, number - 1)]
+    return float(lower.mean()), number
+
+
 def rated(flat: Relief, vector: Floats) -> Courses:
     """Return the evidence of joints for rows with a given vector."""
     return _rated(joints_of(flat).coarser(_SIDES[1]), vector)
@@ -246,3 +290,29 @@ def _blurred(profile: Floats, by: float) -> Floats:
     framed = np.concatenate([before, profile, after])
     found: Floats = np.convolve(framed, window / window.sum(), "valid")
     return found
+
+
+def _with_edges(levels: Floats) -> Floats:
+    """Return the mean level; steps down and to the right, of equal energy."""
+    steps = [np.sqrt((np.gradient(levels, axis=axis) ** 2).sum(axis=0)) for axis in (1, 2)]
+    edges = np.stack(steps)
+    gray = levels.mean(axis=0, keepdims=True)
+    if gray.var() < _COLORED * mixed(levels).var():  # colors of one brightness
+        gray = mixed(levels)[None]
+    share = levels.var(axis=(1, 2)).mean() / max(edges.var(axis=(1, 2)).sum(), 1e-12)
+    found: Floats = np.concatenate([gray, edges * share**0.5])
+    return found
+
+
+def _profiles(correlation: Floats, angles: Floats, reach: int) -> Floats:
+    """Return the mean correlation along lines of each angle, at distances 0, 1, ... of it."""
+    middle, center = (side // 2 for side in correlation.shape)
+    cosines, sines = np.cos(angles), np.sin(angles)
+    # As far along as shifts in this direction leave half of the sample to overlap.
+    far = np.minimum(
+        (center + 1) / np.maximum(abs(cosines), 1e-9), (middle + 1) / np.maximum(abs(sines), 1e-9)
+    )
+    result = np.empty((len(angles), reach))
+    along = np.linspace(-0.5, 0.5, _SAMPLES)
+    kernels.means_along(correlation, cosines, sines, far, along, result)
+    return result

@@ -12,8 +12,8 @@ from weftex.analysis.candidates import (
     checked_by_rows,
     row_candidate,
 )
-from weftex.analysis.joints import Courses, Joints, checked, find_courses
 from weftex.analysis.lattice import Lattice, find_lattice
+from weftex.analysis.lines import Courses, Joints, checked, find_courses
 from weftex.analysis.relief import Relief, relief
 from weftex.exemplar import Exemplar
 
