@@ -42,10 +42,8 @@ def test_what_crosses_rows_says_how_they_are_shifted(rng, shift):
             pixels[row * high : (row + 1) * high, max(left, 0) : end] += rng.normal(0, 15)
             pixels[row * high : (row + 1) * high, max(left, 0) : max(left + 2, 0)] = 200
         pixels[row * high : row * high + 2] = 200
-    fields, rows = (
-        autocorrelations(sample(pixels)),
-        Evidence(np.array([[0.0, 24.0]]), "rows"),
-    )
+    fields = autocorrelations(sample(pixels))
+    rows = Evidence(np.array([[0.0, 24.0]]), "rows")
     vectors = crossing_candidate(fields, rows).vectors
     truth = Lattice(((wide, 0), (shift * wide, high)))
     assert Lattice(tuple(map(tuple, vectors))).same_as(truth, 0.03)

@@ -43,6 +43,7 @@ _FARTHEST = 0.05  # what ridges count at least, as near ones count 1
 _PHASES = np.array(PHASES)
 _FEWEST = 2  # that it must have
 _REACH = 0.75  # of what is across: the farthest that is rated
+_NEARER = 0.7  # the same of ridges of known rows
 _CHANCE = 0.1  # standard error of one ridge, about
 _BLUR = 0.04  # of the distance, by which rows may be off
 _PARTS = 7  # closer rows that are tried
@@ -178,7 +179,7 @@ def find_courses(flat: Relief, across: Floats | None = None) -> Courses | None:
         angle += float(offs[int(np.argmax(near))])
         plain = tried[int(np.argmax(near))]
     distance /= fine.step
-    distance = _settled(plain, distance, _CLOSEST / fine.step)
+    distance = _settled(plain, distance, _CLOSEST / fine.step, 2 * _FEWEST)
     own, number = contrast(_blurred(plain, _BLUR * distance), np.array([distance]))
     vector = distance * fine.step * np.array([-np.sin(angle), np.cos(angle)])
     return Courses(vector, float(own[0]), float(plain[0]), int(number[0]))
@@ -200,7 +201,7 @@ def find_rows(flat: Relief) -> tuple[Floats, float] | None:
         angle, best, profile = float(angles[k]), found[k], profiles[k]
     if best[1] <= 0:
         return None
-    distance = _settled(profile, best[0], _CLOSEST)
+    distance = _settled(profile, best[0], _CLOSEST, _FEWEST)
     return distance * np.array([-np.sin(angle), np.cos(angle)]), best[1]
 
 
@@ -209,7 +210,7 @@ def ridges(correlation: Floats, vector: Floats) -> tuple[float, int]:
 
     Rows of many heights have some ridges by chance, which are not at all multiples.
     """
-    reach = int(_REACH * min(side // 2 + 1 for side in correlation.shape))
+    reach = int(_NEARER * min(side // 2 + 1 for side in correlation.shape))
     angle, distance = np.arctan2(-vector[0], vector[1]), float(np.hypot(*vector))
     profile = _profiles(correlation, np.array([angle]), reach)[0]
     number = max(1, min(_RIDGES, int((reach - 1) / distance)))
@@ -261,7 +262,7 @@ def _highest(profile: Floats, distances: Floats) -> tuple[float, float]:
     return float(distances[best]), float(rated[best])
 
 
-def _settled(profile: Floats, distance: float, closest: float) -> float:
+def _settled(profile: Floats, distance: float, closest: float, fewest: int) -> float:
     """Return the distance, that of closer rows with ridges as high, or twice the distance."""
     near = distance * _NEAR
     heights = contrast(_blurred(profile, _BLUR * distance), near)[0]
@@ -274,7 +275,7 @@ def _settled(profile: Floats, distance: float, closest: float) -> float:
             break
     times = np.arange(1, int(_REACH * len(profile) / distance) + 1)
     heights = np.interp(times * distance, np.arange(len(profile)), profile)
-    if len(times) >= 2 * _FEWEST:  # edges lie at both sides of what repeats
+    if len(times) >= fewest:  # edges lie at both sides of what repeats
         odd, even = float(heights[::2].mean()), float(heights[1::2].mean())
         if even - odd > _HIGHER * even > 0:
             distance *= 2
