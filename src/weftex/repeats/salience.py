@@ -11,7 +11,7 @@ from weftex.repeats import Output, Repetition
 from weftex.repeats import repeat_kernels as kernels
 
 #: What repeats count for: strength apart, see `Repetition`.
-_CELLS = 16  # of the sample's shorter side, or up to twice as many, are looked at
+_CELLS, _OF_COPIES = 16, 11  # of the sample's shorter side, or up to twice as many, are looked at
 _LEVELS = 16  # of salience, so that sums are of whole numbers
 _MOST = 8  # times the mean salience; what stands out more counts as much
 _FAR = 1.25  # sides of the sample from which on nothing is in sight
@@ -42,7 +42,7 @@ class SaliencePenalty:
         small: tuple[NDArray[np.uint8], NDArray[np.uint8]],
     ) -> None:
         self.policy, self.output, self.shape = policy, output, boxes[0][2:]
-        side = self.cell = cell_side(self.shape)
+        side = self.cell = cell_side(boxes)
         height, width = (-(-n // side) for n in self.shape)
         salience = np.zeros((height, width), np.int32)
         salience[: small[1].shape[0], : small[1].shape[1]] = _salience(*small)
@@ -68,8 +68,8 @@ class SaliencePenalty:
         self.cells[3, :-1] = salience.ravel()
         ways = [[(0, False)]] if exemplar.turn is None else TURNS[exemplar.turn]
         self.mirrored = np.array([mirrored for row in ways for _, mirrored in row], np.int32)
-        near = [int((far * min(height, width)) ** 2) for far in (_NEAR, _CLOSE)]
-        self.near = np.array([*near, int(near[0] ** 0.5)], np.int32)
+        near, close = (int((far * min(height, width)) ** 2) for far in (_NEAR, _CLOSE))
+        self.near = np.array([near, close, int(near**0.5)], np.int32)
         # What lies around a hole stays, so repeats in line with it do not count more.
         line, self._far = (_IN_LINE, _LINE_FAR) if output.canvas.hole is None else (0.0, _FAR)
         self.weights = _weights(self.shape, side, line, self._far)
@@ -79,7 +79,6 @@ class SaliencePenalty:
         self, pixel: tuple[int, int], allowed: list[NDArray[np.bool_]], halvings: int
     ) -> list[NDArray[np.float64]]:
         """Factors for the costs of a patch at the offsets of each copy, 1 or more if allowed."""
-        # The box of all cells that are allowed in some copy.
         places = np.concatenate([np.argwhere(each) for each in allowed]) << halvings
         first, last = places.min(axis=0) // self.cell, places.max(axis=0) // self.cell
         sums = self._sums(pixel, len(allowed), first, last - first + 1)
@@ -110,10 +109,8 @@ class SaliencePenalty:
         v, u = np.divmod(known, columns.shape[1])
         cell, copy = np.divmod(shows[shown[known]], copies)
         # The distances of cells from the last one of a copy at the first offset.
-        away = [
-            np.arange(low - n + 1, low + count)
-            for low, n, count in zip(first, self.most, size, strict=True)
-        ]
+        axes = zip(first, self.most, size, strict=True)
+        away = [np.arange(low - n + 1, low + count) for low, n, count in axes]
         missing = self._missing_at(pixel, [-line for line in away])
         at = [rows[1][v] + away[0][0], columns[1][u] + away[1][0], copy]
         small = np.uint16 if cells.size < 2**16 else np.uint32  # which is sorted faster
@@ -153,9 +150,10 @@ class SaliencePenalty:
         return -missing.astype(np.int64)
 
 
-def cell_side(shape: tuple[int, ...]) -> int:
-    """The side of the cells of a sample in pixels, a power of 2."""
-    return 1 << max((min(shape) // _CELLS).bit_length() - 1, 0)
+def cell_side(boxes: list[Box]) -> int:
+    """The side in pixels of the cells of a sample and its copies, a power of 2."""
+    least = _CELLS if len(boxes) == 1 else _OF_COPIES
+    return 1 << max((min(boxes[0][2:]) // least).bit_length() - 1, 0)
 
 
 def _salience(pixels: NDArray[np.uint8], usable: NDArray[np.uint8]) -> NDArray[np.int32]:

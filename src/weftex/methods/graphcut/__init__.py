@@ -95,7 +95,7 @@ class GraphCut(Method):
         "number of placements tried for each patch; the cheapest seam wins; higher is slower",
         low=1,
         high=1000,
-        default_text="4; 24 if placement is entire",
+        default_text="4; 24 if placement is entire, 12 with orientations",
     )
     seam_cost: str = parameter(
         "gradient",
@@ -178,14 +178,15 @@ class GraphCut(Method):
             check_lattice(self.lattice, exemplar)
         found = replace(
             self,
-            candidates=self.candidates or (24 if entire else 4),
+            candidates=self.candidates
+            or (4 if not entire else 24 if exemplar.turn is None else 12),
             refinements=_given(self.refinements, 1.0 if self.placement == "random" else 0.0),
         )
         if self.placement != "random":
             found = replace(found, tolerance=_given(self.tolerance, 0.0 if entire else 0.003))
-        return (
-            found.for_patches(self.patch_shape(exemplar)) if self.placement == "subpatch" else found
-        )
+        if self.placement != "subpatch":
+            return found
+        return found.for_patches(self.patch_shape(exemplar))
 
     def patch_shape(self, exemplar: Exemplar) -> tuple[int, int]:
         """Height and width of patches: squares, but for thin samples; or the entire sample."""
@@ -286,7 +287,7 @@ def placement_of(
     if variety > 0:
         # Things that are shown both ways up look less alike.
         policy = Repetition(variety, nearby=0.3 if sample.boxes else 0.4, use=0.05)
-        small = sample.part(boxes[0]).levels(cell_side(boxes[0][2:]))[-1]
+        small = sample.part(boxes[0]).levels(cell_side(boxes))[-1]
         cells = small.pixels, small.mask
         penalty = SaliencePenalty(policy, sample.exemplar, growth, boxes, cells)
     return EntirePatchMatching(sample, growth, lattice=method.lattice, penalty=penalty)
