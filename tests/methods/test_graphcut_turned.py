@@ -47,11 +47,11 @@ def test_nothing_meets_its_mirror_image():
 
 @pytest.mark.parametrize(("orientations", "turn"), [("half-turns", "half"), ("all", "8")])
 def test_copies_are_laid_by_name_and_replayed(orientations, turn, tmp_path):
-    result = laid("sample:leaves", orientations=orientations)
+    result = laid("sample:leaves", orientations=orientations, seed=4)
     assert result.provenance["orientations"] == orientations
     assert result.turn == turn
     leaves = weftex.prepare.turned("sample:leaves", turn)
-    np.testing.assert_array_equal(result.image, laid(leaves).image)
+    np.testing.assert_array_equal(result.image, laid(leaves, seed=4).image)
     half = leaves.copy_shape[1]
     share = (result.pictured_source()[..., 1] > half).mean()
     assert 0.02 < share < 0.98
