@@ -246,9 +246,9 @@ class Rated:
     goodness : float
         Goodness, eq. 3.22; 0 if a vector has no significant multiple.
     mean : float
-        Mean correlation at the multiples, eq. 3.24; of rows the mean height of the ridges.
+        Mean correlation at the multiples, eq. 3.24; for rows, along the lines where it peaks.
     multiples : int
-        Number of multiples with a significant overlap, n of eq. 3.22; of rows that of the ridges.
+        Number of multiples with a significant overlap, n of eq. 3.22; for rows, of these lines.
     """
 
     vectors: tuple[tuple[float, float], ...]

@@ -156,7 +156,7 @@ def _skew_and_square(
 
 @dataclass(frozen=True)
 class Evenness:
-    """How much a sample differs from place to place; 0 is perfectly even.
+    """How much a sample differs from place to place.
 
     Attributes
     ----------

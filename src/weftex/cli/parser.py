@@ -32,7 +32,7 @@ SHARED: dict[str, tuple[str, dict[str, Any]]] = {
                          "such as godot, unity-urp, unreal, gltf or ambientcg, or of your own "
                          ".toml; 'weftex pack --help' lists all"}),
     "--block": (_LARGE, {"type": int, "metavar": "PX", "help": "side of the blocks, a power of "
-                         "two; does not change the image; default: 2048"}),
+                         "two; every value gives the same image; default: 2048"}),
     "--restart": (_LARGE, {"action": "store_true",
                            "help": "delete this image and start again"}),
     "--part": (_LARGE, {"metavar": "K/N", "help": "write part K of N, on any machine that shares "

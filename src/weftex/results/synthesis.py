@@ -367,7 +367,7 @@ class Synthesis(Displayable, SourceMap):
         path : str or path
             The `.npz` file.
         exemplar : Exemplar, optional
-            The sample; `image` and `maps` need it.
+            The sample; `image` and `maps` need it, `render` of another image does not.
         known : array, optional
             The photo around a filled hole; `image` needs it if that is not the sample.
 

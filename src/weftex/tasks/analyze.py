@@ -34,7 +34,7 @@ _MOST_RUNNERS_UP = 24  # pairs that are rated by all their multiples
 
 @dataclass(frozen=True)
 class Band:
-    """A quarter of an octave of the spectrum.
+    """A quarter of an octave of the power spectrum, whose rings are its frequencies.
 
     Attributes
     ----------
@@ -98,11 +98,11 @@ class Analysis:
     tiles : (bool, bool)
         Whether the sample is tileable, down and across, as `tile --check` says.
     evenness : Evenness
-        Faults of light, perspective and variety; `choice.warnings` has them in words.
+        Uneven light, large forms and perspective; `choice.warnings` has them in words.
     choice : Choice
         The method that "auto" chooses for twice the sample's size, and why.
     windows : dict of str to int or None
-        Default window width of each method; None if it cannot be fitted to this sample.
+        Default window width of each pixel method; None for a method that cannot use this sample.
     """
 
     name: str
@@ -199,7 +199,7 @@ def analyze(
     sample : path, array, PIL image or Exemplar
         The material; see `weftex.load_exemplar`.
     lattice : Lattice, (x1, y1, x2, y2) or str, optional
-        Also rate this lattice. For rows, one vector is the step from row to row. The other is one
+        Also rate this lattice; a text is "x1,y1,x2,y2". For rows, one vector is the step from row to row. The other is one
         pixel long, and has the direction of the rows.
     runners_up : int
         Number of other lattices to list, 0 to 24.

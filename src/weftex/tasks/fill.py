@@ -61,7 +61,7 @@ def fill(
     progress: ProgressCallback | None = None,
     **parameters: Any,
 ) -> Synthesis:
-    """Fill the holes of a photo; every other pixel stays exactly as it is.
+    """Fill the holes of a photo; without `overlap`, every other pixel stays exactly as it is.
 
     Patches come from `sample`, or from the million pixels of the photo nearest to the holes. The
     maps of a map set are matched and filled together: see `Synthesis.maps`.
@@ -77,18 +77,18 @@ def fill(
         Take patches from this sample instead of the photo. It must have the photo's dtype and
         channels, and maps of the same roles.
     method : str or Method
-        A name in `weftex.METHODS`, or a method with its parameters. By default `patch-sampling`. If
-        neither `sample` nor `parameters` is given, `graphcut` for a photo with a lattice, and for a
-        photo of at most 512x512 with rows, or with features larger than a twelfth of its side. The
-        result's `provenance` has the reason.
+        "auto", a name in `weftex.METHODS`, or a method with its parameters. "auto" is `graphcut`
+        for a photo with a lattice, and for a photo of at most 512x512 with rows, or with features
+        larger than a twelfth of its side; otherwise `patch-sampling`. If `sample` or `parameters`
+        are given, it is always `patch-sampling`. The result's `provenance` has the reason.
     overlap : int
         Width in pixels of a zone around the holes that may change too. The boundary between photo
         and filling is cut inside it, so that it does not follow the outline of the mask.
     match_tone : bool, optional
         Match the tone of the filling to the tone around the hole, if they differ by more than the
-        texture itself varies. By default only if weftex chooses the method.
+        texture itself varies. By default only if `method` is "auto" without `parameters`.
     seed : int, numpy Generator or None
-        The same seed gives the same bytes.
+        The same seed gives the same bytes, with any number of threads.
     tileable : bool or {"x", "y"}
         Axes along which the photo repeats without a seam, so that holes may cross its border.
     threads : int, optional
@@ -97,8 +97,9 @@ def fill(
         See `weftex.progress.ProgressCallback`; the preview shows the surroundings of the holes.
     **parameters
         Parameters of the method. In holes, `patch-sampling` has the defaults `boundary_width` 4,
-        `epsilon` 0.02, `candidates` 400, and `patch_size` 48 to 128: about two fifths of the holes'
-        width, at most a fifth of the photo's shorter side, less if few such windows are left.
+        `epsilon` 0.02 and `candidates` 400. Its `patch_size` is 48, 64, 96 or 128, about two fifths
+        of the holes' width, but at most a fifth of the photo's shorter side. It is smaller if few
+        whole patches fit outside the holes.
 
     Returns
     -------

@@ -73,16 +73,16 @@ def fuse(
         "cut" only cuts. "merged" also fills a belt along each cut with a mixture of both materials,
         as in the paper. The belt is half as wide as the larger of their windows.
     belt_width : int, optional
-        Width in pixels of the belt that a boundary may use. By default 1.5 times the larger window
+        Width in pixels of the belt that a boundary may use, half of it on each side of the map's. By default 1.5 times the larger window
         of its two materials; less in narrow regions.
     method : str or Method
         A method that can fuse, by its name in `weftex.METHODS` or with its parameters.
     seed : int, numpy Generator or None
-        The same seed gives the same bytes.
+        The same seed gives the same bytes, with any number of threads.
     tileable : bool or {"x", "y"}
         Axes that wrap around without a seam, also those of the map.
     threads : int, optional
-        Maximum number of threads.
+        Maximum number of threads; one for each processor by default.
     progress : callable, optional
         See `weftex.progress.ProgressCallback`.
     **parameters
@@ -100,6 +100,8 @@ def fuse(
         another size, or a value is out of range.
     UnsupportedError
         If the method cannot fuse.
+    FileError
+        If a file cannot be read.
     CancelledError
         If `progress` returned False.
 

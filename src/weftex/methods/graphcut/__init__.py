@@ -123,7 +123,7 @@ class GraphCut(Method):
         "number of pyramid levels for matching and cutting; 0 is full resolution (the paper)",
         low=0,
         high=8,
-        default_text="up to 4, while patches stay at least 24 pixels wide",
+        default_text="as many as leave patches at least 24 pixels wide, at most 4",
     )
     tone_reach: float = parameter(
         16.0,
