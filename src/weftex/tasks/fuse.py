@@ -73,8 +73,8 @@ def fuse(
         "cut" only cuts. "merged" also fills a belt along each cut with a mixture of both materials,
         as in the paper. The belt is half as wide as the larger of their windows.
     belt_width : int, optional
-        Width in pixels of the belt that a boundary may use, half of it on each side of the map's. By default 1.5 times the larger window
-        of its two materials; less in narrow regions.
+        Width in pixels of the belt that a boundary may use, half of it on each side of the line in
+        the map. By default 1.5 times the larger window of its materials; less in narrow regions.
     method : str or Method
         A method that can fuse, by its name in `weftex.METHODS` or with its parameters.
     seed : int, numpy Generator or None
