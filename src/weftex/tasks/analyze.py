@@ -199,8 +199,8 @@ def analyze(
     sample : path, array, PIL image or Exemplar
         The material; see `weftex.load_exemplar`.
     lattice : Lattice, (x1, y1, x2, y2) or str, optional
-        Also rate this lattice; a text is "x1,y1,x2,y2". For rows, one vector is the step from row to row. The other is one
-        pixel long, and has the direction of the rows.
+        Also rate this lattice; a text is "x1,y1,x2,y2". For rows, one vector is the step from row
+        to row. The other is one pixel long, and has the direction of the rows.
     runners_up : int
         Number of other lattices to list, 0 to 24.
 

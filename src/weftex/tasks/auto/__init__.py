@@ -66,7 +66,8 @@ class Auto(Method):
 
     effort: str = parameter(
         "normal",
-        "how many methods to try: one (quick), a few if the choice is unclear (normal), more (best)",
+        "how many methods to try: one (quick), a few if the choice is unclear (normal), "
+        "more (best)",
         choices=("quick", "normal", "best"),
     )
 
