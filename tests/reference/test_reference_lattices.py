@@ -20,7 +20,7 @@ from weftex.reference.lattice import autocorrelation, goodness, identifiers, mul
 BOND = ((16, 0), (8, 12))
 
 
-@pytest.mark.parametrize("border", [2, 3, 4])
+@pytest.mark.parametrize("border", [1, 2, 3, 4])
 @pytest.mark.parametrize(
     "vectors", [((7, 0), (0, 6)), ((5.5, 2), (-3, 6.25)), ((-5, 3), (4, 5)), BOND]
 )

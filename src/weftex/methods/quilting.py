@@ -84,21 +84,22 @@ def quilt(output: Output, method: Quilting) -> None:
     Sections and quotations are of Efros and Freeman (2001). Each block depends on those before it,
     so compiled code, `patch_kernels.lay_patches`, takes the steps for a run of blocks.
     """
+    tolerance = Tolerance(method.tolerance, of_best=True, by_similarity=False)
 
     # "Go through the image to be synthesized in raster scan order in steps of one block (minus the
     # overlap)": `orders.scan_patches`. It spreads blocks evenly, so that overlaps may be wider.
     def quilt_blocks(run: Run) -> None:
-        # "For every location, search the input texture for a set of blocks that satisfy the overlap
-        # constraints (above and left) ...": the error of an overlap is
-        # `patch_kernels.zone_distance`. Not in the paper: unless `search` is exhaustive, only the
-        # `candidates` blocks that are best at a low resolution are compared.
-        search = output.search_for(run)
-        # "... within some error tolerance. Randomly pick one such block": each block with at most
-        # 1 + tolerance times the error of the best is as likely (`patch_kernels.draw_one`).
-        tolerance = Tolerance(method.tolerance, of_best=True, by_similarity=False)
-        # "Compute the error surface between the newly chosen block and the old blocks at the
-        # overlap region. Find the minimum cost path along this surface and make that the boundary
-        # of the new block" (section 2.1, `cut_kernels.cut_bands`). "Paste the block."
-        output.choose_and_paste(run, search, tolerance)
+        # For each block, functions of `patch_kernels` and of the modules that are named:
+        # 1. "For every location, search the input texture for a set of blocks that satisfy the
+        #    overlap constraints (above and left) ...", by `zone_distance`. Not in the paper: unless
+        #    `search` is exhaustive, only the `candidates` best at a low resolution are compared;
+        #    unless `repeat_distance` is 0, repeats of a block nearby are left out (`free_repeats`).
+        # 2. "... within some error tolerance. Randomly pick one such block": each block with at
+        #    most 1 + tolerance times the error of the best is as likely (`draw_one`).
+        # 3. "Compute the error surface between the newly chosen block and the old blocks at the
+        #    overlap region. Find the minimum cost path along this surface and make that the
+        #    boundary of the new block. Paste the block": `cut_kernels.cut_bands` (section 2.1) and
+        #    `paste_kernels.paste`, where two paths meet in an L (`effective`).
+        output.choose_and_paste(run, output.search_for(run), tolerance)
 
     output.paste_in_order(quilt_blocks)  # "Repeat."

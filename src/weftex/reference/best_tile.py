@@ -1,7 +1,6 @@
 """Best self-similar tile repetition (López Recas, 2011, section 4.1).
 
-The method `best-tile` makes the same bytes, if borders are 2 pixels or wider: of narrower ones, it
-repeats pixels of the tile where vectors with fractions lead past it.
+The method `best-tile` makes the same bytes.
 """
 
 from __future__ import annotations
@@ -72,10 +71,11 @@ def best_tile(sample: Any, size: Any, vectors: Any, border: int = 10) -> Made:
         return total
 
     # The left and right borders are v1 apart and lie along v2, the top and bottom ones v2 and v1.
-    error = integrated(differences(0), within(0 * v[1], v[1], (border + 1) // 2))
-    error += integrated(differences(1), within(0 * v[0], v[0], (border + 1) // 2))
+    reach = (border + 1) // 2  # on each side of a side
+    error = integrated(differences(0), within(0 * v[1], v[1], reach))
+    error += integrated(differences(1), within(0 * v[0], v[0], reach))
     # Tiles whose borders are outside have undefined self-similarity.
-    tile = within(v[0], v[1], border // 2)
+    tile = within(v[0], v[1], reach)
     first, last = np.maximum(-tile.min(axis=0), 0), shape - np.maximum(tile.max(axis=0), 0)
     if (first >= last).any():
         raise InvalidInputError(f"vectors are {vectors}; no such tile lies in the sample")

@@ -109,7 +109,7 @@ def graphcut(
         differences = [norm(p, q) for p, q in ((a_s, b_s), (a_t, b_t)) if p and q]
         gradient = [norm(p, q) for p, q in ((a_s, a_t), (b_s, b_t)) if p and q]
         cost, across = sum(differences), sum(gradient)
-        if len(differences) < 2:  # a patch ends here: as if both were like the other one, times two
+        if len(differences) < 2:  # a patch ends here: as if it were like the other, times two
             cost, across = (4 * cost, 2 * across) if differences else (4 * WHITE * len(a_s), 0)
         return 256 * cost // (across + SOFT * len(a_s)) if gradients else cost
 

@@ -73,7 +73,7 @@ def image_quilting(
         if not overlapping.any():
             return np.arange(len(blocks))
         error = ((blocks[:, overlapping] - old[overlapping]) ** 2).sum(axis=(1, 2))
-        return np.flatnonzero(error <= error.min() * (1 + tolerance) * (1 + tolerance))
+        return np.flatnonzero(error <= error.min() * (1 + tolerance) * (1 + tolerance))  # squares
 
     for i, j in np.ndindex(*count):  # in raster scan order in steps of one block less the overlap
         here = np.s_[i * step : i * step + block, j * step : j * step + block]
@@ -88,7 +88,7 @@ def image_quilting(
         pasted = np.ones((block, block), bool)
         if j:  # a vertical cut
             pasted &= np.arange(block) >= minimum_error_boundary(error[:, :overlap])[:, None]
-        if i:  # a horizontal cut
+        if i:  # a horizontal cut; both make an L
             pasted &= np.arange(block)[:, None] >= minimum_error_boundary(error[:overlap].T)
         corner = np.divmod(chosen, pixels.shape[1] - block + 1)
         theirs = places(block, block) + corner

@@ -1,4 +1,4 @@
-"""The mismatch of two pictures at every translation at once, by FFT."""
+"""The mismatch of two pictures at every translation, by FFT (Kwatra et al., 2003, section 5)."""
 
 from __future__ import annotations
 

@@ -102,7 +102,8 @@ class EntirePatchMatching:
             jobs: list[Callable[[], Any]] = [partial(self._mismatch, boxes, allowed, k)]
             if self.penalty is not None:
                 jobs.append(partial(self.penalty.of, (y, x), allowed, k))
-            costs, factors = [*map_(call, jobs), factors][:2]
+            costs, *penalties = map_(call, jobs)
+            factors = next(iter(penalties), factors)
         tops = [0, *np.cumsum([len(some) for some in allowed]).tolist()]
 
         def patches(drawn: list[tuple[int, int]], map_: Callable[..., Any]) -> list[Patch]:

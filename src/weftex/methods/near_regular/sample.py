@@ -35,7 +35,6 @@ _PAPERS_BLEND = 4  # px (section 5.2)
 _BLEND = 12  # px; wider than the paper's, as a judge liked it better
 _STRAIN = 0.02  # of a sample that tiles; past it windows do not cross its border
 _CELL = 1.5  # pixels; a tile is cut into such cells to see whether all of them have a window
-_SOFT = 40  # squared difference of a channel, two pixels apart, that halves the visibility
 
 
 def resolve(method: Any, exemplar: Exemplar) -> Any:
@@ -225,7 +224,6 @@ class BlockSample:
 
     exemplar: Exemplar
     windows: Windows  # by their upper left corners
-    visibility: NDArray[np.uint16]  # (H', W'), of a seam at each of them
     offsets: NDArray[np.int64]  # (n, 2), shuffled
     multiples: NDArray[np.int64]  # (n,), of the first vector in each
     #: Rows that blocks beside each other share, or each of them would end with its block.
@@ -261,7 +259,6 @@ def prepare(method: Any, exemplar: Exemplar) -> BlockSample:
     return BlockSample(
         exemplar=exemplar,
         windows=windows,
-        visibility=visibility(windows.pixels),
         offsets=offsets,
         multiples=np.rint(offsets @ lattice.inverse[:, 0] / 65536).astype(np.int64),
         colored_rows=None if free else find_colored_rows(windows.pixels, vectors),
@@ -296,18 +293,3 @@ def shuffled(values: NDArray[Any], purpose: str = "runs") -> NDArray[Any]:
     """Shuffle rows: the first few then tell about all, such as runs on all sides of a border."""
     order = np.argsort(draw(0, purpose, np.arange(len(values))), kind="stable")
     return np.ascontiguousarray(values[order])
-
-
-def visibility(pixels: NDArray[np.uint8]) -> NDArray[np.uint16]:
-    """How visible a seam is at each pixel, at least 1: less on edges of the sample's own.
-
-    >>> step = np.array([[[10], [10], [10], [90], [90]]], np.uint8)
-    >>> visibility(step).tolist()
-    [[4096, 4096, 25, 25, 4096]]
-    """
-    wide = np.pad(pixels.astype(np.int32), ((1, 1), (1, 1), (0, 0)), mode="edge")
-    steep = (wide[2:, 1:-1] - wide[:-2, 1:-1]) ** 2
-    steep += (wide[1:-1, 2:] - wide[1:-1, :-2]) ** 2
-    soft = _SOFT * pixels.shape[2]
-    found: NDArray[np.int64] = np.maximum(4096 * soft // (soft + steep.sum(axis=2)), 1)
-    return found.astype(np.uint16)

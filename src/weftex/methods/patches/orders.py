@@ -1,7 +1,7 @@
 """How patches lie on a canvas, and in which order.
 
-Those of a new picture go row by row (Fig. 3, Fig. 5, section 2.5), those of a hole in spirals from
-its border inwards (section 2.3).
+Those of a new picture go row by row (Liang et al., 2001, Fig. 3, Fig. 5, section 2.5), those of a
+hole in spirals from its border inwards (section 2.3).
 """
 
 from __future__ import annotations
