@@ -15,8 +15,8 @@ TESTS = Path(__file__).parent
 READ = ("methods", "repeats", "search", "seams")
 #: Lower a ceiling when the code has become smaller; a feature that needs room removes something.
 CEILINGS = {
-    "lines of Python in src": 45_034,
-    "of these code": 31_360,
+    "lines of Python in src": 45_025,
+    "of these code": 31_353,
     "modules": 264,
     "kernel classes": 23,
     "names that several kernel classes have": 0,
@@ -28,7 +28,7 @@ CEILINGS = {
     "efros-leung: files to read": 8,
     "efros-leung: lines to read": 1_234,
     "near-regular: files to read": 9,
-    "near-regular: lines to read": 1_671,
+    "near-regular: lines to read": 1_653,
 }
 
 

@@ -82,14 +82,13 @@ def quilt(output: Output, method: Quilting) -> None:
     """Cover an output with blocks of the sample: the algorithm of section 2.2.
 
     Sections and quotations are of Efros and Freeman (2001). Each block depends on those before it,
-    so compiled code, `patch_kernels.lay_patches`, takes the steps for a run of blocks.
+    so compiled code, `lay_patches` of `patch_kernels`, takes steps 1 to 3 for a run of blocks.
     """
     tolerance = Tolerance(method.tolerance, of_best=True, by_similarity=False)
 
     # "Go through the image to be synthesized in raster scan order in steps of one block (minus the
     # overlap)": `orders.scan_patches`. It spreads blocks evenly, so that overlaps may be wider.
     def quilt_blocks(run: Run) -> None:
-        # For each block, functions of `patch_kernels` and of the modules that are named:
         # 1. "For every location, search the input texture for a set of blocks that satisfy the
         #    overlap constraints (above and left) ...", by `zone_distance`. Not in the paper: unless
         #    `search` is exhaustive, only the `candidates` best at a low resolution are compared;
