@@ -1,7 +1,7 @@
 """The lattice of a near-regular sample: the translations at which it matches itself.
 
 With `goodness="height"` it is the thesis's: `correlation`, peaks (`autocorrelations`), `pairs`. The
-default, "contrast", adds evidence by `candidates`, from `tiles`, `joints`, `bonds` and `rows`.
+default, "contrast", adds evidence (`candidates`): of `tiles`, `lines`, `bonds` and `prediction`.
 """
 
 from __future__ import annotations

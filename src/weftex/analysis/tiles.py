@@ -104,8 +104,8 @@ def made_of(larger: Floats, smaller: Floats) -> Floats | None:
     """
     times = larger @ np.linalg.inv(smaller)
     whole: Floats = np.rint(times)
-    apart = abs(times - whole).max() < _OFF and abs(np.linalg.det(whole)) > 0.5
-    return whole if apart else None
+    fits = abs(times - whole).max() < _OFF and abs(np.linalg.det(whole)) > 0.5
+    return whole if fits else None
 
 
 def stand_out(

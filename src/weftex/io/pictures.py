@@ -1,4 +1,4 @@
-"""Pictures in and out: the only place that touches files.
+"""Pictures in and out: the only place that opens picture files.
 
 Pixels keep the type they are stored in: uint8, uint16 or float32. Alpha is always straight, colors
 are never converted, and what a format cannot hold is refused instead of squeezed in.

@@ -1,4 +1,4 @@
-"""What the methods that choose one pixel after the other have in common."""
+"""What methods with one source for each pixel have in common: pixel methods and graph cut."""
 
 from __future__ import annotations
 

@@ -33,9 +33,9 @@ BEST = cython.declare(cython.Py_ssize_t, 6)
 SKIPPED = 9 * int(BEST)  # for Python: compared at most each time that the stride is halved
 
 # Marks of windows that are not drawn.
-REPEATS = cython.declare(cython.uchar, 1)  # the source of a patch around
-CONTINUES = cython.declare(cython.uchar, 2)  # the source of a patch around
-DIFFERS = cython.declare(cython.uchar, 3)  # too much
+REPEATS = cython.declare(cython.uchar, 1)  # shows what a patch around shows
+CONTINUES = cython.declare(cython.uchar, 2)  # continues a patch around verbatim
+DIFFERS = cython.declare(cython.uchar, 3)  # more than the tolerance
 
 
 class Tolerance:

@@ -49,7 +49,7 @@ _ENDLESS = 2**15, 2**15
 class Auto(Method):
     """Chooses the method that suits the sample and the canvas.
 
-    `fit` analyzes the sample once. `sample` chooses a method for the canvas, and fits it once.
+    The first output analyzes the sample. A method is chosen for each canvas, and fitted once.
 
     Examples
     --------
@@ -72,7 +72,7 @@ class Auto(Method):
     )
 
     def fit_exemplar(self, exemplar: Exemplar) -> AutoModel:
-        """Return a model that chooses for each canvas; the sample is analyzed once."""
+        """Return a model that chooses for each canvas; the first one analyzes the sample."""
         return AutoModel(self, exemplar)
 
 
