@@ -86,11 +86,7 @@ class Model(ABC):
     def make(
         self, canvas: Canvas, seed: int, threads: int, progress: ProgressCallback | None
     ) -> Synthesis:
-        """Make one output; `sample` checks the arguments and calls this.
-
-        A model of your own defines it, and returns `Synthesis.from_source` with the source of each
-        pixel of the canvas. `progress` may be None, or is passed to `weftex.progress.Progress`.
-        """
+        """Make one output, often by `Synthesis.from_source`; `sample` checks the arguments first."""
 
     def require(self, canvas: Canvas) -> None:
         """Refuse a canvas that the method does not do, or on which a chosen parameter is idle."""

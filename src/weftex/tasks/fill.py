@@ -97,9 +97,8 @@ def fill(
         See `weftex.progress.ProgressCallback`; the preview shows the surroundings of the holes.
     **parameters
         Parameters of the method. In holes, `patch-sampling` has the defaults `boundary_width` 4,
-        `epsilon` 0.02 and `candidates` 400. Its `patch_size` is 48, 64, 96 or 128, about two fifths
-        of the holes' width, but at most a fifth of the photo's shorter side. It is smaller if few
-        whole patches fit outside the holes.
+        `epsilon` 0.02, `candidates` 400, and `patch_size` 48 to 128, two fifths of a hole's width;
+        but at most a fifth of the photo's side, and less if few whole patches fit outside.
 
     Returns
     -------

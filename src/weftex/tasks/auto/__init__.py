@@ -66,8 +66,7 @@ class Auto(Method):
 
     effort: str = parameter(
         "normal",
-        "how many methods to try: one (quick), a few if the choice is unclear (normal), "
-        "more (best)",
+        "methods to try: one (quick), a few if the choice is unclear (normal), more (best)",
         choices=("quick", "normal", "best"),
     )
 
