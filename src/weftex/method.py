@@ -86,7 +86,7 @@ class Model(ABC):
     def make(
         self, canvas: Canvas, seed: int, threads: int, progress: ProgressCallback | None
     ) -> Synthesis:
-        """Make one output, often by `Synthesis.from_source`; `sample` checks the arguments first."""
+        """Make one output, such as by `Synthesis.from_source`; `sample` checks arguments."""
 
     def require(self, canvas: Canvas) -> None:
         """Refuse a canvas that the method does not do, or on which a chosen parameter is idle."""
