@@ -17,8 +17,7 @@ from weftex.exemplar import Exemplar
 from weftex.quality.assess import Assessment, assess, real_crops
 from weftex.quality.figures import FIGURES
 from weftex.quality.score import Scorer
-from weftex.quality.seams import StepModel, seams, wrap_seam
-from weftex.quality.view import views
+from weftex.quality.seams import seams, wrap_seam
 
 SAMPLES = Path(__file__).parents[2] / "examples" / "samples"
 SURFACES = ["cobbles", "gingham", "shingles", "boards"]
@@ -133,8 +132,8 @@ def test_made_by_weft_is_good_and_says_where_from(rng):
 def test_the_wrap_is_judged_axis_by_axis():
     sample = weftex.load_exemplar("sample:pebbles")
     made = weftex.synthesize(sample, 160, method="quilting", seed=1, tileable="x").image
-    own, result = views(sample, made)
-    model = StepModel(own)
+    scorer = Scorer(sample)
+    model, result = scorer.steps, scorer.view(made)
     assert wrap_seam(model, result, (False, True)) < 0.1
     assert wrap_seam(model, result, (True, False)) > 0.3
     assert wrap_seam(model, result, (True, True)) == wrap_seam(model, result, (True, False))
@@ -146,17 +145,17 @@ def test_a_seam_is_found(axis):
     pixels = weftex.load_exemplar("sample:grass").pixels[:128, :128]
     pieces = np.split(pixels, [50], axis)
     cut = np.concatenate([pieces[1], pieces[0]], axis)  # the seam lies after 78 lines
-    own, made = views(Exemplar(pixels), np.ascontiguousarray(cut))
-    model = StepModel(own)
-    assert seams(model, made) > 1.5 * seams(model, own)
+    scorer = Scorer(Exemplar(pixels))
+    made = scorer.view(np.ascontiguousarray(cut))
+    assert seams(scorer.steps, made) > 1.5 * seams(scorer.steps, scorer.own)
 
 
 def test_a_thing_that_the_sample_lacks_is_marked_where_it_is():
     sample = weftex.load_exemplar("sample:tiles")
     picture = sample.pixels.copy()
     picture[100:140, 60:120] = picture[100:140, 60:120].mean(axis=(0, 1))
-    found = Scorer(sample).broken_map(views(sample, picture)[1])
-    whole = Scorer(sample).broken_map(views(sample, sample.pixels)[1])
+    scorer = Scorer(sample)
+    found, whole = (scorer.broken_map(scorer.view(one)) for one in (picture, sample.pixels))
     assert found.shape == sample.shape and whole.max() == 0
     inside = found[100:140, 60:120].mean()
     assert inside > 4 * found[:, 200:].mean() and assess(sample, picture).broken > 0

@@ -13,7 +13,6 @@ import weftex
 from weftex.exemplar import Exemplar
 from weftex.quality.figures import FIGURES
 from weftex.quality.score import WEIGHTS, Scorer, terms, weigh
-from weftex.quality.view import views
 
 ROOT = Path(__file__).parents[2]
 
@@ -53,9 +52,9 @@ def test_whole_is_better_than_scrambled(name, rng):
 def test_variety_is_better_than_tiles(name):
     sample = weftex.load_exemplar(f"sample:{name}").pixels[:128, :128]
     scorer = Scorer(Exemplar(sample))
-    tiled = scorer.windows(views(scorer.exemplar, np.tile(sample[:64, :64], (4, 4, 1)))[1])
+    tiled = scorer.windows(scorer.view(np.tile(sample[:64, :64], (4, 4, 1))))
     made = weftex.synthesize(sample, 256, method="quilting", seed=1).image
-    varied = scorer.windows(views(scorer.exemplar, made)[1])
+    varied = scorer.windows(scorer.view(made))
     assert varied["alike"] < 0.5 < 1 < tiled["alike"]
     assert varied["uneven"] < tiled["uneven"]
 
@@ -66,7 +65,7 @@ def test_the_nearest_windows_by_definition(rng):
     picture = rng.integers(0, 256, (27, 31, 3), np.uint8)
     picture[5:19, 4:22] = sample[8:22, 10:28]
     scorer, width = Scorer(Exemplar(sample)), 10
-    found = scorer.windows(views(scorer.exemplar, picture)[1])
+    found = scorer.windows(scorer.view(picture))
 
     def windows(of):
         return [

@@ -182,7 +182,8 @@ def test_what_is_left_over_is_swept(tmp_path):
             os.utime(path, (old, old))
     (tmp_path / "others").mkdir()
     found = Store(tmp_path, limits)
-    assert {one.name for one in tmp_path.iterdir()} == {*names[1:], "others"}
+    own = found.downloads.folder.name
+    assert {one.name for one in tmp_path.iterdir()} == {*names[1:], "others", own}
     left = {one.parent.name for one in tmp_path.rglob(".new-*")}
     assert left == set(names[2:])  # those of yesterday are not of a server that runs
     assert found.bytes == 200
@@ -196,7 +197,7 @@ def test_the_oldest_work_that_nobody_uses_gives_way(tmp_path):
         os.utime(tmp_path / name, (time.time() - (2 - k) * DAY / 2,) * 2)
     found = Store(tmp_path, Limits(stored_bytes=300))
     found.reserve(150)
-    assert ({one.name for one in tmp_path.iterdir()}, found.bytes) == ({names[2]}, 250)
+    assert ({one.name for one in found.sessions()}, found.bytes) == ({names[2]}, 250)
     with pytest.raises(Refusal, match="remove earlier work"):
         found.reserve(51)
 

@@ -105,7 +105,7 @@ def estimate_maps(
             y_up = given.role.name != "normal_dx"
             high = height_from_normals(given.pixels, y_up=y_up, tileable=wraps)
         else:
-            high = relief * _height(exemplar, invert)
+            high = relief * _shares(_surface(exemplar) * (-1 if invert else 1), 0.5)
         top = float(high.max()) or 1.0
         for name in wanted:
             step(1)
@@ -189,14 +189,13 @@ def _has_light_joints(exemplar: Exemplar) -> bool:
     return bool((tile**3).mean() > _SKEWED * variance**1.5)
 
 
-def _height(exemplar: Exemplar, invert: bool) -> Floats:
-    """Return a height from 0 to 1 by brightness."""
-    surface = _surface(exemplar) * (-1 if invert else 1)
-    low, high = np.quantile(surface, _ENDS)
-    if not high > low:  # a flat photo is a flat surface
-        return np.full_like(surface, 0.5)
-    height: Floats = np.clip((surface - low) / (high - low), 0, 1)
-    return height
+def _shares(values: Floats, flat: float) -> Floats:
+    """Return values as shares of the way between their quantiles `_ENDS`; `flat` if all agree."""
+    low, high = np.quantile(values, _ENDS)
+    found: Floats = (
+        np.clip((values - low) / (high - low), 0, 1) if high > low else 0 * values + flat
+    )
+    return found
 
 
 def _roughness(exemplar: Exemplar) -> Floats:
@@ -204,10 +203,7 @@ def _roughness(exemplar: Exemplar) -> Floats:
     bright = _brightness(exemplar)
     detail = abs(bright - blurred(bright, _FINE, exemplar.tileable))
     strong = blurred(detail, _AROUND, exemplar.tileable)
-    low, high = np.quantile(strong, _ENDS)
-    share = np.clip((strong - low) / (high - low), 0, 1) if high > low else 0 * strong
-    found: Floats = _ROUGH + _ROUGHER * share
-    return found
+    return _ROUGH + _ROUGHER * _shares(strong, 0.0)
 
 
 def _bytes(values: NDArray[Any]) -> NDArray[np.uint8]:

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from weftex.analysis.relief import LOOK, smaller_copy
 from weftex.exemplar import Exemplar
-from weftex.raster.boxes import extended_sums
+from weftex.raster.boxes import cells_as_pixels, extended_sums
 from weftex.raster.masks import grown
 
 Mask = NDArray[np.bool_]
@@ -57,15 +57,11 @@ def find_landmarks(exemplar: Exemplar, others: bool = True) -> tuple[list[Mask],
         return [], 0
     half, _ = smaller_copy(small, (max(small.shape) + 1) // 2)
     far = [_distances(small, _FINEST), *(_distances(half, radius) for radius in _RADII)]
-    twice = np.ix_(*(np.minimum(np.arange(n) // 2, m - 1)
-                     for n, m in zip(small.shape, half.shape, strict=True)))  # fmt: skip
-    far[1:] = [(distances[twice], typical) for distances, typical in far[1:]]
+    far[1:] = [(cells_as_pixels(one, 2, small.shape), typical) for one, typical in far[1:]]
     found = _with_tier(far, _RARE, usable, [])
     rare = len(found)
     found = _with_tier(far, _OTHERS, usable, found) if others else found
-    rows, columns = (np.minimum(np.arange(n) // step, m - 1)
-                     for n, m in zip(exemplar.shape, small.shape, strict=True))  # fmt: skip
-    return [mask[np.ix_(rows, columns)] for mask in found], rare
+    return [cells_as_pixels(mask, step, exemplar.shape) for mask in found], rare
 
 
 def has_joint_network(exemplar: Exemplar) -> bool:

@@ -272,8 +272,7 @@ def _warped(picture: Exemplar, matrix: Floats, size: tuple[int, int]) -> NDArray
         found = _resampled(numbers, matrix, size, picture.tileable)
         if picture.alpha:
             found[..., :-1] /= np.where(found[..., -1:] > 0, found[..., -1:], 1)
-        found = np.clip(np.ldexp(found, exponent), planes.min((0, 1)), planes.max((0, 1)))
-        found = (np.rint(found) if pixels.dtype.kind == "u" else found).astype(pixels.dtype)
+        found = _within(planes, np.ldexp(found, exponent))
     return found.reshape(*size, *pixels.shape[2:])
 
 
@@ -308,16 +307,16 @@ def _turned(
     longest = np.clip(found[..., 3:4], lengths.min(), lengths.max())
     found[..., :3] *= longest / np.where(now > 0, now, 1)
     made = stored(found[..., :3], planes.dtype, middle)
-    if planes.shape[2] == 3:
-        return made
-    rest = np.clip(found[..., 4:], planes[..., 3:].min((0, 1)), planes[..., 3:].max((0, 1)))
-    rest = np.rint(rest) if planes.dtype.kind == "u" else rest
-    return np.concatenate([made, rest.astype(planes.dtype)], axis=2)
+    return np.concatenate([made, _within(planes[..., 3:], found[..., 4:])], axis=2)
 
 
-def _resampled(
-    numbers: Floats, matrix: Floats, size: tuple[int, int], tileable: bool = False
-) -> Floats:
+def _within(planes: NDArray[Any], found: Floats) -> NDArray[Any]:
+    """Return numbers in the range and of the type of each channel of a picture."""
+    inside = np.clip(found, planes.min((0, 1)), planes.max((0, 1)))
+    return (np.rint(inside) if planes.dtype.kind == "u" else inside).astype(planes.dtype)
+
+
+def _resampled(numbers: Floats, matrix: Floats, size: tuple[int, int], tileable: bool) -> Floats:
     """Return each channel of (H, W, C) resampled."""
     oiio = image_library()
     channels = numbers.shape[2]

@@ -162,15 +162,9 @@ def _detail(view: View) -> float | None:
     if min(view.shape) < 3:
         return None
     smooth, usable = view.gray.astype(np.float64), view.usable
-    for axis in (0, 1):
-        before, center, after = (
-            tuple(
-                slice(k, smooth.shape[axis] - 2 + k) if a == axis else slice(None) for a in (0, 1)
-            )
-            for k in range(3)
-        )
-        smooth = (smooth[before] + 2 * smooth[center] + smooth[after]) / 4
-        usable = usable[before] & usable[center] & usable[after]
+    for _ in range(2):  # along the rows, and transposed along the columns
+        smooth = ((smooth[:-2] + 2 * smooth[1:-1] + smooth[2:]) / 4).T
+        usable = (usable[:-2] & usable[1:-1] & usable[2:]).T
     if not usable.any():
         return None
     return float(((view.gray[1:-1, 1:-1] - smooth) ** 2)[usable].mean())

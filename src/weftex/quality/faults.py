@@ -51,7 +51,7 @@ def fault_maps(
     broken = scorer.broken_map(scorer.view(pixels))
     if broken is not None:
         picture = as_shown(exemplar, pixels)
-        maps["broken"] = _marked(picture, np.clip(broken / _BROKEN - 1, 0, 1), (255, 40, 0))
+        maps["broken"] = _marked(picture, np.clip(broken / _BROKEN - 1, 0, 1), _MARK)
     if source is not None:
         places = source.pictured_source()
         if source.canvas.hole is not None:

@@ -17,6 +17,7 @@ from weftex.quality import kernels
 from weftex.quality.appearance import autocorrelation_distance, lattice_kept
 from weftex.quality.seams import StepModel, seams
 from weftex.quality.view import View, middle, view_beside, view_of, window_corners
+from weftex.raster.boxes import cells_as_pixels
 from weftex.raster.levels import resized
 from weftex.results.synthesis import Synthesis
 
@@ -145,12 +146,8 @@ class Scorer:
         for (y, x), one in zip(windows.places.tolist(), apart.tolist(), strict=True):
             total[y : y + self._width, x : x + self._width] += one
             count[y : y + self._width, x : x + self._width] += 1
-        rows, columns = (
-            np.minimum(np.arange(side) >> self._levels - 1, few - 1)
-            for side, few in zip(made.shape, coarse.shape, strict=True)
-        )
-        found: NDArray[np.float64] = (total / np.maximum(count, 1))[np.ix_(rows, columns)]
-        return found
+        means: NDArray[np.float64] = total / np.maximum(count, 1)
+        return cells_as_pixels(means, 2 ** (self._levels - 1), made.shape)
 
     def figures(
         self, made: View, step: Callable[[float], None] = lambda _: None

@@ -124,12 +124,6 @@ def middle(values: NDArray[Kind], shape: tuple[int, int]) -> NDArray[Kind]:
     return values[top : top + shape[0], left : left + shape[1]]
 
 
-def views(sample: Exemplar, result: NDArray[Any]) -> tuple[View, View]:
-    """Return the views of a sample and of a result; refuses other channels or another dtype."""
-    own = view_of(sample)
-    return own, view_beside(own, sample, result)
-
-
 def view_of(sample: Exemplar) -> View:
     """Return the view of a sample."""
     values = sample.as_matching(sample.pixels)
@@ -139,7 +133,7 @@ def view_of(sample: Exemplar) -> View:
 
 
 def view_beside(own: View, sample: Exemplar, result: NDArray[Any]) -> View:
-    """Return the view of a result, given that of its sample; see `views`."""
+    """Return the view of a result beside its sample's; refuses other channels and dtypes."""
     pixels = check_pixels(result, "result")
     theirs = sample.pixels
     if (pixels.shape[2:] or (1,)) != (theirs.shape[2:] or (1,)) or pixels.dtype != theirs.dtype:

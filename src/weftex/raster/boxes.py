@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from weftex.raster.arrays import Floats
+
+Kind = TypeVar("Kind", bound=np.generic)
 
 
 def box_sums(values: NDArray[Any], height: int, width: int) -> NDArray[np.int64]:
@@ -84,6 +86,15 @@ def _taken(values: NDArray[Any], places: NDArray[Any], axis: int) -> NDArray[Any
     result[(*rest, slice(start, end + 1))] = values[(*rest, slice(low, high + 1))]
     result[(*rest, slice(end + 1, None))] = values[(*rest, slice(high, high + 1))]
     return result
+
+
+def cells_as_pixels(cells: NDArray[Kind], side: int, shape: tuple[int, int]) -> NDArray[Kind]:
+    """Return values (H, W) of square cells for each pixel; the last ones reach to the border."""
+    rows, columns = (
+        np.minimum(np.arange(long) // side, few - 1)
+        for long, few in zip(shape, cells.shape, strict=True)
+    )
+    return cells[np.ix_(rows, columns)]
 
 
 def cell_sums(values: NDArray[Any], side: int) -> NDArray[Any]:

@@ -136,44 +136,31 @@ def _several(check: Callable[[Any], Any], count: int = 0) -> Callable[[Any], tup
     return check_all
 
 
-def _listed(
-    name: str,
-    wanted: str,
-    read: Callable[[str], Any],
-    check: Callable[[Any], Any],
-    text: Callable[[Any], str] = str,
-    count: int = 0,
-) -> Kind:
-    """The kind of lists, written 'a,b', of what `read`, `check` and `text` are for one of."""
+def _listed(one: Kind, name: str, wanted: str, count: int = 0) -> Kind:
+    """The kind of lists of values of one kind, written 'a,b'."""
     return Kind(
         name,
         wanted,
-        lambda given: [read(word.strip()) for word in given.split(",")],
-        _several(check, count),
-        lambda values: ",".join(map(text, values)),
+        lambda given: [one.read(word.strip()) for word in given.split(",")],
+        _several(one.check, count),
+        lambda values: ",".join(map(one.text, values)),
     )
 
 
-def _named(
-    name: str,
-    wanted: str,
-    read: Callable[[str], Any],
-    check: Callable[[Any], Any],
-    text: Callable[[Any], str] = str,
-) -> Kind:
-    """The kind of values by names, written 'a=b,c=d'; the functions are for one value."""
+def _named(one: Kind, name: str, wanted: str) -> Kind:
+    """The kind of values of one kind by names, written 'a=b,c=d'."""
 
     def check_all(values: Any) -> dict[str, Any]:
         if not isinstance(values, Mapping) or not all(isinstance(key, str) for key in values):
             raise ValueError
-        return {key: check(value) for key, value in values.items()}
+        return {key: one.check(value) for key, value in values.items()}
 
     return Kind(
         name,
         wanted,
-        lambda given: {key: read(value) for key, value in _pairs(given).items()},
+        lambda given: {key: one.read(value) for key, value in _pairs(given).items()},
         check_all,
-        lambda values: ",".join(f"{key}={text(value)}" for key, value in values.items()),
+        lambda values: ",".join(f"{key}={one.text(value)}" for key, value in values.items()),
     )
 
 
@@ -222,8 +209,8 @@ DENSITY = Kind(
 FLAG = Kind("bool", "true or false", str, _a(bool))
 PICTURE = Kind("picture", "an image", str, _word)
 DEGREE = WHOLE._replace(bare="2", values=r"[-+]?\d+")
-NUMBERS = _listed("numbers", "numbers with commas between them", float, _number, _number_text)
-WINDOW = _listed("window", "TOP,LEFT,HEIGHT,WIDTH, such as -100,0,256,256", int, _whole, count=4)
+NUMBERS = _listed(NUMBER, "numbers", "numbers with commas between them")
+WINDOW = _listed(WHOLE, "window", "TOP,LEFT,HEIGHT,WIDTH, such as -100,0,256,256", count=4)
 
 
 def _read_size(text: str) -> list[int]:
@@ -277,16 +264,16 @@ STRAIGHTEN = TEXT._replace(
 )  # fmt: skip
 
 
-WEIGHTS = _named(
-    "weights", "maps and numbers, each once, such as height=3,normal=2", float, _number,
-    _number_text,
-)  # fmt: skip
-LEVELS = _named(
-    "weights", "maps and their values, each once, such as height=0.5,normal=flat",
+WEIGHTS = _named(NUMBER, "weights", "maps and numbers, each once, such as height=3,normal=2")
+_LEVEL = Kind(
+    "level", "a number or 'flat'",
     lambda text: text if text == "flat" else float(text),
     lambda value: value if value == "flat" else _number(value),
     lambda value: value if value == "flat" else _number_text(value),
 )  # fmt: skip
+LEVELS = _named(
+    _LEVEL, "weights", "maps and their values, each once, such as height=0.5,normal=flat"
+)
 
 
 def _files(value: Any) -> dict[str, str]:
@@ -298,7 +285,7 @@ def _files(value: Any) -> dict[str, str]:
 
 
 _NAMES_OF_FILES = _named(
-    "files", "maps and their files, each once, such as color=a.png,normal=b.png", str, _word
+    TEXT, "files", "maps and their files, each once, such as color=a.png,normal=b.png"
 )
 FILES = _NAMES_OF_FILES._replace(check=_files)
 
@@ -315,9 +302,8 @@ def _color_text(color: tuple[int, ...]) -> str:
     return "#" + bytes(color).hex() if len(color) == 3 else ",".join(map(str, color))
 
 
-COLORS = _listed(
-    "colors", "colors, #rrggbb, or gray levels, with commas between them", str, _color, _color_text
-)
+_COLOR = Kind("color", "#rrggbb or a gray level", str, _color, _color_text)
+COLORS = _listed(_COLOR, "colors", "colors, #rrggbb, or gray levels, with commas between them")
 
 
 def _read_mixed(text: str) -> dict[str, list[int]]:

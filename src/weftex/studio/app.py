@@ -8,9 +8,8 @@ from collections.abc import AsyncIterator, Awaitable, Callable, Collection
 from contextlib import asynccontextmanager, suppress
 from functools import cache
 from importlib import import_module
-from importlib.resources import files
-from importlib.resources.abc import Traversable
 from itertools import count
+from pathlib import Path
 from typing import Any
 
 from starlette.applications import Starlette
@@ -37,11 +36,11 @@ _MODULES = (
 _PAGE = "index.html"
 #: Of the files of the page.
 _TYPES = {
-    "html": "text/html; charset=utf-8",
-    "css": "text/css; charset=utf-8",
-    "js": "text/javascript; charset=utf-8",
-    "json": "application/json",
-    "svg": "image/svg+xml",
+    ".html": "text/html; charset=utf-8",
+    ".css": "text/css; charset=utf-8",
+    ".js": "text/javascript; charset=utf-8",
+    ".json": "application/json",
+    ".svg": "image/svg+xml",
 }
 _log = logging.getLogger(__name__)
 
@@ -115,20 +114,11 @@ async def _routes(studio: Studio) -> Router:
 
 
 @cache
-def static_files() -> dict[str, tuple[Traversable, str]]:
+def static_files() -> dict[str, tuple[Path, str]]:
     """Return every file and its type by its name, with slashes."""
-    found: dict[str, tuple[Traversable, str]] = {}
-    waiting = [("", files("weftex.studio") / "static")]
-    while waiting:
-        folder, place = waiting.pop()
-        for one in place.iterdir():
-            name = folder + one.name
-            kind = _TYPES.get(one.name.rpartition(".")[2])
-            if one.is_dir():
-                waiting.append((f"{name}/", one))
-            elif kind is not None:
-                found[name] = one, kind
-    return found
+    folder = Path(__file__).with_name("static")
+    known = (file for file in folder.rglob("*.*") if file.suffix in _TYPES)
+    return {file.relative_to(folder).as_posix(): (file, _TYPES[file.suffix]) for file in known}
 
 
 async def _sweep(studio: Studio) -> None:

@@ -26,7 +26,6 @@ from weftex.io.presets import presets, read_preset
 from weftex.prepare import estimate_maps, light_joints
 from weftex.recipe import ATLAS, CROP, MATERIAL, PAD
 from weftex.recipe.opening import PreparedMaterial, prepare_material
-from weftex.studio.downloads import Downloads
 from weftex.studio.jobs import Job
 from weftex.studio.materials import id_of
 from weftex.studio.pictures import formats_of
@@ -72,9 +71,7 @@ class Source(NamedTuple):
         return cls(*own, given.exemplar.tileable, None)
 
 
-def export(
-    source: Source, given: Mapping[str, Any], downloads: Downloads, session: Session
-) -> dict[str, Any]:
+def export(source: Source, given: Mapping[str, Any], session: Session) -> dict[str, Any]:
     """Write what the page wants of a result or a material; return its description of it."""
     maps, form, preset = (given.get(key) for key in ("maps", "format", "preset"))
     known = [*source.material.pictures]
@@ -93,7 +90,7 @@ def export(
     if made is None and beside:
         raise InvalidInputError(f"{beside[0]} needs a result, and this is a material")
     name, notes = _stem(given, source.stem), list[str]()
-    with downloads.new_folder() as folder:
+    with session.store.downloads.new_folder() as folder:
         changed = _changed(source, changes, session.limits.output_pixels)
         pictures = {one: changed.pictures[one] for one in maps}
         if renames:
@@ -110,7 +107,7 @@ def export(
             files = [folder / one for one in written]
         if made is not None:
             files += [_write_beside(made, one, folder / name) for one in beside]
-        return _ready(files, name, folder, downloads, session) | {"notes": notes}
+        return _ready(files, name, session) | {"notes": notes}
 
 
 def _write_beside(made: Result, what: str, stem: Path) -> Path:
@@ -131,18 +128,16 @@ def _stem(given: Mapping[str, Any], usual: str) -> str:
     return os.path.splitext(name)[0][:_NAME] or "result"
 
 
-def _ready(
-    files: list[Path], name: str, folder: Path, downloads: Downloads, session: Session
-) -> dict[str, Any]:
+def _ready(files: list[Path], name: str, session: Session) -> dict[str, Any]:
     """Make files ready to be downloaded, several as a zip; return the page's description."""
     if len(files) == 1:
-        return downloads.add(files[0], files[0].name, session.key)
-    target = folder / ".all.zip"  # no map's file has this name
+        return session.store.downloads.add(files[0], files[0].name, session.key)
+    target = files[0].with_name(".all.zip")  # no map's file has this name
     with zipfile.ZipFile(target, "w") as packed:
         for file in files:
             _pack(packed, file)
             file.unlink()
-    return downloads.add(target, f"{name}.zip", session.key)
+    return session.store.downloads.add(target, f"{name}.zip", session.key)
 
 
 def _changed(source: Source, changes: Mapping[str, Any], most: int) -> Material:
@@ -203,12 +198,10 @@ def tiles_picture(tiles: Tiles, plane: bool) -> NDArray[Any]:
     return shown_pixels(made.synthesis.sample, pixels)
 
 
-def save_tiles(
-    tiles: Tiles, given: Mapping[str, Any], downloads: Downloads, session: Session
-) -> dict[str, Any]:
+def save_tiles(tiles: Tiles, given: Mapping[str, Any], session: Session) -> dict[str, Any]:
     """Write a grid for each map, the index and tilesets; return the page's description."""
     (made, material), maps, image, name = tiles, {}, "", _stem(given, "atlas")
-    with downloads.new_folder() as folder:
+    with session.store.downloads.new_folder() as folder:
         for one, like in material.pictures.items():
             stem = name if len(material.pictures) == 1 else f"{name}_{one}"
             file, is_main = label_of(stem) + _lossless(like), one == material.main
@@ -219,7 +212,7 @@ def save_tiles(
         for suffix, text in texts.items():
             write_text(folder / f"{name}{suffix}", text)
         files = [folder / file for file in (*maps, *(f"{name}{suffix}" for suffix in texts))]
-        return _ready(files, name, folder, downloads, session)
+        return _ready(files, name, session)
 
 
 def _write_picture(like: Picture, file: Path) -> None:
@@ -234,15 +227,11 @@ def _lossless(like: Picture) -> str:
 
 
 def _store(
-    pictures: Mapping[str, Picture],
-    name: str,
-    tileable: bool,
-    downloads: Downloads,
-    session: Session,
+    pictures: Mapping[str, Picture], name: str, tileable: bool, session: Session
 ) -> dict[str, Any]:
     """Store pictures as uploads, without loss; return the material that they make."""
     maps: dict[str, str] = {}
-    with tempfile.TemporaryDirectory(dir=downloads.folder) as folder:
+    with tempfile.TemporaryDirectory(dir=session.store.downloads.folder) as folder:
         for one, picture in pictures.items():
             stem = name if len(pictures) == 1 else one
             file = Path(folder) / f"{stem}{_lossless(picture)}"
@@ -252,9 +241,7 @@ def _store(
     return spec | ({"repeats": True} if tileable else {})
 
 
-def with_estimates(
-    loaded: PreparedMaterial, invert: bool, downloads: Downloads, session: Session
-) -> dict[str, Any]:
+def with_estimates(loaded: PreparedMaterial, invert: bool, session: Session) -> dict[str, Any]:
     """Store a material as uploads, with estimates of the maps it lacks; return its description."""
     invert = invert or (not loaded.exemplar.maps and light_joints(loaded.exemplar))
     found = estimate_maps(loaded.exemplar, invert=invert)
@@ -264,7 +251,7 @@ def with_estimates(
     for key in found.maps:
         one = found.map(key)
         pictures[key] = own.get(key) or replace(like, pixels=one.pixels, alpha=one.alpha)
-    return _store(pictures, name, found.tileable, downloads, session)
+    return _store(pictures, name, found.tileable, session)
 
 
 def _suffix(like: Picture, form: Any, name: str) -> str:
@@ -299,15 +286,14 @@ async def _source(call: Call) -> Source:
 async def add_export(call: Call) -> Any:
     """Write files of a result or a material, ready to be downloaded."""
     given = await call.object(*FIELDS)
-    return await call.work(export, await _source(call), given, call.studio.downloads, call.session)
+    return await call.work(export, await _source(call), given, call.session)
 
 
 @route("POST", "/materials/{id}/borders")
 @route("POST", "/results/{id}/borders")
 async def borders(call: Call) -> Any:
     """Queue a job that says how each map wraps around; it ends one that is under way."""
-    work = found(borders_of_maps, (await _source(call)).material)
-    return await queued(call, Job(call.session, None, work, "borders", "cancel"))
+    return await queued(call, found(borders_of_maps, (await _source(call)).material), "borders")
 
 
 @route("GET", "/materials/{id}/borders/picture")
@@ -323,8 +309,8 @@ async def borders_picture(call: Call) -> Any:
 @route("POST", "/results/{id}/atlases")
 async def add_atlas(call: Call) -> Any:
     """Queue a job that makes an atlas of the sample; it ends the one before it."""
-    given, found = await call.object(*ATLAS), await _source(call)
-    return await queued(call, Job(call.session, None, tiles_of(found, given), "atlas", "cancel"))
+    given = await call.object(*ATLAS)
+    return await queued(call, tiles_of(await _source(call), given), "atlas")
 
 
 @route("GET", "/atlases/{id}/picture")
@@ -339,7 +325,7 @@ async def atlas_picture(call: Call) -> Any:
 async def export_atlas(call: Call) -> Any:
     """Write the files of an atlas, ready to be downloaded."""
     given, tiles = await call.object("name"), tiles_for(call.id, call.session)
-    return await call.work(save_tiles, tiles, given, call.studio.downloads, call.session)
+    return await call.work(save_tiles, tiles, given, call.session)
 
 
 @route("POST", "/results/{id}/sample")
@@ -347,14 +333,11 @@ async def use_as_sample(call: Call) -> Any:
     """Make a result a material."""
     made = result_of(call)
     pictures = (await call.work(Source.of, made)).material.pictures
-    own = pictures, made.stem, made.tileable, call.studio.downloads, call.session
-    return await call.work(_store, *own)
+    return await call.work(_store, pictures, made.stem, made.tileable, call.session)
 
 
 @route("POST", "/materials/{id}/estimates")
 async def estimate(call: Call) -> Any:
     """Queue a job that makes a material with estimates of the maps that this one lacks."""
     invert = bool((await call.object("invert")).get("invert"))
-    wanted = await loaded_of(call), invert, call.studio.downloads, call.session
-    work = found(with_estimates, *wanted)
-    return await queued(call, Job(call.session, None, work, None, "cancel"))
+    return await queued(call, found(with_estimates, await loaded_of(call), invert, call.session))

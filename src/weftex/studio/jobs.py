@@ -37,11 +37,15 @@ class Job:
     """
 
     def __init__(
-        self, session: Session, recipe: Recipe | None, work: Work, lane: str | None, leave: str
+        self,
+        session: Session,
+        work: Work,
+        lane: str | None,
+        recipe: Recipe | None = None,
+        leave: str = "cancel",
     ) -> None:
         self.id, self.session = os.urandom(12).hex(), session
-        self.recipe, self.work = recipe, work
-        self.lane, self.leave = lane, leave
+        self.work, self.lane, self.recipe, self.leave = work, lane, recipe, leave
         self.state, self.version = "waiting", 1
         self.done, self.total, self.stage = 0, 0, ""
         self.results: list[dict[str, Any]] = []

@@ -59,10 +59,7 @@ def smaller(picture: Bytes, times: int) -> Bytes:
     rows, columns = (np.arange(0, side, times) for side in picture.shape[:2])
     total = np.add.reduceat(picture, rows, axis=0, dtype=np.uint32)
     total = np.add.reduceat(total, columns, axis=1)
-    high, wide = (
-        np.diff(np.append(starts, side))
-        for starts, side in zip((rows, columns), picture.shape[:2], strict=True)
-    )
+    high, wide = (np.diff([*range(0, side, times), side]) for side in picture.shape[:2])
     count = (high[:, None] * wide)[..., None]
     found: Bytes = ((total + count // 2) // count).astype(np.uint8)
     return found

@@ -84,10 +84,6 @@ class Call:
         """Call something that takes a while in a thread; only some run at a time."""
         return await to_thread.run_sync(function, *values, limiter=self.studio.limiter)
 
-    async def decode(self, function: Callable[[], Result]) -> Result:
-        """Call something that decodes an upload in a thread; one runs at a time."""
-        return await to_thread.run_sync(function, limiter=self.studio.decoding)
-
     async def picture(
         self, make: Callable[[], NDArray[np.uint8]], shape: tuple[int, ...]
     ) -> Response:

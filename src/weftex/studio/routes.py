@@ -9,6 +9,7 @@ from functools import partial
 from typing import Any
 
 import numpy as np
+from anyio import to_thread
 from numpy.typing import NDArray
 from starlette.responses import FileResponse, JSONResponse, Response
 
@@ -20,7 +21,7 @@ from weftex.recipe import Recipe
 from weftex.recipe.opening import PreparedMaterial
 from weftex.studio import materials, results, works
 from weftex.studio.about import about
-from weftex.studio.jobs import ENDED, Job
+from weftex.studio.jobs import ENDED, Job, Work
 from weftex.studio.materials import id_of, map_of
 from weftex.studio.pictures import shown_smaller, smaller, source_of, times_smaller, whole_number
 from weftex.studio.refusals import Refusal, answer_of
@@ -86,7 +87,8 @@ async def upload(call: Call) -> Any:
         with IncomingUpload(name, call.session) as coming:
             async for chunk in body:
                 coming.write(chunk)
-            found = await call.decode(coming.finish)
+            # Uploads wait here, and leave the threads of other work free.
+            found = await to_thread.run_sync(coming.finish, limiter=call.studio.decoding)
     except Refusal:
         await _drain(body, 2 * most)
         raise
@@ -152,8 +154,9 @@ async def _shown(call: Call, sample: Exemplar) -> Response:
 @route("POST", "/materials/{id}/look")
 async def look(call: Call) -> Any:
     """Queue a job that says what a material is like; it ends an analysis that is under way."""
-    work = found(materials.analysis_of, await loaded_of(call), call.session)
-    return await queued(call, Job(call.session, None, work, "look", "cancel"))
+    return await queued(
+        call, found(materials.analysis_of, await loaded_of(call), call.session), "look"
+    )
 
 
 @route("GET", "/materials/{id}/lattice")
@@ -193,12 +196,13 @@ async def add_job(call: Call) -> Any:
         raise InvalidInputError(f"lane is {shown(lane)}; it must be a short text")
     if leave not in ("cancel", "keep"):
         raise InvalidInputError(f"leave is {shown(leave)}; it must be 'cancel' or 'keep'")
-    return await queued(call, Job(call.session, recipe, work, lane, leave))
+    return await queued(call, work, lane, recipe=recipe, leave=leave)
 
 
-async def queued(call: Call, job: Job) -> Any:
-    """Queue a job, wait for its end up to `within` milliseconds, and return its state."""
+async def queued(call: Call, work: Work, lane: str | None = None, **how: Any) -> Any:
+    """Queue a `Job`, wait for its end up to `within` milliseconds, and return its state."""
     within = whole_number(call.query, "within", 0, 0, 1000)
+    job = Job(call.session, work, lane, **how)
     call.studio.jobs.add(job)
     return await _told(call, job, within / 1000, lambda: job.state in ENDED)
 
@@ -268,8 +272,7 @@ async def result_picture(call: Call) -> Any:
 @route("POST", "/results/{id}/figures")
 async def figures(call: Call) -> Any:
     """Queue a job that says how good a result is; it ends one that is under way."""
-    work = found(results.figures_of, result_of(call), call.session)
-    return await queued(call, Job(call.session, None, work, "figures", "cancel"))
+    return await queued(call, found(results.figures_of, result_of(call), call.session), "figures")
 
 
 @route("GET", "/results/{id}/broken")

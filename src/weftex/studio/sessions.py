@@ -19,6 +19,7 @@ from typing import Any, TypeVar
 
 from weftex.errors import FileError
 from weftex.io.pictures import write_text
+from weftex.studio.downloads import Downloads
 from weftex.studio.limits import Limits, LruCache
 from weftex.studio.refusals import Refusal
 
@@ -43,7 +44,7 @@ def default_folder() -> Path:
 
 
 class Store:
-    """The folder of all sessions, and the number of bytes that their uploads take.
+    """The folder of all sessions, the bytes that their uploads take, and files to download.
 
     New folders are readable by their owner alone. An existing one keeps its permissions, and is
     refused with `FileError` if another user owns it, or can write to it or replace it.
@@ -63,12 +64,8 @@ class Store:
             raise
         except OSError as error:
             raise FileError(f"{folder}: cannot use this folder: {error.strerror}") from None
-        self.bytes = sum(
-            one.stat().st_size
-            for session in self.sessions()
-            for one in session.iterdir()
-            if one.suffix != ".json"
-        )
+        self.downloads = Downloads(folder)
+        self.bytes = sum(map(_bytes_in, self.sessions()))
 
     def sessions(self) -> list[Path]:
         """Return the folders of all sessions."""
@@ -122,12 +119,16 @@ class Store:
         """Remove the folder of a session, and count its uploads as no longer there."""
         with self.lock:
             try:
-                files = [one for one in folder.iterdir() if one.suffix != ".json"]
-                size = sum(one.stat().st_size for one in files)
+                size = _bytes_in(folder)
                 shutil.rmtree(folder)
             except FileNotFoundError:
                 return
             self.bytes -= size
+
+
+def _bytes_in(folder: Path) -> int:
+    """Return the bytes of the uploads of a session."""
+    return sum(one.stat().st_size for one in folder.iterdir() if one.suffix != ".json")
 
 
 def _check_private(folder: Path) -> None:

@@ -8,7 +8,6 @@ from pathlib import Path
 from anyio import CapacityLimiter
 
 from weftex.studio.chains import Chains
-from weftex.studio.downloads import Downloads
 from weftex.studio.jobs import Jobs
 from weftex.studio.limits import Limits, LruCache
 from weftex.studio.sessions import Session, Sessions, Store
@@ -26,11 +25,11 @@ class Studio:
         self.store = Store(folder, limits)
         self.memory = LruCache(limits.memory_bytes)
         self.jobs = Jobs(limits)
-        self.downloads = Downloads(self.store.folder)
+        self.downloads = self.store.downloads
         self.chains = Chains(self.store.folder)
         self.sessions = Sessions(self.store, self.memory, self._ended)
         self.limiter = CapacityLimiter(_AT_A_TIME)
-        self.decoding = CapacityLimiter(1)  # uploads wait here, and leave the other threads free
+        self.decoding = CapacityLimiter(1)
 
     def _ended(self, session: Session) -> None:
         """A session gives way: its work stops, and what it made is forgotten."""
