@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import numbers
 from collections.abc import Mapping
 from dataclasses import dataclass
 from fractions import Fraction
@@ -22,7 +21,7 @@ from weftex.endless.boxes import A_BLOCK, PlaneRequest, box_of
 from weftex.endless.corners import sure_vectors
 from weftex.endless.plane import usable_corners
 from weftex.endless.tiles import TilePlane, belt_of, size_with_periods, torus
-from weftex.errors import InvalidInputError, shown
+from weftex.errors import InvalidInputError, shown, whole_pair
 from weftex.exemplar import Exemplar, Sample, load_exemplar
 from weftex.method import Method
 from weftex.naming import is_auto, make_method
@@ -296,15 +295,13 @@ def _as_size(given: Any, exemplar: Exemplar) -> tuple[int, int]:
     """Height and width of a tile; by default 256, or what the sample has."""
     if given is None:
         given = max(_LEAST, min(_USUAL, *exemplar.shape))
-    sides: Any = (given, given) if isinstance(given, numbers.Integral) else given
-    whole = isinstance(sides, (tuple, list)) and len(sides) == 2 and not isinstance(given, bool)
-    whole = whole and all(isinstance(side, numbers.Integral) for side in sides)
-    if not whole or min(sides) < _LEAST:
+    size = whole_pair(given, _LEAST)
+    if size is None:
         raise InvalidInputError(
             f"tile_size is {shown(given)}; it must be a number of pixels, {_LEAST} or more, or a "
             "height and a width"
         )
-    return int(sides[0]), int(sides[1])
+    return size
 
 
 def _without_landmarks(exemplar: Exemplar, belt: int) -> tuple[Exemplar, int]:

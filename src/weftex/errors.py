@@ -95,6 +95,14 @@ def is_whole(value: object, least: int, most: float = math.inf) -> TypeGuard[int
     return whole and least <= value <= most  # type: ignore[operator]
 
 
+def whole_pair(value: object, least: int, most: float = math.inf) -> tuple[int, int] | None:
+    """Return a pair of integers within bounds, or one as both; None for any other value."""
+    sides = value if isinstance(value, (tuple, list)) else (value, value)
+    if len(sides) != 2 or not all(is_whole(side, least, most) for side in sides):
+        return None
+    return int(sides[0]), int(sides[1])
+
+
 def did_you_mean(name: str, known: Iterable[str]) -> str:
     """Return ``"; did you mean 'x'?"`` for the nearest known name, or the list of known names."""
     import difflib  # only on the way to an error

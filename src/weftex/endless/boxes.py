@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import numbers
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from weftex.canvas import FAR, Canvas
-from weftex.errors import InvalidInputError, shown
+from weftex.errors import InvalidInputError, shown, whole_pair
 
 #: What every block of a plane is, to refuse parameters that have no effect there: a hole.
 A_BLOCK = Canvas(1, 2, known=np.zeros((1, 2), np.uint8), hole=np.array([[True, False]]))
@@ -93,15 +92,13 @@ def as_period(period: int | tuple[int, int] | None) -> tuple[int, int] | None:
     """Height and width of a plane's period from one number or two; raises if out of range."""
     if period is None:
         return None
-    sides: Any = (period, period) if isinstance(period, numbers.Integral) else period
-    whole = isinstance(sides, (tuple, list)) and len(sides) == 2
-    whole = whole and all(isinstance(side, numbers.Integral) for side in sides)
-    if not whole or isinstance(period, bool) or not all(1 <= side <= FAR for side in sides):
+    sides = whole_pair(period, 1, FAR)
+    if sides is None:
         raise InvalidInputError(
             f"period is {shown(period)}; it must be a whole number of pixels from 1 to 2**40, or "
             "two of them"
         )
-    return int(sides[0]), int(sides[1])
+    return sides
 
 
 def check_period(period: tuple[int, int] | None, least: int) -> None:

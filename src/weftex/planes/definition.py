@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import hashlib
 import json
-import numbers
 import os
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, fields, replace
@@ -18,7 +17,7 @@ from numpy.typing import NDArray
 import weftex
 from weftex import Exemplar, Method
 from weftex.canvas import as_canvas
-from weftex.errors import InvalidInputError, shown
+from weftex.errors import InvalidInputError, shown, whole_pair
 from weftex.io.npz import DamageError, one_line_errors, open_npz, write_npz
 from weftex.method import Model
 from weftex.naming import make_method
@@ -249,10 +248,10 @@ def define(
 ) -> Definition:
     """Return what a plane is made of, after a look whether its method makes windows of it."""
     wrap = as_canvas(1, tileable).wrap
-    sides: Any = size if isinstance(size, (tuple, list)) else (size, size)
-    if len(sides) != 2 or not all(isinstance(k, numbers.Integral) and int(k) >= 1 for k in sides):
+    shape = whole_pair(size, 1)
+    if shape is None:
         raise InvalidInputError(f"size is {shown(size)}; it must be (height, width), 1 or more")
-    shape, number = (int(sides[0]), int(sides[1])), seed_number(seed)
+    number = seed_number(seed)
     chosen, exemplar = make_method(method, parameters), weftex.load_exemplar(sample)
     how: dict[str, Any] = {"stems": dict(stems or {}), "density": density}
     made = Definition(exemplar, chosen, number, *shape, wrap, block, **how)

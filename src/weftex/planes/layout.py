@@ -78,16 +78,16 @@ class Layout:
         """The number of blocks of the first `levels` levels."""
         return sum(rows * columns for rows, columns in map(self.grid, range(levels)))
 
-    def part(self, number: int, of: int) -> range:
-        """The blocks of level 0, counted row by row, that are part `number` of `of`."""
-        count = self.count(1)
-        return range(count * (number - 1) // of, count * number // of)
+    def numbers(self, level: int, part: tuple[int, int] | None) -> range:
+        """The blocks of a level, or of part K of N of level 0, counted row by row."""
+        rows, columns = self.grid(level)
+        number, of = part or (1, 1)
+        return range(rows * columns * (number - 1) // of, rows * columns * number // of)
 
     def places(self, level: int, part: tuple[int, int] | None = None) -> Iterator[Place]:
         """The blocks of a level, or of a part of level 0, row by row."""
-        rows, columns = self.grid(level)
-        numbers = self.part(*part) if part else range(rows * columns)
-        return ((level, *divmod(number, columns)) for number in numbers)
+        columns = self.grid(level)[1]
+        return ((level, *divmod(number, columns)) for number in self.numbers(level, part))
 
     def below(self, place: Place) -> list[Place]:
         """The blocks of the level below that a block is made of."""

@@ -54,7 +54,7 @@ class PlaneFile:
     def count(self) -> int:
         """Number of blocks."""
         base = self.definition.base
-        return len(base.part(*self.part)) if self.part else base.count(self.levels)
+        return sum(len(base.numbers(level, self.part)) for level in range(self.levels))
 
     def done(self) -> Sums:
         """Return the blocks that were written, with the check sums of their pixels."""
@@ -69,10 +69,10 @@ class PlaneFile:
         level, row, column = place
         if not 0 <= level < self.levels:
             return False
-        rows, columns = self.definition.base.grid(level)
-        inside = 0 <= row < rows and 0 <= column < columns
-        numbers = self.definition.base.part(*self.part) if self.part else None
-        return inside and (numbers is None or row * columns + column in numbers)
+        base = self.definition.base
+        columns = base.grid(level)[1]
+        inside = 0 <= column < columns
+        return inside and row * columns + column in base.numbers(level, self.part)
 
     def make(self, record: Record, place: Place, **how: Any) -> None:
         """Make and write a block of every map, and record it as done."""

@@ -307,7 +307,7 @@ def _what_is_missing(plane: PlaneFile, done: Sums) -> str:
         return "only overviews are missing; run the command without --part"
     parts = []
     for count in Record(plane.path).parts():
-        numbers = [base.part(k, count) for k in range(1, count + 1)]
+        numbers = [base.numbers(0, (k, count)) for k in range(1, count + 1)]
         there = Counter(bisect_right([one.start for one in numbers], number) for number in made)
         left = {k: len(one) - there[k] for k, one in enumerate(numbers, 1)}
         parts += [f"{k}/{count} ({number} blocks)" for k, number in left.items() if number > 0]

@@ -122,10 +122,8 @@ class StartMaterial:
         if path.startswith("sample:") and "/" not in path:
             return cls(checked_material({"sample": path}), {})
         material = read_material(path, max_pixels=limits.upload_pixels)
-        if not material.folder:
-            (picture,) = material.pictures.values()
-            return cls({}, {"color": Path(picture.path)})
-        files = {name: Path(one.path) for name, one in material.pictures.items()}
+        pictures = material.pictures.items()
+        files = {k if material.folder else "color": Path(one.path) for k, one in pictures}
         return cls({"name": material.name} if len(files) > 1 else {}, files)
 
     def give(self, session: Session) -> dict[str, Any]:

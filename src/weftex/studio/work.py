@@ -7,7 +7,7 @@ from dataclasses import replace
 from time import perf_counter
 from typing import Any
 
-from weftex.errors import CancelledError, InvalidInputError, WeftexError, shown
+from weftex.errors import CancelledError, InvalidInputError, WeftexError, is_whole, shown
 from weftex.recipe import Recipe
 from weftex.studio import results
 from weftex.studio.jobs import Job
@@ -77,7 +77,7 @@ def made_of(recipe: Recipe, job: Job) -> Result:
 
 def several(recipe: Recipe, count: Any, methods: Any) -> list[Recipe]:
     """Return the recipes of a job: seeds from the recipe's on, or each with another method."""
-    if count is not None and (type(count) is not int or not 1 <= count <= MOST_SEEDS):
+    if count is not None and not is_whole(count, 1, MOST_SEEDS):
         raise InvalidInputError(f"count is {shown(count)}; it must be from 1 to {MOST_SEEDS}")
     if methods is None:
         seeds = ((recipe.seed + k) % 2**64 for k in range(count or 1))
