@@ -15,12 +15,12 @@ TESTS = Path(__file__).parent
 READ = ("methods", "repeats", "search", "seams")
 #: Lower a ceiling when the code has become smaller; a feature that needs room removes something.
 CEILINGS = {
-    "lines of Python in src": 45_025,
-    "of these code": 31_353,
+    "lines of Python in src": 44_964,
+    "of these code": 31_288,
     "modules": 264,
     "kernel classes": 23,
     "names that several kernel classes have": 0,
-    "lines of tests": 24_225,
+    "lines of tests": 24_224,
     "quilting: files to read": 11,
     "quilting: lines to read": 2_499,
     "graphcut: files to read": 18,

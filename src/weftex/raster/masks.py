@@ -80,9 +80,15 @@ def _distance_along(mask: NDArray[np.bool_], most: int, wraps: bool) -> NDArray[
 def steps_to(mask: NDArray[np.bool_], most: int) -> NDArray[np.int32]:
     """Chessboard distance to the nearest True pixel; `most + 1` if farther than `most`."""
     distance = np.where(mask, 0, most + 1).astype(np.int32)
+    reached = mask
     for step in range(1, most + 1):
-        mask = grown(mask, 1, (False, False))
-        distance[mask & (distance > step)] = step
+        wide = reached.copy()
+        wide[1:] |= reached[:-1]
+        wide[:-1] |= reached[1:]
+        reached = wide.copy()
+        reached[:, 1:] |= wide[:, :-1]
+        reached[:, :-1] |= wide[:, 1:]
+        distance[reached & (distance > step)] = step
     return distance
 
 
