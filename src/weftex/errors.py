@@ -21,6 +21,7 @@ __all__ = [
     "is_whole",
     "missing_packages",
     "shown",
+    "whole_pair",
 ]
 
 _LONGEST = 80  # characters of a value in a message
