@@ -26,22 +26,17 @@ SMALLEST_BLOCK, LARGEST_BLOCK = 64, 4096
 
 @dataclass(frozen=True)
 class Layout:
-    """Sizes of a picture in pixels of level 0, and what its pixels are.
-
-    `channels` is 0 for a picture without a third axis; with `alpha` the last channel is straight
-    alpha. `mixing` makes pixels of the level above (`Exemplar.mixing`), `icc` is a color profile,
-    `density` the number of pixels per meter.
-    """
+    """Sizes of a picture in pixels of level 0, and what its pixels are."""
 
     height: int
     width: int
     block: int
     dtype: str = "uint8"
-    channels: int = 0
-    alpha: bool = False
-    mixing: Any = None
-    icc: bytes | None = None
-    density: float | None = None
+    channels: int = 0  # 0 for a picture without a third axis
+    alpha: bool = False  # whether the last channel is straight alpha
+    mixing: Any = None  # makes pixels of the level above; see `Exemplar.mixing`
+    icc: bytes | None = None  # color profile
+    density: float | None = None  # pixels per meter
 
     @property
     def tile(self) -> int:

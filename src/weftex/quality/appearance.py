@@ -37,10 +37,8 @@ _FAINT = 0.08  # contrast of correlations, which the sample must have
 def patch_distance(sample: View, result: View) -> tuple[float | None, tuple[float, ...]]:
     """Return the distance of patch distributions over that of the sample's halves, and each scale.
 
-    Patches of 7x7 pixels at four scales are described by 48 features: means of random boxes, and
-    differences of two, in random mixtures of the channels. The distance at a scale is the mean of
-    the features' Wasserstein distances in standard deviations of the sample's; the first value is
-    the root mean square over the scales. None where the sample is too small.
+    At a scale it is the mean of the features' Wasserstein distances, in standard deviations of the
+    sample's; the first value is their root mean square, None where the sample is too small.
     """
     found = []
     scales = zip(sample.pyramid(_SCALES), result.pyramid(_SCALES), strict=True)
@@ -79,7 +77,10 @@ def _described(view: View, features: NDArray[np.int16]) -> NDArray[np.int32] | N
 
 @lru_cache(maxsize=16)
 def _features(channels: int, scale: int) -> NDArray[np.int16]:
-    """Return weights (48, m) of a patch's 7 * 7 * K bytes, padded to a multiple of 16."""
+    """Return weights (48, m) of a patch's 7 * 7 * K bytes, padded to a multiple of 16.
+
+    Features are means of random boxes, and differences of two, in random mixtures of the channels.
+    """
     result = np.zeros((_FEATURES, _WIDTH, _WIDTH, channels), np.int16)
     for k in range(_FEATURES):
         bits = draw(0, "measure features", scale, k, np.arange(8 + channels))

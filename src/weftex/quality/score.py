@@ -114,24 +114,18 @@ class Scorer:
         return view_beside(self.own, self.exemplar, picture)
 
     def windows(self, made: View) -> dict[str, float]:
-        """Compare the windows of a picture with the sample's; empty where the picture is too small.
-
-        `broken`: the mean distance of windows to the nearest of the sample, a root mean square of
-        pixels; 1 is the distance between windows of the sample's halves. `worst`: the 97 %
-        quantile of the squared distances. `uneven`: relative entropy of the use of the sample's
-        4x4 cells. `alike`: mean logarithm of how much nearer to each other its windows are than
-        the sample's, beyond what a larger photo gains.
-        """
+        """Compare windows of a picture with the sample's; empty where the picture is too small."""
         windows = self._windows(self._coarse(made))
         if not len(windows) or not len(self._own):
             return {}
         apart, which = nearest(windows, self._own)
         closeness = self._closeness(windows) - self._own_closeness
         usual = self._usual + self._visible
-        return {
+        return {  # 1 is the distance between windows of the sample's halves
             "broken": float(np.sqrt(apart).mean(dtype=np.float64)) / math.sqrt(usual),
             "worst": float(np.quantile(apart, _QUANTILE)) / usual,
             "uneven": self._uneven(self._own.places[which]),
+            # How much nearer to each other windows are than the sample's, as a logarithm.
             "alike": max(0.0, closeness - _LARGER_PHOTO),
         }
 

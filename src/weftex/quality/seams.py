@@ -22,12 +22,10 @@ _BORDER = 2 * (_REACH + _ALONG)
 
 
 class StepModel:
-    """A linear prediction of steps, fitted to a sample, and how surprising its own steps are.
+    """A prediction of the step between two pixels by the 30 steps around it, in five lines.
 
-    The step from each pixel to the next is predicted from the 30 steps around it, in five lines,
-    by least squares. The surprise is the prediction error over the usual error where the steps
-    around are as large, averaged over 17 pixels along the line. `able` is False where the sample
-    is too small or masked too much.
+    The surprise is the prediction error over the usual error where the steps around are as large,
+    averaged over 17 pixels along the line. `able` is False for samples too small or too masked.
     """
 
     def __init__(self, sample: View) -> None:
