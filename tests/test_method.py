@@ -222,7 +222,7 @@ def test_a_slider_of_pages_changes_the_picture(slug, field):
     twins = [f for s, f in CONTROLS if s == slug]
     assert len({f.metadata["control"] for f in twins}) == len(twins)
     ends = {"size": (9, 25), "variety": (0.01, 0.8), "softness": (2, 8)}[field.metadata["control"]]
-    sample = weftex.load_exemplar("sample:bricks").pixels[:96, :96]
+    sample = weftex.load_exemplar("sample:weave").pixels[:96, :96]
     more = others(slug, field)
     made = [
         weftex.synthesize(sample, 112, method=slug, seed=1, **{field.name: end}, **more).image

@@ -230,6 +230,8 @@ class Method(ABC):
     title: ClassVar[str]
     paper: ClassVar[str]
     supports: ClassVar[frozenset[str]] = frozenset()
+    #: Whether it can begin with a canvas that is covered, and cut its patches into that.
+    cuts_known: ClassVar[bool] = False
     #: Parameters of `for_belt`, which have an effect on belts even where regions take none.
     belt_parameters: ClassVar[frozenset[str]] = frozenset()
 

@@ -191,7 +191,7 @@ def fill(
     anew = region.crop(masked)
 
     def filled(by: Method, given: frozenset[str] | None) -> Synthesis:
-        if not (overlap and inside and "overlap" in by.supports):
+        if not (overlap and inside and by.cuts_known):
             return by.for_hole(missing, usable, given).fit(near).sample(part, **how)
         # The method cuts between the photo and its patches itself, by all that is there.
         border = hole & ~masked & (True if source.mask is None else source.mask)

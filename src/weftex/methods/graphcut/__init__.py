@@ -57,7 +57,8 @@ class GraphCut(Method):
         "V. Kwatra, A. Schödl, I. Essa, G. Turk, A. Bobick: Graphcut textures: image and video "
         "synthesis using graph cuts. ACM Transactions on Graphics 22(3), 2003"
     )
-    supports: ClassVar[frozenset[str]] = frozenset({"wrap", "known", "overlap"})
+    supports: ClassVar[frozenset[str]] = frozenset({"wrap", "known"})
+    cuts_known: ClassVar[bool] = True
 
     placement: str = parameter(
         "subpatch",

@@ -100,8 +100,7 @@ class EntirePatchMatching:
         factors = [np.ones(some.shape) for some in allowed]
         if not self.random:
             jobs: list[Callable[[], Any]] = [partial(self._mismatch, boxes, allowed, k)]
-            if self.penalty is not None:
-                jobs.append(partial(self.penalty.of, (y, x), allowed, k))
+            jobs += [partial(self.penalty.of, (y, x), allowed, k)] if self.penalty else []
             costs, *penalties = map_(call, jobs)
             factors = next(iter(penalties), factors)
         tops = [0, *np.cumsum([len(some) for some in allowed]).tolist()]
