@@ -13,13 +13,13 @@ def test_waiting_ends_after_some_tries(monkeypatch):
     method = weftex.EfrosLeung(window_width=5, tolerance=1000.0)
     monkeypatch.setattr(efros_leung, "_THRESHOLD", 0.005)
     tries = []
-    layers = efros_leung.unfilled_with_filled_neighbors
+    layers = efros_leung.unfilled_neighbors
 
     def counted(*args):
         tries.append(len(layer := layers(*args)))
         return layer
 
-    monkeypatch.setattr(efros_leung, "unfilled_with_filled_neighbors", counted)
+    monkeypatch.setattr(efros_leung, "unfilled_neighbors", counted)
     method.fit(exemplar).sample((10, 30), seed=1)
     bounded = sum(tries)
     tries.clear()
