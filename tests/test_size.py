@@ -15,7 +15,7 @@ TESTS = Path(__file__).parent
 READ = ("methods", "repeats", "search", "seams")
 #: Lower a ceiling when the code has become smaller; a feature that needs room removes something.
 CEILINGS = {
-    "lines of Python in src": 44_953,
+    "lines of Python in src": 44_946,
     "of these code": 31_289,
     "modules": 264,
     "kernel classes": 23,
@@ -28,7 +28,7 @@ CEILINGS = {
     "efros-leung: files to read": 8,
     "efros-leung: lines to read": 1_234,
     "near-regular: files to read": 9,
-    "near-regular: lines to read": 1_653,
+    "near-regular: lines to read": 1_629,
 }
 
 

@@ -99,13 +99,8 @@ def test_confidence_grows_with_either_figure():
 
 def test_the_clearer_pair_is_taken_if_it_has_half_of_the_contrast(rng):
     fields = autocorrelations(Exemplar(rng.integers(0, 256, (64, 64), np.uint8)))
-    strong, clear = (
-        Evidence(np.array(vectors, np.float64), "pairs", contrast, sure, 9)
-        for vectors, contrast, sure in (
-            (((20, 0), (0, 17)), 0.3, 1.0),
-            (((7, 1), (0, 9)), 0.1, 5.0),
-        )
-    )
+    strong = Evidence(np.array([[20.0, 0.0], [0.0, 17.0]]), "pairs", 0.3, 1.0, 9)
+    clear = Evidence(np.array([[7.0, 1.0], [0.0, 9.0]]), "pairs", 0.1, 5.0, 9)
     assert better_pair(fields, []) is None and better_pair(fields, [clear]) is clear
     assert better_pair(fields, [strong, clear]) is strong
     half = Evidence(clear.vectors, "pairs", 0.15, 5.0, 9)

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from analysis.test_lattice import smooth
 from weftex.analysis.autocorrelations import autocorrelations, fit_vectors
 from weftex.analysis.candidates import Evidence, crossing_candidate
 from weftex.analysis.lattice import Lattice, find_lattice
@@ -16,9 +17,7 @@ def sample(pixels):
 
 def stones(rng, side):
     """Soft spots of any tone, and grain."""
-    far = np.fft.fftfreq(side)[:, None] ** 2 + np.fft.rfftfreq(side) ** 2
-    spots = np.fft.rfft2(rng.normal(size=(side, side))) * np.exp(-2 * (9 * np.pi) ** 2 * far)
-    spots = np.fft.irfft2(spots, (side, side))
+    spots = smooth(rng.normal(size=(side, side, 1)), 9)[..., 0]
     return 128 + 44 * spots / spots.std() + rng.normal(0, 12, (side, side))
 
 
@@ -65,13 +64,12 @@ def test_blocks_of_bricks_that_turn(rng):
 def test_threads_of_any_tone_do_not_alternate(rng):
     """All tiles of a line are alike; whether every second line is, the tones of lines say."""
     lines = np.repeat(np.arange(12), 12)
+    kinds = lines % 2
     tones = rng.normal(size=(12, 40))
     tiles = tones[lines] + 0.1 * rng.normal(size=(144, 40))
-    assert (
-        halves_agree(tiles, lines % 2, 2) > 0.8 > 0.4 > halves_agree(tiles, lines % 2, 2, 0, lines)
-    )
-    tiles += 3 * (lines % 2)[:, None]
-    assert halves_agree(tiles, lines % 2, 2, 0, lines) > 0.9
+    assert halves_agree(tiles, kinds, 2) > 0.8 > 0.4 > halves_agree(tiles, kinds, 2, 0, lines)
+    tiles += 3 * kinds[:, None]
+    assert halves_agree(tiles, kinds, 2, 0, lines) > 0.9
 
 
 def test_lines_that_come_at_any_distance_are_no_rows():

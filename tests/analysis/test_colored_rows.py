@@ -3,12 +3,8 @@
 import numpy as np
 import pytest
 
-import weftex
+from methods.test_near_regular import model_of
 from weftex.analysis.colored_rows import find_colored_rows
-
-
-def model_of(pixels, **parameters):
-    return weftex.NearRegular(**parameters).fit(weftex.Exemplar(pixels))
 
 
 def boards(side, high=16, tone=40):

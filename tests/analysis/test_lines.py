@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from analysis.test_lattice import smooth
 from weftex.analysis.autocorrelations import autocorrelations
 from weftex.analysis.bonds import Bonds
 from weftex.analysis.candidates import (
@@ -109,9 +110,7 @@ def test_checks_of_which_two_are_seen_are_as_sure_as_others(rng):
     """Dirt hides them from the correlation, in which they have few multiples."""
     side = 208
     warp, weft = (np.tanh(4 * np.sin(2 * np.pi * np.arange(side) / n)) for n in (70, 100))
-    waves = np.hypot(np.fft.fftfreq(side)[:, None], np.fft.rfftfreq(side))
-    soft = np.exp(-2 * (np.pi * 10 * waves) ** 2)
-    dirt = np.fft.irfft2(np.fft.rfft2(rng.normal(size=(side, side))) * soft)
+    dirt = smooth(rng.normal(size=(side, side, 1)), 10)[..., 0]
     levels = 128 + 16 * np.add.outer(weft, warp) + 14 * dirt / dirt.std()
     levels += rng.normal(0, 10, levels.shape)
     found = find_lattice(Exemplar(np.clip(np.rint(levels), 0, 255).astype(np.uint8)))

@@ -74,10 +74,7 @@ def test_strain_is_refused_and_a_good_size_named():
         ({"lattice": (50, 0, 0, 40)}, "two tiles"),
         ({"block_size": 20, "border_width": 20}, "less than the block"),
         ({"block_size": 40, "border_width": 22}, "together they must be at most 60"),
-        (
-            {"blend": "none", "blend_width": 4},
-            "blend_width has no effect unless blend is 'feather'",
-        ),
+        ({"blend": "none", "blend_width": 4}, "no effect unless blend is 'feather'"),
         ({"border_width": 0, "match": "gncc"}, "match has no effect without borders"),
         ({"defaults": "paper", "blend_width": 20}, "blend_width is 20; it must be less than"),
         (
@@ -92,13 +89,6 @@ def test_bad_parameters_are_refused(parameters, message):
     if list(parameters) == ["lattice"]:
         with pytest.raises(weftex.InvalidInputError, match=message):
             weftex.BestTile(**parameters).fit(weftex.Exemplar(wall(60, 60)))
-
-
-def test_the_papers_defaults():
-    model = model_of(wall(128, 128), lattice=LATTICE, defaults="paper")
-    m = model.method
-    assert (m.block_size, m.border_width, m.blend, m.blend_width) == (40, 10, "feather", 4)
-    assert m.tolerance == 3
 
 
 @pytest.mark.parametrize("case", ["plain", "mask", "tileable"])
@@ -121,7 +111,9 @@ def test_blends_are_as_wide_as_asked():
     images = []
     for width in (None, 0, 4, 10):
         model = model_of(pixels, lattice=LATTICE, defaults="paper", blend_width=width)
-        assert model.method.blend_width == (4 if width is None else width)
+        method = model.method
+        assert method.blend_width == (4 if width is None else width) and method.blend == "feather"
+        assert (method.block_size, method.border_width, method.tolerance) == (40, 10, 3)
         images.append(model.sample(150, seed=1).image)
     assert np.array_equal(images[0], images[2])
     assert all((images[1] != other).any() for other in images[2:])
@@ -138,12 +130,10 @@ def test_provenance_has_the_narrow_borders_of_small_canvases():
 def test_a_blend_wider_than_the_border():
     """Fig. 5.12: with borders of 10 and blends of 28 pixels, steps of light are spread."""
     light = wall(128, 128).astype(int) + np.linspace(-60, 60, 128).astype(int)[:, None]
+    light = np.clip(light, 0, 255).astype(np.uint8)
     steps = {}
     for width in (4, 28):
-        model = model_of(
-            np.clip(light, 0, 255).astype(np.uint8), lattice=LATTICE, defaults="paper",
-            blend_width=width,
-        )  # fmt: skip
+        model = model_of(light, lattice=LATTICE, defaults="paper", blend_width=width)
         assert (model.method.block_size, model.method.border_width) == (40, 10)
         whole = model.sample((240, 240), seed=1)
         part = model.window(31, 52, 90, 80, seed=1).image
@@ -166,13 +156,11 @@ def test_lattice_mode_keeps_the_rules():
     pixels = wall(96, 96)
     settings = {"lattice": LATTICE, "block_size": 17}
     model = model_of(pixels, **settings)
+    same = pickle.loads(pickle.dumps(model))
     for wrap in ((False, False), (True, False), (True, True)):
         canvas = weftex.Canvas(120, 128, wrap)
         one = model.sample(canvas, seed=5, threads=1)
-        for other in (
-            model.sample(canvas, seed=5, threads=4),
-            pickle.loads(pickle.dumps(model)).sample(canvas, seed=5),
-        ):
+        for other in (model.sample(canvas, seed=5, threads=4), same.sample(canvas, seed=5)):
             assert np.array_equal(one.image, other.image)
             assert np.array_equal(one.source, other.source)
     mask = np.ones((96, 96), bool)

@@ -51,6 +51,19 @@ def test_damaged_sources_are_refused(tmp_path, text):
             weftex.Synthesis.load(path)
 
 
+@pytest.mark.parametrize("size", [37, 43])
+def test_lines_are_left_out_or_doubled_evenly(size):
+    """Of two pieces of 20 columns: where they meet, inside and around, no column is left out."""
+    y, x = np.indices((40, 40))
+    index = (60 * y + x + x // 20 * 20).astype(np.int32)
+    whole = PixelSynthesis(weftex.Canvas(40, 40), index, sample_shape=(40, 60), exemplar=None)
+    source = whole.stretched(weftex.Canvas(size, size)).source
+    steps = np.diff(source[:, 0, 0])
+    assert set(steps.tolist()) == {1, 2 if size < 40 else 0}
+    assert np.ptp(np.diff(np.flatnonzero(steps != 1))) <= 7  # of 13 lines
+    assert {0, 19, 40, 59} <= set(source[0, :, 1].tolist())
+
+
 def test_a_part_moves_into_the_whole():
     result = make(known_from=(1, 2))
     large = weftex.Exemplar(np.tile(SAMPLE, (2, 2, 1)))

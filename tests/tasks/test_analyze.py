@@ -38,11 +38,8 @@ def test_border_steps_are_their_definition(shape, masked, rng):
     mask[0, 0] = True
     exemplar = Exemplar(pixels, mask=mask)
     levels = exemplar.matching()
-    expected = (
-        steps_by_definition(levels, mask),
-        steps_by_definition(levels.swapaxes(0, 1), mask.T),
-    )
-    assert border_steps(exemplar) == expected
+    down, across = (levels, mask), (levels.swapaxes(0, 1), mask.T)
+    assert border_steps(exemplar) == (steps_by_definition(*down), steps_by_definition(*across))
 
 
 def test_tiles_are_told_from_crops():
@@ -79,10 +76,6 @@ def test_colors_are_counted(dtype, channels, rng):
     assert analyze(Exemplar(few, mask=mask)).colors == expected
 
 
-def test_minus_zero_is_zero():
-    assert analyze(np.array([[0.0, -0.0]], np.float32)).colors == 1
-
-
 def test_everything_is_what_its_own_function_says():
     exemplar = weftex.load_exemplar("sample:tiles")
     found = analyze(exemplar)
@@ -97,15 +90,11 @@ def test_everything_is_what_its_own_function_says():
     assert strongest.period == pytest.approx(found.scale, rel=0.05)
 
 
-def test_windows_are_those_that_the_methods_take():
-    exemplar = Exemplar(np.random.default_rng(0).integers(0, 256, (40, 40), np.uint8))
-    check_windows(exemplar)
-    mask = np.zeros((40, 40), bool)
-    mask[3:9, 5:30] = True  # no room for the windows that are proposed
-    check_windows(Exemplar(exemplar.pixels, mask=mask))
-
-
-def check_windows(exemplar):
+@pytest.mark.parametrize("masked", [False, True])
+def test_windows_are_those_that_the_methods_take(masked, rng):
+    mask = np.full((40, 40), not masked)
+    mask[3:9, 5:30] = True  # alone, no room for the windows that are proposed
+    exemplar = Exemplar(rng.integers(0, 256, (40, 40), np.uint8), mask=mask)
     windows = analyze(exemplar).windows
     for slug, cls in weftex.METHODS.items():
         if "window_width" in cls.__dataclass_fields__:
@@ -125,6 +114,7 @@ def test_constant_and_tiny_samples(shape):
     assert (found.colors, found.scale, found.confidence, found.regularity) == (1, 1, 0, 0)
     assert found.spectrum == () and found.tiles == (True, True)
     assert "no clear peak" in str(found)
+    assert analyze(np.array([[0.0, -0.0]], np.float32)).colors == 1  # minus zero is zero
 
 
 def test_the_command_prints_it(capsys):

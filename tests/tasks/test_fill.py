@@ -9,7 +9,6 @@ from PIL import Image
 import families
 import weftex
 from families import noise
-from weftex.analysis.canvas_lattice import four_numbers
 from weftex.analysis.lattice import Lattice, find_lattice
 from weftex.tasks.auto import rule
 from weftex.tasks.auto.rule import choose_for_hole
@@ -230,7 +229,7 @@ def test_large_photos_with_a_lattice_are_filled_on_it(monkeypatch):
     sample = weftex.Exemplar(photo, mask=~hole)
     choice = choose_for_hole(sample, canvas)
     assert choice.method == "graphcut"
-    assert choice.parameters["lattice"] == four_numbers(find_lattice(sample))
+    assert choice.parameters["lattice"] == tuple(find_lattice(sample))
     for rows in (Lattice(((0.0, 68.0),), 0.9), None):
         monkeypatch.setattr(rule, "find_lattice", lambda one, rows=rows: rows)
         assert choose_for_hole(sample, canvas).method == "patch-sampling"

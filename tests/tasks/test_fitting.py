@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import weftex
+from materials import normal_map
 from weftex.analysis.canvas_lattice import FITTING_STRAIN, CanvasLattice
 from weftex.canvas import Canvas
 from weftex.errors import InvalidInputError
@@ -49,6 +50,26 @@ def test_auto_makes_any_tileable_size(name, size, effort):
     assert said
     assert f"{fitted.shape[1]}x{fitted.shape[0]}" in said[0]
     assert "strained" not in str(fitted.provenance.get("warnings"))
+
+
+@pytest.mark.parametrize("width", [270, 290])
+def test_ribs_that_do_not_fit_are_stretched_evenly(width, tmp_path):
+    """Six ribs of 45 or 48.3 px, of a sample that has them at 47 px, with all of its maps."""
+    levels = 128 + 60 * np.sin(2 * np.pi * X / 47) + RNG.normal(0, 12, X.shape)
+    maps = {"normal": normal_map(RNG, X.shape), "id": (X // 47 * 5000).astype(np.uint16)}
+    sample = weftex.Exemplar(np.clip(levels, 0, 255).astype(np.uint8), maps=maps)
+    made, same = (
+        weftex.synthesize(sample, (120, width), tileable=True, seed=1, threads=n) for n in (1, 3)
+    )
+    waves = abs(np.fft.rfft(made.image.astype(float), axis=1)) ** 2
+    assert (waves[:, 6] > 0.87 * waves[:, 1:].sum(axis=1)).mean() > 0.9
+    assert made.provenance["method"] == "graphcut" and made.shape == (120, width)
+    y, x = np.moveaxis(made.source, 2, 0)
+    assert np.median(abs(made.image.astype(int) - sample.pixels[y, x])) == 0  # no new seams
+    assert all(np.array_equal(made.maps[name], maps[name][y, x]) for name in maps)
+    made.save(tmp_path / "made.npz")
+    for other in (same, weftex.Synthesis.load(tmp_path / "made.npz", sample)):
+        assert np.array_equal(made.image, other.image)
 
 
 def test_planes_that_wrap_say_it_too():

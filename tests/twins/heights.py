@@ -11,6 +11,10 @@ def joined(made, sample, coordinates, shares, wrap, scale=1):
     made = made.astype(float)
     matrix = np.eye(made.size) / (REACH * scale) ** 2
     right = made.ravel() / (REACH * scale) ** 2
+    places, alone = (
+        a[:, :, 0].repeat(scale, 0).repeat(scale, 1) for a in (scale * coordinates, shares == 1)
+    )
+    places += np.moveaxis(np.indices(made.shape) % scale, 0, 2)
 
     def told(v, u, step):
         """What the sources of pixel (v, u) say of a step from there: the sum, and its shares."""
@@ -35,7 +39,10 @@ def joined(made, sample, coordinates, shares, wrap, scale=1):
                 ahead, one = told(v, u, step)
                 behind, other = told(b, a, (-step[0], -step[1]))
                 slope = made[b, a] - made[v, u]
-                if one + other > 0:
+                # One piece has its own slopes, also where a line is left out or doubled.
+                off = abs(places[b, a] - places[v, u] - step).tolist()
+                whole = alone[v, u] and alone[b, a] and off in ([0, 0], [scale * k for k in step])
+                if one + other > 0 and not whole:
                     slope = (ahead - behind) / (one + other)
                 p, q = v * width + u, b * width + a
                 for k, sign in ((p, -1), (q, 1)):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from itertools import islice
 from typing import Any, NamedTuple
 
@@ -12,6 +13,7 @@ from weftex.analysis.lattice import Lattice, find_lattice
 from weftex.canvas import Canvas
 from weftex.errors import InvalidInputError
 from weftex.exemplar import Exemplar
+from weftex.parameters import numbers_of
 
 _UNIT = 1 << 16  # positions are in 1/65536 pixel
 _SMALLEST_SAMPLE = 32  # side below which noise may look like a lattice by chance
@@ -23,6 +25,7 @@ _TILES = 4  # that a sample must show, so that a block has more than one place t
 #: fence met at up to 0.07, whatever the tolerance; at 0.1 some were broken.
 VISIBLE_STRAIN = 0.07
 FITTING_STRAIN = 0.01  #: Strain of a lattice up to which a size counts as one that fits.
+STIFF = 0.02  #: Strain of a lattice from which whole samples cannot make up for it.
 
 
 class Around(NamedTuple):
@@ -135,11 +138,6 @@ def is_sure(lattice: Lattice | None, pixels: int) -> bool:
     return pixels >= _TILES * lattice.area
 
 
-def four_numbers(lattice: Lattice) -> tuple[float, ...]:
-    """Return a lattice as x1, y1, x2, y2; along rows the second vector is one pixel."""
-    return tuple(lattice)
-
-
 def given_lattice(vectors: tuple[float, ...]) -> Lattice:
     """Return the lattice of x1, y1, x2, y2: rows, if one of the vectors is a pixel long.
 
@@ -151,6 +149,13 @@ def given_lattice(vectors: tuple[float, ...]) -> Lattice:
     if np.hypot(*pair[0]) <= _ALONG < np.hypot(*pair[1]):
         return Lattice((pair[1],))
     return Lattice(((x1, y1), (x2, y2)))
+
+
+def checked_lattice(vectors: Sequence[float] | str, exemplar: Exemplar) -> Lattice:
+    """Return a lattice given as x1, y1, x2, y2, if it fits the sample."""
+    plain = numbers_of("lattice", vectors, 4)
+    check_lattice(plain, exemplar)
+    return given_lattice(plain)
 
 
 def found_vectors(exemplar: Exemplar) -> tuple[float, ...]:
@@ -187,6 +192,21 @@ def _stretched(
         change = np.eye(2) + near.T @ (around - near) / length
     strain = float(np.linalg.norm(change - np.eye(2), 2))
     return (vectors, 0.0) if strain < 1e-12 else (vectors @ change, strain)
+
+
+def evenly(vectors: tuple[float, ...] | None, canvas: Canvas) -> Canvas:
+    """Return a canvas that fits the lattice, to be stretched evenly to the size of `canvas`.
+
+    The same canvas if there is no lattice, its strain is small, or no size is near.
+    """
+    plain = canvas.kinds == ("wrap",)
+    if vectors is None or not plain or CanvasLattice(vectors, canvas).strain <= STIFF:
+        return canvas
+    for limit in (FITTING_STRAIN / 4, FITTING_STRAIN):
+        for size in fitting_sizes(vectors, canvas, limit):
+            if abs(np.divide(size, canvas.shape) - 1).max() <= VISIBLE_STRAIN:
+                return Canvas(*size, canvas.wrap)
+    return canvas
 
 
 def fitting_sizes(

@@ -9,11 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from weftex.analysis.autocorrelations import autocorrelations
-from weftex.analysis.canvas_lattice import check_lattice, four_numbers, given_lattice
+from weftex.analysis.canvas_lattice import checked_lattice
 from weftex.analysis.lattice import Lattice, Rated, rate_lattices
 from weftex.analysis.relief import smaller_copy
 from weftex.exemplar import Exemplar
-from weftex.parameters import numbers_of
 from weftex.raster.arrays import Floats
 
 __all__ = ["DrawnLattice", "Lattice", "LatticeRating", "Rated", "draw", "is_tilted"]
@@ -74,7 +73,7 @@ def draw(
     reduced = Lattice(tuple((x / step, y / step) for x, y in vectors))
     return DrawnLattice(
         vectors=[list(map(float, vector)) for vector in vectors],
-        numbers=",".join(f"{number:g}" for number in four_numbers(lattice)),
+        numbers=",".join(f"{number:g}" for number in lattice),
         words=courses(lattice),
         lines=[
             {"across": [float(part) / step for part in across], "phase": phase}
@@ -99,9 +98,7 @@ class LatticeRating:
         InvalidInputError
             If it does not fit into the sample.
         """
-        plain = numbers_of("lattice", numbers, 4)
-        check_lattice(plain, self._exemplar)
-        lattice = given_lattice(plain)
+        lattice = checked_lattice(numbers, self._exemplar)
         found, _ = rate_lattices(self._exemplar, lattice, runners_up=0, fields=self._fields)
         assert found is not None
         return draw(self._exemplar, lattice.vectors, found.goodness)

@@ -14,13 +14,7 @@ from numpy.typing import NDArray
 
 from weftex.errors import InvalidInputError
 from weftex.io.formats import FORMATS, StrPath, show, written_as
-from weftex.io.outputs import (
-    OutputFile,
-    OutputSet,
-    Part,
-    kept_file,
-    reversed_map,
-)
+from weftex.io.outputs import OutputFile, OutputSet, Part, kept_file, reversed_map
 from weftex.io.pictures import Picture, atomic, read_image
 from weftex.io.presets import UNUSED, Preset, PresetFile, read_preset, width_of
 from weftex.raster.arrays import check_pixels

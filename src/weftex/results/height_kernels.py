@@ -56,15 +56,17 @@ def compare_slopes(
     shares: cython.const[cython.float][:, :, ::1],
     rows: cython.Py_ssize_t,
     around: cython.bint,
+    scale: cython.int,
     slope: cython.double[::1],
 ):
     """For each edge, add g - h' to the pixel it leads to and subtract it from the other one.
 
     `total` is (channels, rows[+1], columns), `made` (rows[+1], columns, channels), `coordinates`
-    and `shares` are the layers of `made`. With `around` the last column is followed by the first.
+    and `shares` are the layers of `made`, `scale` times as fine as the output. With `around` the
+    last column is followed by the first.
     """
     cython.declare(v=cython.Py_ssize_t, u=cython.Py_ssize_t, c=cython.Py_ssize_t)
-    cython.declare(b=cython.Py_ssize_t, a=cython.Py_ssize_t, axis=cython.int)
+    cython.declare(b=cython.Py_ssize_t, a=cython.Py_ssize_t, axis=cython.int, gap=cython.int)
     cython.declare(sure=cython.double, step=cython.double)
     with cython.nogil:
         for v in range(rows):
@@ -76,12 +78,14 @@ def compare_slopes(
                         continue
                     if a == made.shape[1]:
                         a = 0
-                    # Within one piece slopes are the sample's.
+                    # Within one piece slopes are the sample's, also where a line of pixels is left
+                    # out or doubled.
+                    gap = coordinates[b, a, 0, axis] - coordinates[v, u, 0, axis] - 1
                     if (
                         shares[v, u, 0] == 1
                         and shares[b, a, 0] == 1
-                        and coordinates[b, a, 0, 0] == coordinates[v, u, 0, 0] + (axis == 0)
-                        and coordinates[b, a, 0, 1] == coordinates[v, u, 0, 1] + (axis == 1)
+                        and (gap == 0 or gap == scale or gap == -scale)
+                        and coordinates[b, a, 0, 1 - axis] == coordinates[v, u, 0, 1 - axis]
                     ):
                         continue
                     for c in range(slope.shape[0]):

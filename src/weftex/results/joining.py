@@ -180,7 +180,8 @@ def _divergence(
         )
     steps = np.zeros((made.shape[2], *made.shape[:2]))
     zeros = np.zeros(made.shape[2])
-    kernels.compare_slopes(steps, made, sample, coordinates, shares, height, columns.around, zeros)
+    size = height, columns.around, laid.scale
+    kernels.compare_slopes(steps, made, sample, coordinates, shares, *size, zeros)
     if rows.around:
         steps[:, 0] += steps[:, height]
     return steps, [rows.inside, columns.inside]

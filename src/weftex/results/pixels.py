@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -23,6 +24,24 @@ class PixelSynthesis(Synthesis):
     def __init__(self, canvas: Canvas, index: NDArray[np.int32], **about: Any) -> None:
         super().__init__(canvas, **about)
         self.index = index
+
+    def stretched(self, canvas: Canvas) -> PixelSynthesis:
+        """Return this result in another size: it leaves out or doubles pixel lines evenly.
+
+        Lines beside few seams are left out, as pieces that fit would be off by a pixel there.
+        """
+        for axis, (n, count) in enumerate(zip(self.shape, canvas.shape, strict=True)):
+            lines = np.arange(count) * n // count
+            if count < n:
+                on = (self.sample_shape[1], 1)[axis]
+                cut = (np.roll(self.index, -1, axis) - self.index != on).sum(axis=1 - axis)
+                seams, ends = cut + np.roll(cut, 1), np.arange(n - count + 1) * n // (n - count)
+                out = [a + seams[a : (a + b + 1) // 2].argmin() for a, b in pairwise(ends)]
+                lines = np.delete(np.arange(n), out)
+            if count != n:
+                self.index = self.index.take(lines, axis)
+        self.canvas = canvas
+        return self
 
     def _layers(self, window: Window) -> tuple[NDArray[np.int32], NDArray[np.float32]]:
         top, left, height, width = window

@@ -10,15 +10,14 @@ from typing import Any
 
 import numpy as np
 
-from weftex.analysis import canvas_lattice
 from weftex.analysis.autocorrelations import autocorrelations
+from weftex.analysis.canvas_lattice import checked_lattice
 from weftex.analysis.lattice import Lattice, Rated, lattice_in, rate_lattices
 from weftex.analysis.overlay import courses
 from weftex.analysis.properties import Evenness, regularity
 from weftex.analysis.scale import StructureScale, structure_scale
 from weftex.errors import InvalidInputError
 from weftex.exemplar import Exemplar, Sample, load_exemplar
-from weftex.parameters import numbers_of
 from weftex.progress import counted
 from weftex.quality import borders_of
 from weftex.registry import METHODS
@@ -226,7 +225,7 @@ def analyze(
             f"runners_up is {runners_up!r}; it must be from 0 to {_MOST_RUNNERS_UP}"
         )
     exemplar = load_exemplar(sample)
-    given = None if lattice is None else given_lattice(lattice, exemplar)
+    given = None if lattice is None else checked_lattice(lattice, exemplar)
     with counted(8, "analysis") as step:
         model = Auto().fit_exemplar(exemplar)
         look = model.findings
@@ -271,16 +270,9 @@ def analyze(
     )
 
 
-def given_lattice(vectors: Sequence[float] | str, exemplar: Exemplar) -> Lattice:
-    """Return a lattice given as x1, y1, x2, y2."""
-    plain = numbers_of("lattice", vectors, 4)
-    canvas_lattice.check_lattice(plain, exemplar)
-    return canvas_lattice.given_lattice(plain)
-
-
 def _numbers(lattice: Lattice) -> str:
     """Return a lattice as `--lattice` takes it."""
-    return ",".join(f"{number:g}" for number in canvas_lattice.four_numbers(lattice))
+    return ",".join(f"{number:g}" for number in lattice)
 
 
 def _goodness(rated: Rated) -> str:

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from weftex.analysis.canvas_lattice import CanvasLattice, four_numbers, is_sure
+from weftex.analysis.canvas_lattice import CanvasLattice, is_sure
 from weftex.analysis.lattice import find_lattice
 from weftex.canvas import Canvas, as_canvas
 from weftex.errors import InvalidInputError, shown
@@ -118,7 +118,7 @@ def _ill_fitting(exemplar: Exemplar, canvas: Canvas) -> str | None:
     if found is None or not is_sure(found, exemplar.shape[0] * exemplar.shape[1]):
         return None
     try:
-        CanvasLattice(four_numbers(found), canvas, _STRAIN)
+        CanvasLattice(tuple(found), canvas, _STRAIN)
     except InvalidInputError as error:
         return f"crop the photo first: {error}"
     return None

@@ -41,8 +41,9 @@ def run(argv: list[str]) -> None:
     add("--runners-up", type=int, default=3, metavar="N", help=text)
     parser.share("--allow-huge")
     args = parser.parse(argv)
+    from weftex.analysis.canvas_lattice import checked_lattice
     from weftex.io.pictures import check_output, write_image
-    from weftex.tasks.analyze import analyze, given_lattice
+    from weftex.tasks.analyze import analyze
 
     if args.overlay is not None:
         check_output(args.overlay)
@@ -56,9 +57,7 @@ def run(argv: list[str]) -> None:
     if args.overlay is not None:
         from weftex.analysis.overlay import draw_lattice
 
-        lattice = found.lattice
-        if args.lattice is not None:
-            lattice = given_lattice(args.lattice, exemplar)
+        lattice = found.lattice if args.lattice is None else checked_lattice(args.lattice, exemplar)
         write_image(args.overlay, draw_lattice(exemplar, lattice))
     if args.json:
         print_json(found.as_dict())

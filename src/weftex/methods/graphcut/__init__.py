@@ -9,7 +9,7 @@ from typing import Any, ClassVar, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from weftex.analysis.canvas_lattice import check_lattice
+from weftex.analysis.canvas_lattice import check_lattice, evenly
 from weftex.analysis.patch_sizes import HOLE_PATCHES, patch_size_for, patch_size_on
 from weftex.canvas import Canvas
 from weftex.endless.grid import Sizes
@@ -24,8 +24,10 @@ from weftex.methods.graphcut.sample import PATCH_SHARE, Sample, check_boundary, 
 from weftex.methods.graphcut.subpatch import SubPatchMatching
 from weftex.methods.pixels import Growth, PixelModel
 from weftex.parameters import parameter
+from weftex.progress import ProgressCallback
 from weftex.repeats import PatchPenalty, Repetition
 from weftex.repeats.salience import SaliencePenalty, cell_side
+from weftex.results.pixels import PixelSynthesis
 from weftex.search.windows import windows_of
 from weftex.threads import quick_map
 
@@ -177,14 +179,10 @@ class GraphCut(Method):
         entire = self.placement == "entire"
         if self.lattice is not None:
             check_lattice(self.lattice, exemplar)
-        found = replace(
-            self,
-            candidates=self.candidates
-            or (4 if not entire else 24 if exemplar.turn is None else 12),
-            refinements=_given(self.refinements, 1.0 if self.placement == "random" else 0.0),
-        )
-        if self.placement != "random":
-            found = replace(found, tolerance=_given(self.tolerance, 0.0 if entire else 0.003))
+        count = self.candidates or (4 if not entire else 24 if exemplar.turn is None else 12)
+        refinements = _given(self.refinements, 1.0 if self.placement == "random" else 0.0)
+        tolerance = _given(self.tolerance, {"subpatch": 0.003, "entire": 0.0}.get(self.placement))
+        found = replace(self, candidates=count, refinements=refinements, tolerance=tolerance)
         if self.placement != "subpatch":
             return found
         return found.for_patches(self.patch_shape(exemplar))
@@ -217,11 +215,11 @@ class GraphCutModel(PixelModel):
 
     def __init__(self, given: GraphCut, exemplar: Exemplar) -> None:
         windows = windows_of(exemplar, (0, 0, 0, 0))
-        method = given.resolved(exemplar)
-        side = method.patch_size
+        self.method: GraphCut = given.resolved(exemplar)
+        side = self.method.patch_size
         self.given, self.patch_shape = given, (side, side) if side else given.patch_shape(exemplar)
         sample = Sample(exemplar, windows, given.seam_cost == "gradient", given.halvings)
-        super().__init__(method, exemplar, sample, self.synthesize)
+        super().__init__(self.method, exemplar, sample, self.synthesize)
 
     def block_sizes(self) -> Sizes:
         """See `Model.block_sizes`: a corner is a patch, and cuts may run in its surroundings.
@@ -229,7 +227,6 @@ class GraphCutModel(PixelModel):
         Between belts is room for so many patches that the last ones lie on belts as far as the
         first ones do; entire patches are cut anywhere.
         """
-        assert isinstance(self.method, GraphCut)
         side, boundary = min(self.patch_shape), self.method.boundary_width or 0
         belt = 2 * max(side // 2 if boundary else side // 4, 8)
         gap = _PATCHES * (side - boundary) - boundary if boundary else 2 * belt
@@ -241,7 +238,6 @@ class GraphCutModel(PixelModel):
         Patches take no larger share of it than of the sample, unless their size was given.
         """
         method, shape, given = self.method, self.patch_shape, self.given
-        assert isinstance(method, GraphCut)
         if given.placement != "subpatch" or given.patch_size is not None:
             return method, shape
         most = patch_size_on(canvas, PATCH_SHARE)
@@ -252,6 +248,13 @@ class GraphCutModel(PixelModel):
         shape = min(shape[0], most), min(shape[1], most)
         return replace(method, boundary_width=given.boundary_width).for_patches(shape), shape
 
+    def make(
+        self, canvas: Canvas, seed: int, threads: int, progress: ProgressCallback | None
+    ) -> PixelSynthesis:
+        """See `Model.make`; not in the paper: stretched from a size that fits the lattice."""
+        fitting = evenly(self.method.lattice, canvas)
+        return super().make(fitting, seed, threads, progress).stretched(canvas)
+
     def synthesize(self, sample: Sample, growth: Growth) -> None:
         """Cover the canvas with patches, then put more patches over its worst seams."""
         if growth.canvas.shown is not None:  # of a plane's block or a hole, whose border may change
@@ -259,10 +262,7 @@ class GraphCutModel(PixelModel):
         method, shape = self.on(growth.canvas)
         placement = placement_of(method, shape, sample, growth)
         growth.tone_reach = method.tone_reach
-        growth.about["patch_shape"] = list(placement.size)
-        if method.placement == "subpatch":
-            sizes = {"patch_size": method.patch_size, "boundary_width": method.boundary_width}
-            growth.about |= {name: side for name, side in sizes.items() if side is not None}
+        growth.about |= method.describe() | {"patch_shape": list(placement.size)}
         cover(method, placement, sample, growth)
 
 

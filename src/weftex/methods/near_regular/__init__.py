@@ -11,12 +11,7 @@ from weftex.method import Method
 from weftex.methods.lattices import LatticeModel
 from weftex.methods.near_regular.blocks import Plan, draw_constrained_blocks, fill_gaps
 from weftex.methods.near_regular.layout import divide
-from weftex.methods.near_regular.sample import (
-    check_block,
-    margin_of,
-    prepare,
-    resolve,
-)
+from weftex.methods.near_regular.sample import check_block, margin_of, prepare, resolve
 from weftex.methods.near_regular.seams import blend_linearly, paste_blocks
 from weftex.parameters import parameter
 from weftex.progress import ProgressCallback
@@ -127,25 +122,7 @@ class NearRegular(Method):
 
 
 class NearRegularModel(LatticeModel):
-    """A sample prepared for near-regular synthesis.
-
-    Parameters
-    ----------
-    method : NearRegular
-        Parameters.
-    exemplar : Exemplar
-        The sample.
-
-    Attributes
-    ----------
-    blocks : BlockSample
-        The sample as blocks are taken from it.
-
-    Raises
-    ------
-    InvalidInputError
-        If the sample has no lattice, or the vectors or a block do not fit it.
-    """
+    """A sample prepared for near-regular synthesis; `blocks` are taken from it as `BlockSample`."""
 
     method: NearRegular
 

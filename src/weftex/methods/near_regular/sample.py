@@ -12,7 +12,6 @@ from weftex.analysis.canvas_lattice import (
     CanvasLattice,
     check_lattice,
     found_vectors,
-    four_numbers,
     given_lattice,
 )
 from weftex.analysis.colored_rows import ColoredRows, find_colored_rows
@@ -47,7 +46,7 @@ def resolve(method: Any, exemplar: Exemplar) -> Any:
         check_lattice(method.lattice, exemplar)
     vectors = method.lattice or _found(exemplar)
     if is_rows(vectors):  # the one that leads from row to row first
-        vectors = four_numbers(given_lattice(vectors))
+        vectors = tuple(given_lattice(vectors))
     by_rows = is_rows(vectors)
     tolerance = method.tolerance
     if tolerance is None:
@@ -103,7 +102,7 @@ def _found(exemplar: Exemplar) -> Vectors:
             f"{exemplar.name} has neither a lattice nor rows; give its translation vectors "
             "(lattice), or use graphcut, which needs none"
         )
-    return four_numbers(Lattice((vectors,))) if len(vectors) == 2 else vectors
+    return tuple(Lattice((vectors,))) if len(vectors) == 2 else vectors
 
 
 def _area(vectors: Vectors) -> float:

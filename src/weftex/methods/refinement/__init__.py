@@ -17,12 +17,7 @@ from weftex.method import Method
 from weftex.methods.pixels import Growth, PixelModel, WindowedMethod
 from weftex.methods.refinement.defaults import Starts, resolved_method, start_text, window_width
 from weftex.methods.refinement.levels import Prepared, prepare
-from weftex.methods.refinement.output import (
-    finish,
-    guides_of,
-    levels_that_show,
-    output_pyramid,
-)
+from weftex.methods.refinement.output import finish, guides_of, levels_that_show, output_pyramid
 from weftex.methods.refinement.start import (
     fitted_starts,
     keep_patches,

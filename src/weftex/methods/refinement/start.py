@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from weftex.analysis.canvas_lattice import Around, four_numbers
+from weftex.analysis.canvas_lattice import Around
 from weftex.analysis.scale import sure_lattice
 from weftex.canvas import Canvas
 from weftex.endless.boxes import Box, PlaneRequest
@@ -169,7 +169,7 @@ def _by_lattice(exemplar: Exemplar) -> list[str]:
     lattice = sure_lattice(exemplar)
     if lattice is None:
         return []
-    return [text_of(METHODS["near-regular"](lattice=four_numbers(lattice)))]
+    return [text_of(METHODS["near-regular"](lattice=tuple(lattice)))]
 
 
 def starts_for(prepared: Prepared, canvas: Canvas) -> list[str]:

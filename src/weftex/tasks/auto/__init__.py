@@ -14,7 +14,6 @@ from weftex.analysis.canvas_lattice import (
     VISIBLE_STRAIN,
     Around,
     fitting_sizes,
-    four_numbers,
 )
 from weftex.analysis.lattice import Lattice
 from weftex.canvas import Canvas, as_canvas
@@ -159,7 +158,6 @@ class AutoModel(Model):
                 return seen.setdefault(repr(one.parameters), made)
 
             choices = [refined_if_whole(choices, lattice, self.exemplar, preview)]
-        choice = choices[0]
         done: list[Synthesis] = []
         steps = Progress(progress, len(choices), "choices", lambda: done[-1].image)
 
@@ -174,10 +172,7 @@ class AutoModel(Model):
                 steps.advance(1)
             return result
 
-        if len(choices) == 1:
-            made = tried(choice)
-        else:
-            choice, made = best_of_choices(choices, self.exemplar, tried)
+        choice, made = best_of_choices(choices, self.exemplar, tried)
         made.provenance["reason"] = choice.reason
         if choice.warnings:
             made.provenance["warnings"] = list(choice.warnings)
@@ -219,14 +214,11 @@ def fitting_canvas(canvas: Canvas, exemplar: Exemplar, method: Method) -> Canvas
     if canvas.guide is not None or canvas.known is not None:
         raise InvalidInputError("fit has no effect: a guide or a photo sets the size")
     model = method.fit(exemplar)
-    if not isinstance(model, LatticeModel):
-        lattice = AutoModel(Auto(), exemplar).lattice
-        if lattice is None:
-            return canvas
-        vectors = four_numbers(lattice)
-    else:
-        vectors = model.vectors
+    own = model.vectors if isinstance(model, LatticeModel) else None
+    found = own or AutoModel(Auto(), exemplar).lattice
+    if found is None:
+        return canvas
     for limit in (FITTING_STRAIN, VISIBLE_STRAIN):
-        for height, width in fitting_sizes(vectors, canvas, limit)[:1]:
+        for height, width in fitting_sizes(tuple(found), canvas, limit)[:1]:
             return replace(canvas, height=height, width=width)
     return canvas

@@ -7,11 +7,12 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 from weftex.analysis.canvas_lattice import (
+    STIFF,
     VISIBLE_STRAIN,
     Around,
     CanvasLattice,
+    evenly,
     fitting_sizes,
-    four_numbers,
     is_sure,
 )
 from weftex.analysis.lattice import Lattice, find_lattice
@@ -28,10 +29,7 @@ __all__ = ["Choice"]
 _ROWS = 0.6  # confidence from which blocks are placed by rows
 _FINE = 1 / 12  # scale over the side: a patch, a quarter of the side, holds three features in a row
 _GRAIN = 1 / 20  # scale over the side up to which cut features do not show, but repeats do
-#: Strain of a lattice on a canvas that wraps, up to which the entire sample is placed by it.
-_STIFF = 0.02
-#: The same for rows. At 3.5 % boards were whole, at 6 % ribs were torn.
-_STIFF_ROWS = 0.04
+_STIFF_ROWS = 0.04  # strain of rows that cannot be stretched evenly; at 6 % ribs were torn
 #: Sidedness up to which a material looks the same upside down, or turned and in a mirror.
 _SIDED = 0.06
 #: Pixels of the output above which no rotated copies are used, as they take 60 % more time.
@@ -114,16 +112,17 @@ def _regular(findings: Findings, canvas: Canvas) -> Choice | None:
         return None
     because = f"the sample has {words(lattice)}"
     used, quick = findings.full or lattice, _quickly_cut(canvas)
-    vectors, rows = four_numbers(used), len(used.vectors) == 1
+    vectors, rows = tuple(used), len(used.vectors) == 1
     strain, notes = CanvasLattice(vectors, canvas).strain, strain_notes(vectors, canvas)
-    if strain > (_STIFF_ROWS if rows and quick else VISIBLE_STRAIN):
+    even = evenly(vectors, canvas) is not canvas
+    if strain > (_STIFF_ROWS if rows and quick and not even else VISIBLE_STRAIN):
         because = f"{because}; this pattern does not fit a tileable {_size(canvas.shape)}"
         if rows:  # entire samples keep their distance, as they are cut seldom
             return replace(_whole(findings, canvas, because), warnings=notes)
         return Choice("quilting", {}, because, notes)
-    exact = findings.exact or (rows and findings.full is not None)
+    exact = findings.exact or (findings.full is not None and (rows or even))
     given = {"lattice": vectors} if exact else {}
-    if exact and quick and (rows or strain <= _STIFF):
+    if exact and quick and (rows or even or strain <= STIFF):
         return Choice("graphcut", {**WHOLE, **given}, because, notes)
     return Choice("near-regular", given, because, notes)
 
@@ -210,8 +209,8 @@ def choose_for_hole(exemplar: Exemplar, canvas: Canvas) -> Choice:
         if exact is None or not exact.area:
             return Choice("patch-sampling", {}, f"{because}, and is large")
         found = exact
-    vectors = four_numbers(found)
-    if CanvasLattice(vectors, canvas).strain > _STIFF:
+    vectors = tuple(found)
+    if CanvasLattice(vectors, canvas).strain > STIFF:
         return Choice("patch-sampling", {}, f"{because}, which do not fit {_size(canvas.shape)}")
     return Choice("graphcut", {**WHOLE, "lattice": vectors}, because)
 
@@ -259,7 +258,7 @@ def _size(shape: tuple[int, int]) -> str:
 def strain_notes(vectors: tuple[float, ...], canvas: Canvas | Around) -> tuple[str, ...]:
     """Return by how much a canvas strains a lattice, and sizes that fit; () if little."""
     strain = CanvasLattice(vectors, canvas).strain
-    if strain <= _STIFF:
+    if strain <= STIFF:
         return ()
     sizes = " or ".join(map(_size, fitting_sizes(vectors, canvas)))
     better = f"{sizes} would fit better (--fit uses the nearest)"

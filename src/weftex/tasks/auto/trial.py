@@ -68,9 +68,12 @@ def best_of_choices(
     choices: list[Choice], exemplar: Exemplar, make: Callable[[Choice], Synthesis]
 ) -> tuple[Choice, Synthesis]:
     """Make all outputs and return the first unless another's score is clearly better."""
+    best, kept = choices[0], make(choices[0])
+    if len(choices) == 1:
+        return best, kept
     from weftex.quality.score import Scorer  # most choices need none
 
-    scorer, kept, best = Scorer(exemplar), make(choices[0]), choices[0]
+    scorer = Scorer(exemplar)
     score = scorer.rate(kept.image).score
     first, tried = score, []
     for choice in choices[1:]:
