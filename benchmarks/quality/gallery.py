@@ -40,7 +40,7 @@ from sources import code_hash
 import weftex
 from weftex.naming import make_method
 from weftex.quality.seams import StepModel, wrap_seam
-from weftex.quality.view import views
+from weftex.quality.view import view_beside, view_of
 from weftex.registry import AUTO, method_class
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -108,8 +108,8 @@ class Job:
         tile = weftex.read_image(self.files()[1]).pixels
         made = weftex.Synthesis.load(self.place.with_suffix(".npz"), exemplar)
         figures = weftex.assess(exemplar, made)
-        own, result = views(exemplar, tile)
-        wrap = wrap_seam(StepModel(own), result, (True, True))
+        own = view_of(exemplar)
+        wrap = wrap_seam(StepModel(own), view_beside(own, exemplar, tile), (True, True))
         found |= {
             "keys": self.keys(),
             "verdict": figures.verdict(),
