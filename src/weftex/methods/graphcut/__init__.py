@@ -321,7 +321,7 @@ def cover(method: GraphCut, placement: Placement, sample: Sample, growth: Growth
             progress.advance(picture.paste(best_patch(pixel, pasted, centered=False)))
             pasted += 1
 
-        # Patches over the worst seams (section 4), surrounded by what is there (section 3.2).
+        # Patches over the worst seams (section 4), surrounded by old pixels (section 3.2).
         more = round(method.refinements * pasted)
         if not more:
             return
