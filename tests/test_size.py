@@ -15,7 +15,7 @@ TESTS = Path(__file__).parent
 READ = ("methods", "repeats", "search", "seams")
 #: Lower a ceiling when the code has become smaller; a feature that needs room removes something.
 CEILINGS = {
-    "lines of Python in src": 44_946,
+    "lines of Python in src": 44_945,
     "of these code": 31_289,
     "modules": 264,
     "kernel classes": 23,

@@ -230,8 +230,7 @@ class Method(ABC):
     title: ClassVar[str]
     paper: ClassVar[str]
     supports: ClassVar[frozenset[str]] = frozenset()
-    #: Whether it can begin with a canvas that is covered, and cut its patches into that.
-    cuts_known: ClassVar[bool] = False
+    cuts_known: ClassVar[bool] = False  # whether it can cut its patches into a covered canvas
     #: Parameters of `for_belt`, which have an effect on belts even where regions take none.
     belt_parameters: ClassVar[frozenset[str]] = frozenset()
 

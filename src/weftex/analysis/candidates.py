@@ -60,7 +60,7 @@ _SHIFTED = [(1, 0), (2, 1), (3, 1), (3, 2), (4, 1), (4, 3)]
 _CROSSINGS = [np.array([[k, 0], [shift, 1]]) for k, shift in _SHIFTED]
 _CROSSINGS += [whole[::-1, ::-1] for whole in _CROSSINGS[2:]]
 
-#: Weights of `Evidence.figures`, by what there is evidence for.
+#: Weights of `Evidence.figures`, for each kind of pattern.
 WEIGHTS: dict[str, tuple[float, ...]] = {
     "pairs": (-4.32, 6.32, 1.54, 0.0, 0.0),
     "rows": (-7.08, 2.38, 2.18, 16.71, 0.0),

@@ -26,7 +26,7 @@ class PixelSynthesis(Synthesis):
         self.index = index
 
     def stretched(self, canvas: Canvas) -> PixelSynthesis:
-        """Return this result in another size: it leaves out or doubles pixel lines evenly.
+        """Change this result to another size, and return it: leave out or double lines evenly.
 
         Lines beside few seams are left out, as pieces that fit would be off by a pixel there.
         """
