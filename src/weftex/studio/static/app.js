@@ -332,18 +332,19 @@ export class App extends Shelf {
 
   /**
    * Make a result the present step. A step of the same recipe gets its picture; one that is `passing`, such as
-   * a place of a slider, gives way to the next.
+   * a place of a slider, gives way to the next, unless something was made from it.
    */
   async step(result, label, passing = false) {
+    const begun = this.history.present;
     const whole = { ...result, ...(await this.pictureOf(result)) };
     this.pace.set(paceOf(result.recipe), result.seconds / (result.width * result.height));
-    if (passing && !sameJson(result.recipe, this.recipe)) return null; // something was changed meanwhile
+    if (passing && (this.history.present !== begun || !sameJson(result.recipe, this.recipe))) return null; // something was changed meanwhile
     await this.useMaterial(result.recipe.materials[0]);
     const { history } = this;
     const present = history.present;
     const title = this.material.name;
     if (present && present.label !== t("history.sample") && sameJson(present.state, result.recipe)) history.complete({ label, result: whole, thumb: null });
-    else if (passing && present?.passing && !history.children(present).length) history.complete({ state: structuredClone(result.recipe), label, title, result: whole, thumb: null, saved: false, sample: null });
+    else if (present?.passing && !present.sample && !history.children(present).length) history.complete({ state: structuredClone(result.recipe), label, title, result: whole, thumb: null, saved: false, sample: null });
     else {
       if (present?.passing && !present.saved) this.save(present);
       history.push(result.recipe, label, title, whole);
@@ -369,10 +370,11 @@ export class App extends Shelf {
     const result = job?.results[0];
     if (!result) return null;
     if (result.error) throw new StudioError(result.error, { parameter: result.parameter });
+    if (this.history.present !== entry) return result; // undone meanwhile
     const still = this.recipe === asked; // else another try follows
     if (still && sameJson(recipe, asked)) return this.step(result, t("history.changed"), true);
     const picture = await this.pictureOf(result);
-    if (this.recipe === asked || (!still && this.history.present === entry)) this.showPreview({ ...picture, ...placed(picture, recipe, asked), recipe, result });
+    if (this.history.present === entry && (this.recipe === asked || !still)) this.showPreview({ ...picture, ...placed(picture, recipe, asked), recipe, result });
     return result;
   }
 
