@@ -9,7 +9,7 @@ import pytest
 import tifffile
 
 from families import noise
-from weftex.cli.planes import parse_part
+from weftex.cli.commands.planes import parse_part
 from weftex.errors import FileError, InvalidInputError
 from weftex.io.pictures import read_image
 from weftex.planes.layout import Layout

@@ -80,7 +80,7 @@ def parsed(words):
         patch.setattr(tasks, "finish", lambda *_, **__: None)
         real = tasks.parse_task
         patch.setattr(tasks, "parse_task", lambda *a, **k: found.append(real(*a, **k)) or found[0])
-        patch.setattr(tasks, "_is_plane", lambda *_: False)
+        patch.setattr(tasks, "is_plane", lambda *_: False)
         assert weft_run(*words) == 0
     return found[0][1]
 

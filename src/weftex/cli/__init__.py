@@ -41,9 +41,9 @@ _COMMANDS = {
     "samples": "list the samples that ship with weftex",
     "completion": "print a script that completes commands and options in bash, zsh or fish",
 }
-#: Commands that are in the module of another one.
-_BESIDE = {"samples": "methods", "unpack": "pack"}
-_BESIDE |= dict.fromkeys(("synth", "fill", "tile", "fuse"), "tasks")
+#: Commands whose function is not `run` of the module that is called as they are.
+_HOMES = {"check": "planes:run_check", "samples": "methods:run_samples"}
+_HOMES |= {"unpack": "pack:run_unpack"}
 
 _ABOUT = """\
 usage: weftex COMMAND ...      (weftex COMMAND --help shows its options)
@@ -132,10 +132,13 @@ def _run_command(name: str, argv: list[str]) -> None:
         from weftex.cli.commands.completion import run
 
         run(argv, _COMMANDS, _run_command)
-    elif name in _BESIDE:
-        getattr(import_module(f"weftex.cli.commands.{_BESIDE[name]}"), f"run_{name}")(argv)
+    elif name in ("synth", "fill", "tile", "fuse"):
+        from weftex.cli.commands.tasks import run_task
+
+        run_task(name, argv)
     else:
-        import_module(f"weftex.cli.commands.{name}").run(argv)
+        module, _, function = _HOMES.get(name, f"{name}:run").partition(":")
+        getattr(import_module(f"weftex.cli.commands.{module}"), function)(argv)
 
 
 def entry() -> NoReturn:

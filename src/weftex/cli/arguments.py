@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-import os
 from typing import TYPE_CHECKING, Any
 
+from weftex.canvas import MAX_PIXELS
 from weftex.cli.parser import BLOCKS, HUGE, Parser
 from weftex.cli.terminal import say
 from weftex.errors import InvalidInputError
+from weftex.io.formats import TIFF, suffix_of
 from weftex.recipe import TASKS, Recipe
 from weftex.recipe.command_line import json_of, value_of
 from weftex.recipe.declared import MATERIAL
@@ -24,6 +25,20 @@ def given_blocks(args: argparse.Namespace) -> list[str]:
     """Return the names of the options that ask for blocks; a 0 is given, and refused later."""
     values = {flag[2:]: getattr(args, flag[2:]) for flag in BLOCKS}
     return [name for name, value in values.items() if value is not None and value is not False]
+
+
+def is_plane(recipe: Recipe, args: argparse.Namespace) -> bool:
+    """Whether an image is written block by block; raises if options ask for that in vain."""
+    suffix, size = suffix_of(args.output), recipe.options["size"]
+    if recipe.options["window"] is None and suffix in TIFF:
+        pixels = size[0] * size[1] if size else 0
+        large = pixels > (MAX_PIXELS if args.allow_huge else HUGE)
+        return large or bool(given_blocks(args))
+    for name in given_blocks(args):
+        raise InvalidInputError(
+            f"--{name} has no effect: only {', '.join(TIFF)} is written block by block"
+        )
+    return False
 
 
 def parse_task(
@@ -176,8 +191,7 @@ def parameters_of(method: type[Method], hole: bool = False) -> Iterator[tuple[An
 def check_size(size: tuple[int, int], args: argparse.Namespace) -> None:
     """Raise `InvalidInputError` for an output that is large by mistake."""
     height, width = size
-    suffix = os.path.splitext(args.output or "")[1].lower()
-    any_size = args.allow_huge or suffix in (".tif", ".tiff")
+    any_size = args.allow_huge or suffix_of(args.output or "") in TIFF
     if height * width > HUGE and not any_size:
         raise InvalidInputError(
             f"--size is '{SIZE.text(size)}', more than {HUGE // 10**6} megapixels; --allow-huge "

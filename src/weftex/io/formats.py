@@ -16,7 +16,7 @@ from weftex.io.png import SIGNATURE
 
 StrPath = str | os.PathLike[str]
 
-__all__ = ["FORMATS", "kind_of", "suffix_of", "written_as"]
+__all__ = ["FORMATS", "TIFF", "kind_of", "suffix_of", "written_as"]
 
 SIGNATURES = {
     "png": (SIGNATURE,),
@@ -71,6 +71,7 @@ FORMATS = {
     ".exr": Format("openexr", ("float32",), 2**20, (), options=(("compression", "zip"), DATE)),
 }  # fmt: skip
 FORMATS |= {".jpeg": FORMATS[".jpg"], ".tiff": FORMATS[".tif"]}
+TIFF = (".tif", ".tiff")  #: What can be written block by block.
 READABLE = (*FORMATS, ".jxl", ".hdr", ".tga", ".gif")
 _TARGA = re.compile(rb".[\0\1][\1\2\3\x09\x0a\x0b]", re.DOTALL)  # colors, and how they are stored
 

@@ -25,8 +25,6 @@ from weftex.io.npz import open_regular
 from weftex.io.temporary import write_through
 from weftex.planes.layout import Layout, Place, Window, named
 
-#: Suffixes of files that can be written block by block.
-SUFFIXES = (".tif", ".tiff")
 _MOST_SIDE = 2**20
 _MOST_TILES = 2**22  # tables of tiles, of 12 bytes each, are made in memory
 _PAGE = 2**16  # tiles begin at pages, which no two writers share

@@ -18,13 +18,14 @@ import numpy as np
 
 from weftex import Method
 from weftex.errors import FileError
+from weftex.io.formats import TIFF
 from weftex.io.pictures import check_output
 from weftex.planes.beginning import at_work, done_before
 from weftex.planes.definition import BLOCK, Definition, define
 from weftex.planes.layout import Place
 from weftex.planes.plane_file import PlaneFile, Sums, open_plane
 from weftex.planes.record import Record
-from weftex.planes.tiff import KEPT, SUFFIXES
+from weftex.planes.tiff import KEPT
 from weftex.processes import LostError, Workers
 from weftex.progress import Progress, ProgressCallback, listening
 from weftex.registry import AUTO
@@ -117,7 +118,7 @@ def stream(
     Written(blocks=4, made=4, pixels=150000)
     """
     target = os.fspath(path)
-    check_output(target, suffixes=SUFFIXES)
+    check_output(target, suffixes=TIFF)
     seed = seed_of_run(target) if seed is None else seed
     with listening(progress):
         made = define(sample, size, method, parameters, seed=seed, tileable=tileable, block=block)

@@ -8,9 +8,9 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from weftex.errors import InvalidInputError
+from weftex.recipe import Recipe, checked_material
 from weftex.recipe.declared import GRADIENT, MATERIAL, PREPARATION, SEED, TASKS
 from weftex.recipe.options import PICTURE, Option, plain
-from weftex.recipe.recipe import Recipe, checked_material
 
 __all__ = ["command_of"]
 

@@ -12,7 +12,7 @@ from weftex.canvas import as_canvas
 from weftex.errors import InvalidInputError
 from weftex.exemplar import Exemplar
 from weftex.exemplar.material import Material, read_material, role_of_picture
-from weftex.recipe.recipe import Recipe, gradient
+from weftex.recipe import Recipe, gradient
 from weftex.results.scales import check_size
 from weftex.roles import COLOR, Role, role_of
 from weftex.tasks.synthesize import synthesize_on

@@ -6,11 +6,11 @@ import os
 from collections.abc import Mapping
 from typing import Any
 
+from weftex.recipe import Recipe
 from weftex.recipe.command_line import path_of
 from weftex.recipe.declared import TASKS
 from weftex.recipe.opening import straighten_arguments
 from weftex.recipe.options import PICTURE
-from weftex.recipe.recipe import Recipe
 from weftex.registry import AUTO
 
 __all__ = ["python_of"]

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from functools import partial
 from typing import TYPE_CHECKING, NamedTuple
 
-from weftex.cli.arguments import given_blocks, parse_task
+from weftex.cli.arguments import is_plane, parse_task
 from weftex.cli.parser import BLOCKS, Parser
 from weftex.cli.terminal import Bar, Outputs, finish
 from weftex.errors import InvalidInputError
@@ -130,8 +129,8 @@ def run_task(task: str, argv: list[str]) -> None:
         parser.share(*BLOCKS)
     parser.share("--output", "--preset", "--verbose", "--save-source")
     args, recipe = parse_task(task, parser, argv, options_of(task), usual=said.usual)
-    if task == "synth" and _is_plane(recipe, args):
-        from weftex.cli.planes import synthesize
+    if task == "synth" and is_plane(recipe, args):
+        from weftex.cli.commands.planes import synthesize
 
         synthesize(recipe, args)
         return
@@ -145,9 +144,6 @@ def run_task(task: str, argv: list[str]) -> None:
         return "\n".join(_make(one, own, bar, outputs) for one, own in jobs)
 
     finish(work, args.quiet, verbose=args.verbose)
-
-
-run_synth, run_fill, run_tile, run_fuse = (partial(run_task, name) for name in _HELP)
 
 
 def _make(recipe: Recipe, args: argparse.Namespace, bar: Bar, outputs: Outputs) -> str:
@@ -179,15 +175,3 @@ def _done(job: OpenedRecipe, result: Synthesis) -> str:
     if job.shape != job.asked:
         made += f", the nearest size to {job.asked[1]}x{job.asked[0]} that fits:"
     return {"synth": made, "tile": "made tileable:"}[job.recipe.task]
-
-
-def _is_plane(recipe: Recipe, args: argparse.Namespace) -> bool:
-    """Whether an image is written block by block."""
-    from weftex.io.formats import FORMATS, suffix_of
-
-    suffix = suffix_of(args.output)
-    if not given_blocks(args) and suffix in FORMATS and suffix not in (".tif", ".tiff"):
-        return False
-    from weftex.cli.planes import is_plane  # planes only where one may be written
-
-    return is_plane(recipe, args)

@@ -1,4 +1,4 @@
-"""Pictures that are written block by block: the options, and the run."""
+"""Pictures that are written block by block, by weftex synth, and weftex check for them."""
 
 from __future__ import annotations
 
@@ -8,41 +8,35 @@ from contextlib import ExitStack
 from functools import partial
 from typing import Any
 
-from weftex.canvas import MAX_PIXELS
-from weftex.cli.arguments import given_blocks
-from weftex.cli.parser import HUGE
+from weftex.cli.parser import Parser
 from weftex.cli.terminal import Bar, Outputs, finish, say
 from weftex.errors import InvalidInputError
 from weftex.exemplar.material import Material
-from weftex.io.formats import suffix_of
+from weftex.io.formats import TIFF
 from weftex.io.pictures import check_output
 from weftex.planes.definition import Definition
-from weftex.planes.tiff import SUFFIXES
 from weftex.recipe import Recipe
 
 #: Options of synth that need the whole image.
-_WHOLE_IMAGE_OPTIONS = ("guide", "sample_guide", "debug", "save_source")
+_NOT_BY_BLOCKS = ("guide", "sample_guide", "debug", "save_source")
+_ABOUT = """\
+Check that an image written block by block is complete, and list the parts that are missing. The
+exit code is 2 if anything is missing or damaged.\
+"""
 
-
-def is_plane(recipe: Recipe, args: argparse.Namespace) -> bool:
-    """Whether an image is written block by block; raises if options ask for that in vain."""
-    suffix, size = suffix_of(args.output), recipe.options["size"]
-    if recipe.options["window"] is None and suffix in SUFFIXES:
-        pixels = size[0] * size[1] if size else 0
-        large = pixels > (MAX_PIXELS if args.allow_huge else HUGE)
-        return large or bool(given_blocks(args))
-    for name in given_blocks(args):
-        raise InvalidInputError(
-            f"--{name} has no effect: only {', '.join(SUFFIXES)} is written block by block"
-        )
-    return False
+_EXAMPLES = """\
+examples:
+  weftex check plane.tif
+  weftex check plane.tif --read
+  weftex check plane.tif --repair
+"""
 
 
 def check_options(args: argparse.Namespace) -> None:
     """Refuse options that make no sense for a plane, before anything is read."""
     from weftex.planes.layout import check_block
 
-    for name in _WHOLE_IMAGE_OPTIONS:
+    for name in _NOT_BY_BLOCKS:
         if getattr(args, name, None):
             option = name.replace("_", "-")
             raise InvalidInputError(
@@ -65,7 +59,7 @@ def check_options(args: argparse.Namespace) -> None:
         raise InvalidInputError("--threads has no effect: a worker makes one block at a time")
     if args.block is not None:
         check_block(args.block)
-    check_output(args.output, suffixes=SUFFIXES)
+    check_output(args.output, suffixes=TIFF)
 
 
 def parse_part(text: str) -> tuple[int, int]:
@@ -157,3 +151,27 @@ def _write(args: argparse.Namespace, definition: Definition, bar: Bar) -> str:
     if args.part:
         line += "\nafter all parts, run the command without --part: it writes the overviews"
     return (f"auto: {definition.reason}\n" if definition.reason else "") + line
+
+
+def run_check(argv: list[str]) -> None:
+    """Run `weftex check`; `argv` is what follows its name."""
+    parser = Parser("check", _ABOUT, _EXAMPLES)
+    parser.add_argument(
+        "plane", metavar="PLANE", help="image that 'weftex synth' wrote block by block"
+    )
+    text = "also read all pixels and compare them with their checksums"
+    parser.add_argument("--read", action="store_true", help=text)
+    text = "read all pixels, and make damaged or missing blocks and files again"
+    parser.add_argument("--repair", action="store_true", help=text)
+    args = parser.parse(argv)
+    from weftex import planes
+
+    made = planes.repair(args.plane).made if args.repair else 0
+    plane = planes.check(args.plane, read=args.read or args.repair)
+    used = plane.definition
+    read = ", all checksums match" if args.read or args.repair else ""
+    again = f"; {made} blocks were made again" if args.repair else ""
+    print(
+        f"{plane.path} is complete{read}: {used.width}x{used.height} with {used.method.slug}, "
+        f"seed {used.seed}{again}"
+    )
