@@ -21,8 +21,7 @@ from weftex.method import Model
 from weftex.methods.quilting import Quilting
 from weftex.progress import Progress
 from weftex.studio.limits import Limits
-from weftex.studio.listening import listen
-from weftex.studio.server import Server
+from weftex.studio.server import listen, server_of
 from weftex.studio.studio import Studio
 
 SMALL = Limits(
@@ -35,10 +34,11 @@ SMALL = Limits(
 def serving(folder, **limits):
     """Whoever asks a studio that answers on the loopback, in a thread."""
     studio = Studio(folder / "studio", replace(SMALL, **limits))
-    server = Server(listen(0), studio)
-    thread = threading.Thread(target=server.run)
+    listener = listen(0)
+    server = server_of(listener, studio)
+    thread = threading.Thread(target=server.run, args=([listener],))
     thread.start()
-    yield Client(server.listener.getsockname()[1], studio)
+    yield Client(listener.getsockname()[1], studio)
     server.should_exit = True
     thread.join(20)
     assert not thread.is_alive()

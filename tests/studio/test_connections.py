@@ -15,7 +15,7 @@ SECONDS = 1.5
 @pytest.fixture(scope="module")
 def client(tmp_path_factory):
     limits = {"header_seconds": SECONDS, "body_seconds": 2 * SECONDS, "strangers": 16}
-    with serving(tmp_path_factory.mktemp("data"), requests=20, **limits) as found:
+    with serving(tmp_path_factory.mktemp("data"), **limits) as found:
         yield found
 
 

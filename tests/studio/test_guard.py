@@ -6,7 +6,7 @@ from urllib.parse import quote
 import numpy as np
 import pytest
 
-from weftex.studio import routes  # noqa: F401
+from weftex.studio import exports  # noqa: F401
 from weftex.studio.app import static_files
 from weftex.studio.guard import HEADERS
 from weftex.studio.requests import ROUTES

@@ -17,7 +17,7 @@ from test_jobs import LONG, QUICK, idle
 
 from conftest import SMALL, serving
 from weftex.io.png import png_bytes
-from weftex.studio import app, routes, uploads  # noqa: F401
+from weftex.studio import app, exports, uploads  # noqa: F401
 from weftex.studio.requests import ROUTES
 from weftex.studio.sessions import Session
 from weftex.studio.studio import Studio
@@ -26,8 +26,9 @@ TIMES = 20
 CHANGING = [f"{method} {path}" for method, path, _ in ROUTES if method != "GET"]
 
 
-def png(seed):
-    return png_bytes(np.random.default_rng(seed).integers(0, 255, (20, 20, 3)).astype(np.uint8))
+def png(seed, side=20):
+    pixels = np.random.default_rng(seed).integers(0, 255, (side, side, 3))
+    return png_bytes(pixels.astype(np.uint8))
 
 
 def at_once(page, requests):
@@ -108,13 +109,30 @@ def end_job(client, page):
     assert idle(client)
 
 
-def export(client, page):
-    path, before = f"results/{made(page)[0]}/exports", folders(client)
-    answers = at_once(page, [("POST", path, {"format": ".png", "recipe": True})] * TIMES)
-    assert codes(answers) == [200] * TIMES
-    tickets = {answer.json()["ticket"] for answer in answers}
-    assert len({client.get(f"/api/downloads/{one}").content for one in tickets}) == 1
-    assert (len(tickets), folders(client) - before) == (TIMES, TIMES)
+def export(kind, **wanted):
+    """A case of a route that writes the same files, however often it is asked."""
+
+    def case(client, page):
+        path, before = f"{kind(page)}/exports", folders(client)
+        answers = at_once(page, [("POST", path, wanted)] * TIMES)
+        assert codes(answers) == [200] * TIMES
+        tickets = {answer.json()["ticket"] for answer in answers}
+        assert len({client.get(f"/api/downloads/{one}").content for one in tickets}) == 1
+        assert (len(tickets), folders(client) - before) == (TIMES, TIMES)
+
+    return case
+
+
+def result(page):
+    return f"results/{made(page)[0]}"
+
+
+def material(page):
+    return f"materials/{page.post('materials', color(page.upload(png(0, side=64))))['id']}"
+
+
+def atlas(page):
+    return f"atlases/{page.found(f'{material(page)}/atlases', {'tile_size': 32})['id']}"
 
 
 def steps(client, page):
@@ -183,22 +201,17 @@ def folders(client):
     return len(list(client.studio.downloads.folder.iterdir()))
 
 
-def measured(client, page, path):
-    """What a route that measures finds, after it was asked many times."""
-    answers = at_once(page, [("POST", path, {})] * TIMES)  # each ends the one before
-    assert 200 in codes(answers) and set(codes(answers)) <= {200, 429}
-    found = page.found(path)
-    assert idle(client)
-    return found
+def measured(kind, what, is_right):
+    """A case of a route that queues a job, which ends the one before it."""
 
+    def case(client, page):
+        path = f"{kind(page)}/{what}"
+        answers = at_once(page, [("POST", path, {})] * TIMES)
+        assert 200 in codes(answers) and set(codes(answers)) <= {200, 429}
+        assert is_right(page.found(path))
+        assert idle(client)
 
-def look(client, page):
-    path = f"materials/{page.post('materials', {'sample': 'weave'})['id']}/look"
-    assert measured(client, page, path)["scale_source"] == "lattice"
-
-
-def figures(client, page):
-    assert measured(client, page, f"results/{made(page)[0]}/figures")["score"] > 0
+    return case
 
 
 def presets(client, page):
@@ -216,9 +229,17 @@ CASES = {
     "POST /session": same("session", None), "POST /leave": leave, "POST /uploads": upload,
     "POST /sets": same("sets", lambda page: {"uploads": [page.upload(png(0))["id"]]}),
     "POST /materials": same("materials", lambda page: color(page.upload(png(0)))),
-    "POST /materials/{id}/estimates": estimates, "POST /materials/{id}/look": look,
+    "POST /materials/{id}/estimates": estimates,
+    "POST /materials/{id}/look": measured(material, "look", lambda found: found["scale"] > 0),
+    "POST /materials/{id}/borders": measured(material, "borders", lambda found: found["maps"]),
+    "POST /results/{id}/borders": measured(result, "borders", lambda found: found["maps"]),
+    "POST /materials/{id}/atlases": measured(material, "atlases", lambda found: found["tiles"]),
+    "POST /results/{id}/atlases": measured(result, "atlases", lambda found: found["tiles"]),
     "POST /jobs": jobs, "POST /planes": same("planes", WEAVE),
-    "POST /results/{id}/exports": export, "POST /results/{id}/figures": figures,
+    "POST /results/{id}/figures": measured(result, "figures", lambda found: found["score"] > 0),
+    "POST /results/{id}/exports": export(result, format=".png", recipe=True),
+    "POST /materials/{id}/exports": export(material, preset="unreal"),
+    "POST /atlases/{id}/exports": export(atlas, name="rock"),
     "POST /results/{id}/sample": use_as_sample,
     "POST /steps": steps, "POST /presets": presets, "POST /works/{id}/open": continue_work,
     "DELETE /works/{id}": remove_work,

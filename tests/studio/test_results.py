@@ -15,7 +15,7 @@ from weftex.io.pictures import read_image, write_image
 from weftex.io.png import SIGNATURE
 from weftex.parameters import parameter
 from weftex.roles import ROLES
-from weftex.studio.pictures import shown, shown_smaller, smaller, times_smaller
+from weftex.studio.pictures import on_screen, shown_smaller, smaller, times_smaller
 
 BRICKS, WALL = {"sample": "bricks"}, {"sample": "stone_wall"}
 QUICK = {"size": [72, 64], "seed": 1, "method": "quilting"}
@@ -126,13 +126,13 @@ def test_figures_and_faults(page):
 
 def test_a_screen_shows_any_kind_of_pixels(rng):
     linear = weftex.Exemplar(np.array([[[0.0, 0.5, 9.0]]], np.float32), name="photo")
-    assert shown(linear, linear.pixels).tolist() == [[[0, 188, 255]]]
+    assert on_screen(linear, linear.pixels).tolist() == [[[0, 188, 255]]]
     deep = weftex.Exemplar(np.array([[0, 257, 65535]], np.uint16))
-    assert shown(deep, deep.pixels)[..., 0].tolist() == [[0, 1, 255]]
+    assert on_screen(deep, deep.pixels)[..., 0].tolist() == [[0, 1, 255]]
     clear = weftex.Exemplar(np.array([[[9, 128], [7, 0]]], np.uint8), alpha=True)
-    assert shown(clear, clear.pixels).tolist() == [[[9, 9, 9, 128], [7, 7, 7, 0]]]
+    assert on_screen(clear, clear.pixels).tolist() == [[[9, 9, 9, 128], [7, 7, 7, 0]]]
     height = weftex.Exemplar(np.array([[-3.0, 0, 5]], np.float32), role=ROLES["height"])
-    assert shown(height, height.pixels)[..., 0].tolist() == [[0, 96, 255]]
+    assert on_screen(height, height.pixels)[..., 0].tolist() == [[0, 96, 255]]
     assert times_smaller({"most": "100"}, (512, 300)) == 8
 
 
@@ -140,7 +140,7 @@ def test_a_large_sample_is_shown_in_bands(rng, monkeypatch):
     monkeypatch.setattr("weftex.studio.pictures._BAND", 300)
     large = weftex.Exemplar(rng.integers(0, 65535, (70, 90, 4)).astype(np.uint16), alpha=True)
     for times in (1, 2, 4):
-        whole = smaller(shown(large, large.pixels), times)
+        whole = smaller(on_screen(large, large.pixels), times)
         assert (shown_smaller(large, times) == whole).all()
 
 

@@ -16,7 +16,7 @@ from pages import Page, Process
 
 from weftex.cli import main
 from weftex.io.pictures import write_image
-from weftex.studio import listening, server
+from weftex.studio import server
 from weftex.studio.limits import Limits, LruCache
 from weftex.studio.refusals import Refusal
 from weftex.studio.sessions import DAY, Sessions, Store, key_of
@@ -72,22 +72,22 @@ def test_killed_and_started_again(tmp_path, rng):
 
 
 def test_its_socket_is_of_this_machine_alone():
-    with listening.listen(None) as one, listening.listen(None) as two:
+    with server.listen(None) as one, server.listen(None) as two:
         assert one.getsockname()[0] == two.getsockname()[0] == "127.0.0.1"
         assert one.getsockname()[1] != two.getsockname()[1]
         with pytest.raises(OSError, match="cannot listen at 127.0.0.1:"):
-            listening.listen(one.getsockname()[1])
+            server.listen(one.getsockname()[1])
 
 
 def test_only_the_address_is_said(monkeypatch, tmp_path, capsys):
     served = []
-    monkeypatch.setattr(server.Server, "run", lambda self: served.append(self))
+    monkeypatch.setattr("uvicorn.Server.run", lambda self, sockets: served.extend(sockets))
     words = ["studio", "--no-browser", "--port", "0", "--data", str(tmp_path)]
     assert main(words) == 0
     assert capsys.readouterr().err.count("\n") == 1  # the address alone
     for one in served:
-        one.listener.close()
-    assert listening.hosts_of(8427) == {"127.0.0.1:8427", "localhost:8427"}
+        one.close()
+    assert server.hosts_of(8427) == {"127.0.0.1:8427", "localhost:8427"}
 
 
 @pytest.mark.parametrize(

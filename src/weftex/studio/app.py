@@ -21,7 +21,8 @@ from starlette.types import ASGIApp, Receive, Scope, Send
 
 from weftex.errors import WeftexError
 from weftex.studio.guard import Guard
-from weftex.studio.requests import Handler
+from weftex.studio.refusals import answer_of
+from weftex.studio.requests import ROUTES, Call, Handler, as_plain
 from weftex.studio.studio import Studio
 
 _SWEEP = 1.0  # seconds
@@ -49,11 +50,10 @@ def make_app(studio: Studio, hosts: Collection[str]) -> ASGIApp:
     """Return the application."""
 
     async def page(request: Request) -> Response:
-        known = static_files()
-        name = request.path_params.get("name", _PAGE)  # looked up, never a path
-        if name not in known:
-            return JSONResponse({"error": "there is no such file", "parameter": None}, 404)
-        place, kind = known[name]
+        name = request.path_params.get("name", _PAGE)
+        if name not in static_files():  # looked up, never a path
+            raise HTTPException(404)
+        place, kind = static_files()[name]
         return Response(place.read_bytes(), media_type=kind)
 
     async def nothing(request: Request, error: Exception) -> Response:
@@ -80,7 +80,7 @@ def make_app(studio: Studio, hosts: Collection[str]) -> ASGIApp:
     routes = [Route("/", page), Route("/static/{name:path}", page), Mount("/api", api)]
     own: Any = {HTTPException: nothing}
     app = Starlette(routes=routes, lifespan=lifespan, exception_handlers=own)
-    return Guard(app, token=studio.token, hosts=hosts, most=studio.limits.requests)
+    return Guard(app, token=studio.token, hosts=hosts)
 
 
 async def _routes(studio: Studio) -> Router:
@@ -88,8 +88,6 @@ async def _routes(studio: Studio) -> Router:
     for module in _MODULES:
         await asyncio.sleep(_PAUSE)
         import_module(module)
-    from weftex.studio.refusals import answer_of
-    from weftex.studio.requests import ROUTES, Call, as_plain
 
     def endpoint(handler: Handler) -> Callable[[Request], Awaitable[Response]]:
         async def answer(request: Request) -> Response:

@@ -4,15 +4,13 @@ from __future__ import annotations
 
 import json
 import math
-import os
+import shutil
 import tempfile
 import zipfile
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import Any, NamedTuple
-
-from numpy.typing import NDArray
 
 import weftex
 from weftex import Exemplar
@@ -28,16 +26,13 @@ from weftex.recipe import ATLAS, CROP, MATERIAL, PAD
 from weftex.recipe.opening import PreparedMaterial, prepare_material
 from weftex.studio.jobs import Job
 from weftex.studio.materials import id_of
-from weftex.studio.pictures import formats_of
-from weftex.studio.pictures import shown as shown_pixels
+from weftex.studio.pictures import Bytes, formats_of, on_screen, preview_of
 from weftex.studio.refusals import Refusal
 from weftex.studio.requests import Call, route
-from weftex.studio.results import borders_of_maps, drawn_borders, preview_of
-from weftex.studio.routes import loaded_of, queued, reduced, result_of
+from weftex.studio.results import Result, borders_of_maps, drawn_borders
+from weftex.studio.routes import found, loaded_of, queued, reduced, result_of
 from weftex.studio.sessions import Session
-from weftex.studio.synthesis import Result
-from weftex.studio.uploads import file_in, label_of
-from weftex.studio.work import found
+from weftex.studio.uploads import file_in, label_of, stem_of
 
 #: What may stand beside the pictures of a result, and how its file ends.
 BESIDE = {"source": ".npz", "report": ".html", "recipe": ".weftex.json"}
@@ -46,8 +41,6 @@ CHANGES = {"density": MATERIAL["density"], "pad": PAD, "crop": CROP}
 FIELDS = ("maps", "format", "preset", "name", *BESIDE, *CHANGES)
 _NAME = 60  # characters
 _PLANE = 6  # tiles a side, of a plane that shows what an atlas is for
-#: Of all files in a zip, as they have none of their own.
-_DATE = (1980, 1, 1, 0, 0, 0)
 
 
 class Source(NamedTuple):
@@ -56,26 +49,34 @@ class Source(NamedTuple):
     id: str
     material: Material
     stem: str
-    sample: Exemplar
+    sample: Exemplar  # what atlases are made of
     tileable: bool
     made: Result | None
 
-    @classmethod
-    def of(cls, given: Result | PreparedMaterial) -> Source:
-        """Return its pictures, and what atlases are made of."""
-        if isinstance(given, Result):
-            sample = given.result.sample
-            return cls(given.id, given.material, given.stem, sample, given.tileable, given)
-        stem = os.path.splitext(label_of(given.material.name))[0]
-        own = id_of(given.spec), given.stored, stem, given.exemplar
-        return cls(*own, given.exemplar.tileable, None)
+
+async def source_of(call: Call) -> Source:
+    """The result, or the material as it is, of an address."""
+    if call.request.url.path.startswith("/api/materials/"):
+        loaded = await loaded_of(call)
+        sample, own = loaded.exemplar, loaded.stored
+        return Source(id_of(loaded.spec), own, stem_of(own.name), sample, sample.tileable, None)
+    made = result_of(call)
+    material = await call.work(lambda: made.material)  # its maps are rendered
+    return Source(made.id, material, made.stem, made.result.sample, made.tileable, made)
+
+
+@route("POST", "/materials/{id}/exports")
+@route("POST", "/results/{id}/exports")
+async def add_export(call: Call) -> Any:
+    """Write files of a result or a material, ready to be downloaded."""
+    given = await call.object(*FIELDS)
+    return await call.work(export, await source_of(call), given, call.session)
 
 
 def export(source: Source, given: Mapping[str, Any], session: Session) -> dict[str, Any]:
     """Write what the page wants of a result or a material; return its description of it."""
-    maps, form, preset = (given.get(key) for key in ("maps", "format", "preset"))
-    known = [*source.material.pictures]
-    maps = maps or known
+    form, preset, known = given.get("format"), given.get("preset"), [*source.material.pictures]
+    maps = given.get("maps") or known
     if not isinstance(maps, list) or not all(one in known for one in maps):
         raise InvalidInputError(f"maps is {shown(maps)}; it must list some of {', '.join(known)}")
     if preset is not None and preset not in [*presets()]:
@@ -83,19 +84,16 @@ def export(source: Source, given: Mapping[str, Any], session: Session) -> dict[s
     renames = preset is None or bool(read_preset(preset).others)
     if form is not None and not renames:
         raise InvalidInputError(f"format has no effect beside the preset {preset}")
-    changes = {k: one.checked(given[k]) for k, one in CHANGES.items() if given.get(k) is not None}
-    if {"pad", "crop"} <= changes.keys():
-        raise InvalidInputError("give pad or crop, not both")
     made, beside = source.made, [one for one in BESIDE if given.get(one)]
     if made is None and beside:
         raise InvalidInputError(f"{beside[0]} needs a result, and this is a material")
+    changed = _changed(source, given, session.limits.output_pixels)
     name, notes = _stem(given, source.stem), list[str]()
+    pictures = {one: changed.pictures[one] for one in maps}
+    if renames:
+        for one, like in pictures.items():
+            pictures[one] = replace(like, path=name + _suffix(like, form, one))
     with session.store.downloads.new_folder() as folder:
-        changed = _changed(source, changes, session.limits.output_pixels)
-        pictures = {one: changed.pictures[one] for one in maps}
-        if renames:
-            for one, like in pictures.items():
-                pictures[one] = replace(like, path=name + _suffix(like, form, one))
         if len(known) == 1 and preset is None:
             files = [folder / one.path for one in pictures.values()]
             _write_picture(pictures[known[0]], files[0])
@@ -106,13 +104,58 @@ def export(source: Source, given: Mapping[str, Any], session: Session) -> dict[s
             written, notes = write_preset(pictures, folder, preset or "weftex", **how)
             files = [folder / one for one in written]
         if made is not None:
-            files += [_write_beside(made, one, folder / name) for one in beside]
+            files += [_write_beside(made, one, folder / f"{name}{BESIDE[one]}") for one in beside]
         return _ready(files, name, session) | {"notes": notes}
 
 
-def _write_beside(made: Result, what: str, stem: Path) -> Path:
+def _changed(source: Source, given: Mapping[str, Any], most: int) -> Material:
+    """Return the pictures to save: at another density, with a border or without one."""
+    wanted = {k: one.checked(given[k]) for k, one in CHANGES.items() if given.get(k) is not None}
+    if {"pad", "crop"} <= wanted.keys():
+        raise InvalidInputError("give pad or crop, not both")
+    material = source.material
+    if density := wanted.pop("density", None):
+        main = material.pictures[material.main]
+        times = density / (main.density or math.inf)  # without one it is refused below
+        if math.prod(main.pixels.shape[:2]) * times**2 > most:
+            raise Refusal(
+                413, f"density: the studio saves at most {most / 2**20:g} megapixels", "density"
+            )
+        spec = {"density": density, "repeats": source.tileable}
+        material = prepare_material(spec, material, weftex.read_image).stored
+    return with_border(material, **wanted)
+
+
+def _stem(given: Mapping[str, Any], usual: str) -> str:
+    """Return what files are called after, by the name that the page sent."""
+    return stem_of(str(given.get("name") or usual).replace("%", "_"))[:_NAME] or "result"
+
+
+def _suffix(like: Picture, form: Any, name: str) -> str:
+    """The suffix that is asked for, or that of the material's file, if the pixels fit."""
+    able, floats = formats_of(like), like.pixels.dtype.kind == "f"
+    if form is None:
+        own = written_as(like.path, floats).lower().replace(".jpeg", ".jpg").replace("tiff", "tif")
+        return own if own in able else ".exr" if floats else ".png"
+    if form not in able:
+        able_text = ", ".join(able)
+        raise InvalidInputError(f"format of {name} is {shown(form)}; these hold it: {able_text}")
+    return str(form)
+
+
+def _lossless(like: Picture) -> str:
+    """The suffix of a format that holds such a picture without loss."""
+    able = formats_of(like)
+    return next(one for one in (".png", ".exr", ".tif") if one in able)
+
+
+def _write_picture(like: Picture, file: Path) -> None:
+    how = {one: getattr(like, one) for one in ("alpha", "icc", "half", "density")}
+    weftex.write_image(file, like.pixels, **how)
+
+
+def _write_beside(made: Result, what: str, file: Path) -> Path:
     """Write one of `BESIDE`; return the file."""
-    file = stem.with_name(stem.name + BESIDE[what])
     if what == "source":
         made.result.save(file)
     elif what == "report":
@@ -122,37 +165,35 @@ def _write_beside(made: Result, what: str, stem: Path) -> Path:
     return file
 
 
-def _stem(given: Mapping[str, Any], usual: str) -> str:
-    """Return what files are called after, by the name that the page sent."""
-    name = label_of(str(given.get("name") or usual).replace("%", "_"))
-    return os.path.splitext(name)[0][:_NAME] or "result"
-
-
 def _ready(files: list[Path], name: str, session: Session) -> dict[str, Any]:
     """Make files ready to be downloaded, several as a zip; return the page's description."""
     if len(files) == 1:
         return session.store.downloads.add(files[0], files[0].name, session.key)
     target = files[0].with_name(".all.zip")  # no map's file has this name
-    with zipfile.ZipFile(target, "w") as packed:
+    with zipfile.ZipFile(target, "w") as packed:  # uncompressed, as pictures are already
         for file in files:
-            _pack(packed, file)
+            about = zipfile.ZipInfo(file.name)  # of 1980: no two exports differ
+            about.external_attr = 0o644 << 16
+            with file.open("rb") as source, packed.open(about, "w", force_zip64=True) as into:
+                shutil.copyfileobj(source, into)
             file.unlink()
     return session.store.downloads.add(target, f"{name}.zip", session.key)
 
 
-def _changed(source: Source, changes: Mapping[str, Any], most: int) -> Material:
-    """Return the pictures to save: at another density, with a border or without one."""
-    material = source.material
-    if "density" in changes:
-        spec = {"density": changes["density"], "repeats": source.tileable}
-        main = material.pictures[material.main]
-        times = changes["density"] / (main.density or math.inf)  # without one it is refused below
-        if math.prod(main.pixels.shape[:2]) * times**2 > most:
-            raise Refusal(
-                413, f"density: the studio saves at most {most / 2**20:g} megapixels", "density"
-            )
-        material = prepare_material(spec, material, weftex.read_image).stored
-    return with_border(material, **{key: changes[key] for key in changes if key != "density"})
+@route("POST", "/materials/{id}/borders")
+@route("POST", "/results/{id}/borders")
+async def borders(call: Call) -> Any:
+    """Queue a job that says how each map wraps around; it ends one that is under way."""
+    return await found(call, "borders", borders_of_maps, (await source_of(call)).material)
+
+
+@route("GET", "/materials/{id}/borders/picture")
+@route("GET", "/results/{id}/borders/picture")
+async def borders_picture(call: Call) -> Any:
+    """Show the borders of a map, in the middle of the picture."""
+    material = (await source_of(call)).material
+    name = call.query.get("map", material.main)
+    return await reduced(call, await call.work(drawn_borders, material, name))
 
 
 class Tiles(NamedTuple):
@@ -160,6 +201,14 @@ class Tiles(NamedTuple):
 
     atlas: Atlas
     material: Material
+
+
+@route("POST", "/materials/{id}/atlases")
+@route("POST", "/results/{id}/atlases")
+async def add_atlas(call: Call) -> Any:
+    """Queue a job that makes an atlas of the sample; it ends the one before it."""
+    given = await call.object(*ATLAS)
+    return await queued(call, tiles_of(await source_of(call), given), "atlas")
 
 
 def tiles_of(source: Source, given: Mapping[str, Any]) -> Callable[[Job], None]:
@@ -183,19 +232,30 @@ def tiles_of(source: Source, given: Mapping[str, Any]) -> Callable[[Job], None]:
     return work
 
 
-def tiles_for(name: str, session: Session) -> Tiles:
-    """Return an atlas of a session, or raise `Refusal`."""
-    found: Tiles | None = session.recall("atlas", name)
-    if found is None:
-        raise Refusal(410, "this atlas is no longer in memory; make it again")
+def tiles_for(call: Call) -> Tiles:
+    """Return the atlas of an address."""
+    gone = Refusal(410, "this atlas is no longer in memory; make it again")
+    found: Tiles = call.session.recall("atlas", call.id, gone=gone)
     return found
 
 
-def tiles_picture(tiles: Tiles, plane: bool) -> NDArray[Any]:
-    """Return an atlas, or a plane of its tiles, as a screen shows it."""
-    made = tiles.atlas
-    pixels = made.plane(_PLANE, _PLANE, seed=1) if plane else made.image
-    return shown_pixels(made.synthesis.sample, pixels)
+@route("GET", "/atlases/{id}/picture")
+async def atlas_picture(call: Call) -> Any:
+    """Show an atlas, or with `plane` a plane of its tiles."""
+    made = tiles_for(call).atlas
+
+    def draw() -> Bytes:
+        pixels = made.plane(_PLANE, _PLANE, seed=1) if "plane" in call.query else made.image
+        return on_screen(made.synthesis.sample, pixels)
+
+    return await reduced(call, await call.work(draw))
+
+
+@route("POST", "/atlases/{id}/exports")
+async def export_atlas(call: Call) -> Any:
+    """Write the files of an atlas, ready to be downloaded."""
+    given = await call.object("name")
+    return await call.work(save_tiles, tiles_for(call), given, call.session)
 
 
 def save_tiles(tiles: Tiles, given: Mapping[str, Any], session: Session) -> dict[str, Any]:
@@ -215,15 +275,31 @@ def save_tiles(tiles: Tiles, given: Mapping[str, Any], session: Session) -> dict
         return _ready(files, name, session)
 
 
-def _write_picture(like: Picture, file: Path) -> None:
-    how = {one: getattr(like, one) for one in ("alpha", "icc", "half", "density")}
-    weftex.write_image(file, like.pixels, **how)
+@route("POST", "/results/{id}/sample")
+async def use_as_sample(call: Call) -> Any:
+    """Make a result a material."""
+    source = await source_of(call)
+    pictures = source.material.pictures
+    return await call.work(_store, pictures, source.stem, source.tileable, call.session)
 
 
-def _lossless(like: Picture) -> str:
-    """The suffix of a format that holds such a picture without loss."""
-    able = formats_of(like)
-    return next(one for one in (".png", ".exr", ".tif") if one in able)
+@route("POST", "/materials/{id}/estimates")
+async def estimate(call: Call) -> Any:
+    """Queue a job that makes a material with estimates of the maps that this one lacks."""
+    invert = bool((await call.object("invert")).get("invert"))
+    return await found(call, None, with_estimates, await loaded_of(call), invert, call.session)
+
+
+def with_estimates(loaded: PreparedMaterial, invert: bool, session: Session) -> dict[str, Any]:
+    """Store a material as uploads, with estimates of the maps it lacks; return its description."""
+    invert = invert or (not loaded.exemplar.maps and light_joints(loaded.exemplar))
+    estimated, own = estimate_maps(loaded.exemplar, invert=invert), loaded.stored
+    pictures = {own.main: own.pictures[own.main]}
+    like = replace(pictures[own.main], icc=None, half=False)
+    for key in estimated.maps:
+        one = estimated.map(key)
+        pictures[key] = own.pictures.get(key) or replace(like, pixels=one.pixels, alpha=one.alpha)
+    return _store(pictures, stem_of(own.name), estimated.tileable, session)
 
 
 def _store(
@@ -239,105 +315,3 @@ def _store(
             maps[one] = file_in(file, session)["id"]
     spec: dict[str, Any] = {"maps": maps} if len(maps) == 1 else {"name": name, "maps": maps}
     return spec | ({"repeats": True} if tileable else {})
-
-
-def with_estimates(loaded: PreparedMaterial, invert: bool, session: Session) -> dict[str, Any]:
-    """Store a material as uploads, with estimates of the maps it lacks; return its description."""
-    invert = invert or (not loaded.exemplar.maps and light_joints(loaded.exemplar))
-    found = estimate_maps(loaded.exemplar, invert=invert)
-    own, name = loaded.stored.pictures, os.path.splitext(label_of(loaded.material.name))[0]
-    main = own[loaded.material.main]
-    pictures, like = {loaded.material.main: main}, replace(main, icc=None, half=False)
-    for key in found.maps:
-        one = found.map(key)
-        pictures[key] = own.get(key) or replace(like, pixels=one.pixels, alpha=one.alpha)
-    return _store(pictures, name, found.tileable, session)
-
-
-def _suffix(like: Picture, form: Any, name: str) -> str:
-    """The suffix that is asked for, or that of the material's file, if the pixels fit."""
-    able, floats = formats_of(like), like.pixels.dtype.kind == "f"
-    if form is None:
-        own = written_as(like.path, floats).lower().replace(".jpeg", ".jpg").replace("tiff", "tif")
-        return own if own in able else ".exr" if floats else ".png"
-    if form not in able:
-        able_text = ", ".join(able)
-        raise InvalidInputError(f"format of {name} is {shown(form)}; these hold it: {able_text}")
-    return str(form)
-
-
-def _pack(packed: zipfile.ZipFile, file: Path) -> None:
-    """Store a file in a zip, uncompressed (pictures are packed already), with a fixed date."""
-    about = zipfile.ZipInfo(file.name, _DATE)
-    about.external_attr = 0o644 << 16
-    with file.open("rb") as source, packed.open(about, "w", force_zip64=True) as target:
-        while chunk := source.read(2**20):
-            target.write(chunk)
-
-
-async def _source(call: Call) -> Source:
-    """The result, or the material as it is, of an address."""
-    is_material = call.request.url.path.startswith("/api/materials/")
-    return await call.work(Source.of, await loaded_of(call) if is_material else result_of(call))
-
-
-@route("POST", "/materials/{id}/exports")
-@route("POST", "/results/{id}/exports")
-async def add_export(call: Call) -> Any:
-    """Write files of a result or a material, ready to be downloaded."""
-    given = await call.object(*FIELDS)
-    return await call.work(export, await _source(call), given, call.session)
-
-
-@route("POST", "/materials/{id}/borders")
-@route("POST", "/results/{id}/borders")
-async def borders(call: Call) -> Any:
-    """Queue a job that says how each map wraps around; it ends one that is under way."""
-    return await queued(call, found(borders_of_maps, (await _source(call)).material), "borders")
-
-
-@route("GET", "/materials/{id}/borders/picture")
-@route("GET", "/results/{id}/borders/picture")
-async def borders_picture(call: Call) -> Any:
-    """Show the borders of a map, in the middle of the picture."""
-    material = (await _source(call)).material
-    name = call.query.get("map", material.main)
-    return await reduced(call, await call.work(drawn_borders, material, name))
-
-
-@route("POST", "/materials/{id}/atlases")
-@route("POST", "/results/{id}/atlases")
-async def add_atlas(call: Call) -> Any:
-    """Queue a job that makes an atlas of the sample; it ends the one before it."""
-    given = await call.object(*ATLAS)
-    return await queued(call, tiles_of(await _source(call), given), "atlas")
-
-
-@route("GET", "/atlases/{id}/picture")
-async def atlas_picture(call: Call) -> Any:
-    """Show an atlas, or with `plane` a plane of its tiles."""
-    tiles = tiles_for(call.id, call.session)
-    plane = "plane" in call.query
-    return await reduced(call, await call.work(tiles_picture, tiles, plane))
-
-
-@route("POST", "/atlases/{id}/exports")
-async def export_atlas(call: Call) -> Any:
-    """Write the files of an atlas, ready to be downloaded."""
-    given, tiles = await call.object("name"), tiles_for(call.id, call.session)
-    return await call.work(save_tiles, tiles, given, call.session)
-
-
-@route("POST", "/results/{id}/sample")
-async def use_as_sample(call: Call) -> Any:
-    """Make a result a material."""
-    made = result_of(call)
-    pictures = (await call.work(Source.of, made)).material.pictures
-    return await call.work(_store, pictures, made.stem, made.tileable, call.session)
-
-
-@route("POST", "/materials/{id}/estimates")
-async def estimate(call: Call) -> Any:
-    """Queue a job that makes a material with estimates of the maps that this one lacks."""
-    invert = bool((await call.object("invert")).get("invert"))
-    return await queued(call, found(with_estimates, await loaded_of(call), invert, call.session))

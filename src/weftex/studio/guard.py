@@ -39,22 +39,19 @@ _TICKETS = "/api/downloads/"
 class Guard:
     """Let requests through that come from the page, and put safety headers on every answer.
 
-    `hosts` are the values that the Host header may have, ports included. At most `most` requests
-    with the token are answered at a time; their scopes get the key `OWNER`.
+    `hosts` are the values that the Host header may have, ports included. The scopes of requests
+    with the token get the key `OWNER`.
     """
 
-    def __init__(self, app: ASGIApp, *, token: str, hosts: Collection[str], most: int) -> None:
-        self.app, self.token, self.most, self.busy = app, token, most, 0
+    def __init__(self, app: ASGIApp, *, token: str, hosts: Collection[str]) -> None:
+        self.app, self.token = app, token
         self.hosts = {host.lower() for host in hosts}
         self.origins = {f"http://{host}" for host in self.hosts}
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Answer, or pass on."""
-        if scope["type"] == "lifespan":
+        if scope["type"] != "http":  # the server's own start and end
             await self.app(scope, receive, send)
-            return
-        if scope["type"] != "http":  # there are no websockets here
-            await send({"type": "websocket.close", "code": 1008})
             return
 
         async def answer(message: Message) -> None:
@@ -64,19 +61,10 @@ class Guard:
                 message["headers"] += [pair for pair in own if pair[0] not in given]
             await send(message)
 
-        refused = self.refuse(scope)
-        if refused is None and OWNER in scope and self.busy >= self.most:
-            refused = 503, f"{self.busy} requests are being answered; try again"
-        if refused is None:
-            self.busy += OWNER in scope
-            try:
-                await self.app(scope, receive, answer)
-            finally:
-                self.busy -= OWNER in scope
-            return
-        status, line = refused
-        response = JSONResponse({"error": line, "parameter": None}, status)
-        await response(scope, receive, answer)
+        app, refused = self.app, self.refuse(scope)
+        if refused is not None:
+            app = JSONResponse({"error": refused[1], "parameter": None}, refused[0])
+        await app(scope, receive, answer)
 
     def refuse(self, scope: Scope) -> tuple[int, str] | None:
         """Return the status and the reason, or None for a request that is let through."""

@@ -25,7 +25,6 @@ class Limits:
     jobs: int = 48
     session_jobs: int = 24
     sessions: int = 64
-    requests: int = 200  # with the token, that are answered at a time
     strangers: int = 64  # connections that have not sent the token
     # From a connection, or the answer before, to headers, and between two pieces of a body.
     header_seconds: float = 10.0

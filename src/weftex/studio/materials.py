@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import hashlib
 import json
-import os
 from collections.abc import Mapping
 from functools import partial
 from typing import Any
@@ -13,13 +12,14 @@ import weftex
 from weftex import Exemplar
 from weftex.analysis.overlay import Lattice, LatticeRating, Rated, draw, is_tilted
 from weftex.errors import InvalidInputError
+from weftex.io.pictures import Picture
 from weftex.recipe import checked_material, pictures_of
 from weftex.recipe.opening import PreparedMaterial, prepare_material, read_described
 from weftex.roles import COLOR, is_preview, role_of, words_of
 from weftex.studio.pictures import formats_of
 from weftex.studio.refusals import Refusal
 from weftex.studio.sessions import Session
-from weftex.studio.uploads import label_of, picture_of
+from weftex.studio.uploads import picture_of, stem_of
 
 
 def id_of(spec: Mapping[str, Any]) -> str:
@@ -51,29 +51,23 @@ def sets_of(uploads: list[dict[str, Any]]) -> tuple[list[dict[str, Any]], list[s
     notes: list[str] = []
     groups: dict[tuple[str, ...], dict[str, dict[str, Any]]] = {}
     singles: list[dict[str, Any]] = []
-    for one in sorted(uploads, key=lambda one: str(one["name"])):
-        stem = _stem(one)
+    for one in sorted(uploads, key=lambda one: one["name"]):
+        stem = stem_of(one["name"])
         role = role_of(stem)
         if role is None or len(uploads) == 1:
             singles.append(one)
             continue
-        about = {
-            word for files in (role.files, (role.name,)) for name in files for word in name.split()
-        }
-        name = tuple(w for w in words_of(stem) if w not in {*about, *role.name.split("_")})
-        group = groups.setdefault(name, {})
-        if role.name in group:
-            notes.append(
-                f"{one['name']} is ignored: {group[role.name]['name']} is also {role.name}"
-            )
-        else:
-            group[role.name] = one
+        about = {*" ".join(role.files).split(), *role.name.split("_")}
+        group = groups.setdefault(tuple(w for w in words_of(stem) if w not in about), {})
+        first = group.setdefault(role.name, one)
+        if first is not one:
+            notes.append(f"{one['name']} is ignored: {first['name']} is also {role.name}")
     for name, group in groups.items():
-        own = [one for one in singles if tuple(words_of(_stem(one))) == name]
-        if own and COLOR.name not in group and len(own) == 1:  # the material under its bare name
+        own = [one for one in singles if tuple(words_of(stem_of(one["name"]))) == name]
+        if COLOR.name not in group and len(own) == 1:  # the material under its bare name
             group[COLOR.name] = own[0]
             singles.remove(own[0])
-    previews = [one for one in singles if groups and is_preview(_stem(one))]
+    previews = [one for one in singles if groups and is_preview(stem_of(one["name"]))]
     notes += [f"{one['name']} is ignored: it is a preview" for one in previews]
     specs = []
     for name, group in groups.items():
@@ -83,24 +77,29 @@ def sets_of(uploads: list[dict[str, Any]]) -> tuple[list[dict[str, Any]], list[s
     return specs, notes
 
 
-def _stem(upload: Mapping[str, Any]) -> str:
-    return os.path.splitext(str(upload["name"]))[0]
-
-
 def described(loaded: PreparedMaterial) -> dict[str, Any]:
     """Return a material as JSON for the page."""
     exemplar, material = loaded.exemplar, loaded.stored
     return {
         "id": id_of(loaded.spec),
         "name": material.name,
-        "main": material.main,
+        **pictures_as_json(exemplar, material.pictures, material.main),
         "width": exemplar.shape[1],
         "height": exemplar.shape[0],
-        "maps": maps_of(exemplar, material.main),
-        "formats": {name: formats_of(picture) for name, picture in material.pictures.items()},
-        "density": material.pictures[material.main].density,
-        "file": os.path.splitext(label_of(material.name))[0],
+        "file": stem_of(material.name),
         "notes": [line.removeprefix("map: ") for line in material.notes],
+    }
+
+
+def pictures_as_json(
+    exemplar: Exemplar, pictures: Mapping[str, Picture], main: str
+) -> dict[str, Any]:
+    """Return what the page gets of the pictures of a material, and of a result alike."""
+    return {
+        "main": main,
+        "maps": maps_of(exemplar, main),
+        "formats": {name: formats_of(picture) for name, picture in pictures.items()},
+        "density": pictures[main].density,
     }
 
 
@@ -135,46 +134,39 @@ def analysis_of(loaded: PreparedMaterial, session: Session) -> dict[str, Any]:
 
 def _analysis(loaded: PreparedMaterial) -> dict[str, Any]:
     exemplar = loaded.exemplar
-    if exemplar.shape[0] * exemplar.shape[1] > _LARGEST:
-        return _quick_analysis(loaded)
-    found = weftex.analyze(exemplar, runners_up=_RUNNERS_UP)
-    return {
+    height, width = exemplar.shape
+    found: Any
+    more: dict[str, Any]
+    if height * width > _LARGEST:  # what `auto` finds in a smaller copy, and in a part
+        model = weftex.Auto().fit_exemplar(exemplar)
+        found, choice, rated = model.findings, model.choose((2 * height, 2 * width)), None
+        more = {
+            "confidence": None,
+            "scale_source": "smaller copy",
+            "spectrum": [],
+            "regularity": None,
+            "runners_up": [],
+            "tiles": None,
+            "text": f"{width}x{height}, analyzed on a smaller copy\n{choice}",
+        }
+    else:
+        found = weftex.analyze(exemplar, runners_up=_RUNNERS_UP)
+        choice, rated, others = found.choice, found.ratings.found, found.ratings.runners_up
+        more = {
+            "confidence": found.confidence,
+            "scale_source": found.scale_source,
+            "spectrum": [vars(band) for band in found.spectrum],
+            "regularity": found.regularity,
+            "runners_up": [vars(draw(exemplar, one.vectors, one.goodness)) for one in others],
+            "tiles": list(found.tiles),
+            "text": str(found),
+        }
+    return more | {
         "scale": found.scale,
-        "confidence": found.confidence,
-        "scale_source": found.scale_source,
-        "spectrum": [vars(band) for band in found.spectrum],
-        "regularity": found.regularity,
-        "lattice": _own(exemplar, found.lattice, found.ratings.found),
-        "runners_up": [
-            vars(draw(exemplar, one.vectors, one.goodness)) for one in found.ratings.runners_up
-        ],
+        "lattice": _own(exemplar, found.lattice, rated),
         "colors": found.colors,
-        "tiles": list(found.tiles),
-        "auto": found.choice.as_dict(),
-        "mending": _mending(loaded.spec, found.evenness.lit_unevenly, found.lattice),
-        "text": str(found),
-    }
-
-
-def _quick_analysis(loaded: PreparedMaterial) -> dict[str, Any]:
-    """Describe a large sample from a smaller copy and a part of it, which `auto` analyzes."""
-    exemplar = loaded.exemplar
-    model = weftex.Auto().fit_exemplar(exemplar)
-    seen = model.findings
-    choice = model.choose((2 * exemplar.shape[0], 2 * exemplar.shape[1]))
-    return {
-        "scale": seen.scale,
-        "confidence": None,
-        "scale_source": "smaller copy",
-        "spectrum": [],
-        "regularity": None,
-        "lattice": _own(exemplar, seen.lattice, None),
-        "runners_up": [],
-        "colors": seen.colors,
-        "tiles": None,
         "auto": choice.as_dict(),
-        "mending": _mending(loaded.spec, seen.evenness.lit_unevenly, seen.lattice),
-        "text": f"{exemplar.shape[1]}x{exemplar.shape[0]}, analyzed on a smaller copy\n{choice}",
+        "mending": _mending(loaded.spec, found.evenness.lit_unevenly, found.lattice),
     }
 
 

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from weftex import Exemplar, Synthesis
+from weftex import Exemplar
 from weftex.io.formats import FORMATS
 from weftex.io.pictures import Picture
 from weftex.io.png import png_bytes
@@ -48,7 +48,7 @@ def shown_smaller(like: Exemplar, times: int) -> Bytes:
     rows = -(-_BAND // like.shape[1] // times) * times
     bands = range(0, like.shape[0], rows)
     return np.concatenate(
-        [smaller(shown(like, like.pixels[top : top + rows]), times) for top in bands]
+        [smaller(on_screen(like, like.pixels[top : top + rows]), times) for top in bands]
     )
 
 
@@ -65,7 +65,7 @@ def smaller(picture: Bytes, times: int) -> Bytes:
     return found
 
 
-def shown(like: Exemplar, pixels: NDArray[Any]) -> Bytes:
+def on_screen(like: Exemplar, pixels: NDArray[Any]) -> Bytes:
     """Return pixels as a screen shows them."""
     planes = pixels.reshape(*pixels.shape[:2], -1)
     alpha = like.alpha and planes.shape[2] > 1
@@ -91,6 +91,20 @@ def shown(like: Exemplar, pixels: NDArray[Any]) -> Bytes:
     return np.concatenate([levels, cover], axis=2)
 
 
+def preview_of(sample: Exemplar) -> Callable[[NDArray[Any]], Bytes]:
+    """Return what makes a preview's pixels fit for a screen: those of a sample's kind."""
+
+    def show(pixels: NDArray[Any]) -> Bytes:
+        same = pixels.dtype == sample.pixels.dtype and pixels.shape[2:] == sample.pixels.shape[2:]
+        if same:
+            return on_screen(sample, pixels)
+        planes = pixels.reshape(*pixels.shape[:2], -1)  # of all maps at once: features in bytes
+        levels = planes if planes.dtype == np.uint8 else np.zeros(planes.shape, np.uint8)
+        return levels[..., :3] if levels.shape[2] >= 3 else levels[..., :1]
+
+    return show
+
+
 def formats_of(picture: Picture) -> list[str]:
     """Return the suffixes of the formats that hold such pixels."""
     pixels = picture.pixels
@@ -101,15 +115,6 @@ def formats_of(picture: Picture) -> list[str]:
         for suffix, one in FORMATS.items()
         if suffix not in (".jpeg", ".tiff") and one.holds(dtype, colors, picture.alpha)
     ]
-
-
-def source_of(result: Synthesis, query: Mapping[str, str]) -> tuple[int, int]:
-    """Return the row and column in the sample of a pixel of a result, -1 for no source."""
-    height, width = result.shape
-    x = whole_number(query, "x", 0, 0, width - 1)
-    y = whole_number(query, "y", 0, 0, height - 1)
-    row, column = result.layers((y, x, 1, 1))[0][0, 0, 0].tolist()
-    return row, column
 
 
 def packed(picture: Bytes, query: Mapping[str, str]) -> tuple[bytes, dict[str, str]]:

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import errno
 import re
+from dataclasses import fields
 
+import weftex
 from weftex.errors import WeftexError
 from weftex.recipe import ATLAS, FIELDS
 
@@ -25,16 +27,16 @@ class Refusal(WeftexError):
 
 def answer_of(error: Exception) -> tuple[int, dict[str, str | None]]:
     """Return the status and the JSON of an error."""
-    status, parameter = 422, None
-    if isinstance(error, Refusal):
-        status, parameter = error.status, error.parameter
-    elif isinstance(error, MemoryError):
-        status, error = 413, Refusal(413, "not enough memory; make the image smaller")
+    if isinstance(error, MemoryError):
+        error = Refusal(413, "not enough memory; make the image smaller")
+    elif isinstance(error, RecursionError):
+        error = Refusal(400, "the request is nested too deeply")
     elif _disk_is_full(error):
-        status, error = 507, Refusal(507, "the disk is full; free some space, and try again")
+        error = Refusal(507, "the disk is full; free some space, and try again")
     elif not isinstance(error, WeftexError):
-        status, error = 500, Refusal(500, f"internal error of the studio: {type(error).__name__}")
+        error = Refusal(500, f"internal error of the studio: {type(error).__name__}")
     line = " ".join(str(error).split())
+    status, parameter = getattr(error, "status", 422), getattr(error, "parameter", None)
     return status, {"error": line, "parameter": parameter or parameter_of(line)}
 
 
@@ -49,16 +51,7 @@ def _disk_is_full(error: BaseException | None) -> bool:
 
 def parameter_of(line: str) -> str | None:
     """Return the field of a recipe, or of a method, that a message names first."""
-    words = re.findall(r"[a-z]\w+", line)[:4]
-    known, words = _names(), [_ALIASES.get(word, word) for word in words]
+    words = [_ALIASES.get(word, word) for word in re.findall(r"[a-z]\w+", line)[:4]]
+    of_methods = {one.name for slug in weftex.METHODS for one in fields(weftex.METHODS[slug])}
+    known = FIELDS | of_methods | _OWN
     return next((word for word in words if word in known), None)
-
-
-def _names() -> frozenset[str]:
-    """All fields, of methods, recipes, materials and requests."""
-    from dataclasses import fields
-
-    from weftex import METHODS
-
-    own = {field.name for slug in METHODS for field in fields(METHODS[slug])}
-    return FIELDS | own | _OWN

@@ -7,13 +7,11 @@ import math
 from collections.abc import Awaitable, Callable, Sequence
 from typing import Any, TypeVar
 
-import numpy as np
 from anyio import to_thread
-from numpy.typing import NDArray
 from starlette.requests import Request
 from starlette.responses import Response
 
-from weftex.studio.pictures import packed
+from weftex.studio.pictures import Bytes, packed
 from weftex.studio.refusals import Refusal
 from weftex.studio.sessions import Session
 from weftex.studio.studio import Studio
@@ -22,7 +20,6 @@ Result = TypeVar("Result")
 Handler = Callable[["Call"], Awaitable[Any]]
 
 SESSION = "x-weftex-session"
-_MOST_DEEP = 32  # levels of JSON
 #: All routes under /api: method, path, and what answers.
 ROUTES: list[tuple[str, str, Handler]] = []
 
@@ -64,10 +61,8 @@ class Call:
         try:
             found = json.loads(bytes(text) or b"{}", parse_constant=_no_number)
             json.dumps(found, ensure_ascii=False).encode()  # no surrogate stands by itself
-        except (ValueError, RecursionError):
+        except ValueError:
             raise Refusal(400, "the request is not JSON") from None
-        if _depth(found) > _MOST_DEEP:
-            raise Refusal(400, "the request is nested too deeply")
         return found
 
     async def object(self, *known: str) -> dict[str, Any]:
@@ -84,9 +79,7 @@ class Call:
         """Call something that takes a while in a thread; only some run at a time."""
         return await to_thread.run_sync(function, *values, limiter=self.studio.limiter)
 
-    async def picture(
-        self, make: Callable[[], NDArray[np.uint8]], shape: tuple[int, ...]
-    ) -> Response:
+    async def picture(self, make: Callable[[], Bytes], shape: tuple[int, ...]) -> Response:
         """Answer with a picture for the screen, which may be smaller than what it stands for."""
         pixels, kind = await self.work(lambda: packed(make(), self.query))
         headers = {"x-weftex-width": str(shape[1]), "x-weftex-height": str(shape[0])}
@@ -102,16 +95,6 @@ def as_plain(value: Any) -> Any:
     if hasattr(value, "tolist"):
         value = value.tolist()
     return None if isinstance(value, float) and not math.isfinite(value) else value
-
-
-def _depth(value: Any) -> int:
-    deepest, waiting = 0, [(value, 1)]
-    while waiting:
-        one, level = waiting.pop()
-        deepest = max(deepest, level)
-        inner = one.values() if isinstance(one, dict) else one if isinstance(one, list) else ()
-        waiting += [(part, level + 1) for part in inner]
-    return deepest
 
 
 def _no_number(name: str) -> Any:

@@ -2,34 +2,91 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
-from dataclasses import fields
+from dataclasses import dataclass, fields, replace
 from typing import Any
 
 import numpy as np
 
 import weftex
-from weftex import Exemplar
+from weftex import Exemplar, Synthesis
 from weftex.exemplar.material import Material
+from weftex.io.pictures import Picture
 from weftex.quality import FIGURES, borders_of, borders_of_each, draw_borders, fault_maps
+from weftex.recipe import Recipe
 from weftex.recipe.command_line import command_of
 from weftex.recipe.script import python_of
 from weftex.results.drawing import DRAWINGS
-from weftex.studio.materials import maps_of
-from weftex.studio.pictures import formats_of, shown
+from weftex.studio.materials import id_of, map_of, pictures_as_json
+from weftex.studio.pictures import Bytes, on_screen
 from weftex.studio.refusals import Refusal
 from weftex.studio.sessions import Session
-from weftex.studio.synthesis import Result
+from weftex.studio.uploads import stem_of
 
-Bytes = np.ndarray[Any, np.dtype[np.uint8]]
+#: What `Result.stem` adds; a result of a result has it once.
+_ENDS = re.compile(r"(_(filled|fused|tileable|\d+x\d+))+$")
 
 
-def result_of(name: str, session: Session) -> Result:
-    """Return a result of a session, or raise `Refusal`."""
-    made: Result | None = session.recall("result", name)
-    if made is None:
-        raise Refusal(410, "this result is no longer in memory; make it again by its recipe")
-    return made
+@dataclass(frozen=True)
+class Result:
+    """A result, and how its pictures are stored."""
+
+    recipe: Recipe  # with its size
+    result: Synthesis
+    name: str  # of the first material
+    folder: bool  # whether it is a set of maps
+    # By the maps' names: what the files of the material are like, of which only the pixels differ.
+    pictures: dict[str, Picture]
+    seconds: float
+
+    @property
+    def id(self) -> str:
+        """The name of a result: the same for the same recipe."""
+        return id_of(self.recipe.as_json())
+
+    @property
+    def main(self) -> str:
+        """The name of the picture itself among its maps."""
+        return next(iter(self.pictures))
+
+    def map(self, name: str | None) -> Exemplar:
+        """Return the sample's map of this name, the picture itself by default."""
+        return map_of(self.result.sample, self.main, name)
+
+    def pixels(self, name: str | None) -> Any:
+        """Return the pixels of a map."""
+        own = self.map(name)
+        return self.result.image if own is self.result.sample else self.result.render(own)
+
+    @property
+    def material(self) -> Material:
+        """Its pictures, as a material."""
+        names = self.pictures.items()
+        pictures = {name: replace(like, pixels=self.pixels(name)) for name, like in names}
+        roles = {name: self.map(name).role for name in pictures}
+        return Material(self.name, pictures, roles, folder=self.folder)
+
+    @property
+    def tileable(self) -> bool:
+        """Whether it is tileable along both axes."""
+        options = self.recipe.options
+        return options.get("tileable") is True or options.get("axes") is True
+
+    @property
+    def output(self) -> str:
+        """What commands write: a folder for a set."""
+        floats = self.pictures[self.main].pixels.dtype.kind == "f"
+        return "out/" if self.folder else "out.exr" if floats else "out.png"
+
+    @property
+    def stem(self) -> str:
+        """The name of exported files without their suffix; never that of the sample itself."""
+        recipe, (height, width) = self.recipe, self.result.shape
+        tileable = recipe.options.get("tileable") or recipe.task == "tile"
+        what = {"fill": "filled", "fuse": "fused"}.get(recipe.task, f"{width}x{height}")
+        stem = _ENDS.sub("", stem_of(self.name))
+        return f"{stem}_{'tileable' if tileable and recipe.task != 'fill' else what}"
 
 
 def described(made: Result, session: Session) -> dict[str, Any]:
@@ -39,18 +96,15 @@ def described(made: Result, session: Session) -> dict[str, Any]:
     return {
         "id": made.id,
         "recipe": made.recipe.as_json(),
+        **pictures_as_json(result.sample, made.pictures, made.main),
         "width": result.shape[1],
         "height": result.shape[0],
-        "main": made.main,
-        "maps": maps_of(result.sample, made.main),
         "seconds": round(made.seconds, 3),
         "method": used.get("method", made.recipe.method.slug),
         "parameters": _parameters(used),
         "reason": used.get("reason"),
         "warnings": list(used.get("warnings", ())),
-        "formats": {name: formats_of(picture) for name, picture in made.pictures.items()},
         "file": made.stem,
-        "density": made.pictures[made.main].density,
         "command": command_of(made.recipe, made.output, names),
         "python": python_of(made.recipe, made.output, names),
     }
@@ -71,7 +125,7 @@ def picture_of(made: Result, map_name: str | None, drawing: str | None, session:
 
     def draw() -> Bytes:
         if drawing is None:
-            return shown(like, made.pixels(map_name))
+            return on_screen(like, made.pixels(map_name))
         return np.atleast_3d(made.result.draw(drawing))
 
     return session.find(draw, lambda found: found.nbytes, "picture", made.id, map_name, drawing)
@@ -117,17 +171,3 @@ def broken_of(made: Result, session: Session) -> Bytes:
         return found
 
     return session.find(draw, lambda found: found.nbytes, "broken", made.id)
-
-
-def preview_of(sample: Exemplar) -> Any:
-    """Return what makes a preview's pixels fit for a screen: those of a sample's kind."""
-
-    def show(pixels: Any) -> Any:
-        same = pixels.dtype == sample.pixels.dtype and pixels.shape[2:] == sample.pixels.shape[2:]
-        if not same:  # of all maps at once: features in bytes
-            planes = pixels.reshape(*pixels.shape[:2], -1)
-            levels = planes if planes.dtype == np.uint8 else np.zeros(planes.shape, np.uint8)
-            return levels[..., :3] if levels.shape[2] >= 3 else levels[..., :1]
-        return shown(sample, pixels)
-
-    return show

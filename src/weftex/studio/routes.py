@@ -8,9 +8,7 @@ from collections.abc import AsyncIterator, Callable
 from functools import partial
 from typing import Any
 
-import numpy as np
 from anyio import to_thread
-from numpy.typing import NDArray
 from starlette.responses import FileResponse, JSONResponse, Response
 
 import weftex
@@ -23,12 +21,19 @@ from weftex.studio import materials, results, works
 from weftex.studio.about import about
 from weftex.studio.jobs import ENDED, Job, Work
 from weftex.studio.materials import id_of, map_of
-from weftex.studio.pictures import shown_smaller, smaller, source_of, times_smaller, whole_number
+from weftex.studio.pictures import Bytes, shown_smaller, smaller, times_smaller, whole_number
 from weftex.studio.refusals import Refusal, answer_of
 from weftex.studio.requests import Call, route
-from weftex.studio.synthesis import Result, begin_plane, open_job, plane_window
+from weftex.studio.results import Result
+from weftex.studio.synthesis import (
+    begin_plane,
+    compare,
+    make_each,
+    open_job,
+    plane_window,
+    several,
+)
 from weftex.studio.uploads import IncomingUpload, label_of
-from weftex.studio.work import compared, found, plain, several
 
 
 @route("POST", "/session")
@@ -133,9 +138,8 @@ async def material(call: Call) -> Any:
 
 async def loaded_of(call: Call) -> PreparedMaterial:
     """The material of an address."""
-    spec = call.session.recall("spec", call.id)
-    if spec is None:
-        raise Refusal(404, "this material is no longer in memory; open it again")
+    gone = Refusal(404, "this material is no longer in memory; open it again")
+    spec = call.session.recall("spec", call.id, gone=gone)
     return await call.work(materials.load_material, spec, call.session)
 
 
@@ -154,9 +158,7 @@ async def _shown(call: Call, sample: Exemplar) -> Response:
 @route("POST", "/materials/{id}/look")
 async def look(call: Call) -> Any:
     """Queue a job that says what a material is like; it ends an analysis that is under way."""
-    return await queued(
-        call, found(materials.analysis_of, await loaded_of(call), call.session), "look"
-    )
+    return await found(call, "look", materials.analysis_of, await loaded_of(call), call.session)
 
 
 @route("GET", "/materials/{id}/lattice")
@@ -190,7 +192,7 @@ async def add_job(call: Call) -> Any:
     recipe = Recipe.from_json(given.get("recipe"))
     recipes = several(recipe, given.get("count"), given.get("methods"))
     await call.work(open_job, recipe, call.session)  # what is too large never waits
-    work = plain(recipes) if given.get("methods") is None else compared(recipes)
+    work = make_each(recipes) if given.get("methods") is None else compare(recipes)
     lane, leave = given.get("lane"), given.get("leave") or "cancel"
     if lane is not None and not (isinstance(lane, str) and 0 < len(lane) <= _LONGEST_TEXT):
         raise InvalidInputError(f"lane is {shown(lane)}; it must be a short text")
@@ -205,6 +207,11 @@ async def queued(call: Call, work: Work, lane: str | None = None, **how: Any) ->
     job = Job(call.session, work, lane, **how)
     call.studio.jobs.add(job)
     return await _told(call, job, within / 1000, lambda: job.state in ENDED)
+
+
+async def found(call: Call, lane: str | None, function: Callable[..., Any], *given: Any) -> Any:
+    """Queue a job whose only result is what a function returns."""
+    return await queued(call, lambda job: job.add(function(*given)), lane)
 
 
 @route("GET", "/jobs")
@@ -257,7 +264,9 @@ async def end_job(call: Call) -> Any:
 
 def result_of(call: Call) -> Result:
     """Return the result of an address."""
-    return results.result_of(call.id, call.session)
+    gone = Refusal(410, "this result is no longer in memory; make it again by its recipe")
+    made: Result = call.session.recall("result", call.id, gone=gone)
+    return made
 
 
 @route("GET", "/results/{id}/picture")
@@ -272,7 +281,7 @@ async def result_picture(call: Call) -> Any:
 @route("POST", "/results/{id}/figures")
 async def figures(call: Call) -> Any:
     """Queue a job that says how good a result is; it ends one that is under way."""
-    return await queued(call, found(results.figures_of, result_of(call), call.session), "figures")
+    return await found(call, "figures", results.figures_of, result_of(call), call.session)
 
 
 @route("GET", "/results/{id}/broken")
@@ -281,7 +290,7 @@ async def broken(call: Call) -> Any:
     return await reduced(call, await call.work(results.broken_of, result_of(call), call.session))
 
 
-async def reduced(call: Call, picture: NDArray[np.uint8]) -> Response:
+async def reduced(call: Call, picture: Bytes) -> Response:
     """Answer with a picture of at most the size that the page asks for."""
     times = times_smaller(call.query, picture.shape)
     return await call.picture(lambda: smaller(picture, times), picture.shape)
@@ -290,7 +299,9 @@ async def reduced(call: Call, picture: NDArray[np.uint8]) -> Response:
 @route("GET", "/results/{id}/source")
 async def source(call: Call) -> Any:
     """Tell where a pixel comes from."""
-    row, column = source_of(result_of(call).result, call.query)
+    made = result_of(call).result
+    x, y = (whole_number(call.query, k, 0, 0, made.shape["yx".index(k)] - 1) for k in "xy")
+    row, column = made.layers((y, x, 1, 1))[0][0, 0, 0].tolist()
     return {"x": column, "y": row} if row >= 0 else {"x": None, "y": None}
 
 

@@ -1,57 +1,104 @@
-"""The server itself, by uvicorn, which closes connections that send nothing."""
+"""The server: its socket and address, which are there first, and its connections, by uvicorn.
+
+A browser that is told the address waits for the answer, so it can start while uvicorn is imported.
+"""
 
 from __future__ import annotations
 
-import asyncio
+import os
 import socket
-from typing import Any
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING
 
-import uvicorn
-from uvicorn.protocols.http.h11_impl import H11Protocol
-
-from weftex.studio.app import make_app
-from weftex.studio.guard import OWNER
+from weftex.errors import FileError
+from weftex.studio.downloads import Downloads
 from weftex.studio.limits import Limits
-from weftex.studio.listening import hosts_of
-from weftex.studio.studio import Studio
 
+if TYPE_CHECKING:
+    import asyncio
+
+    import uvicorn
+
+    from weftex.studio.studio import Studio
+
+#: Tried first, so that a page that is open finds the server again after a restart.
+PORT = 8427
+_HOST = "127.0.0.1"  # nothing but this machine
 _GRACE = 1  # seconds that requests have to end
 
 
-class Server(uvicorn.Server):
-    """A studio that serves at a socket of `listening.listen`, on this machine.
+def listen(port: int | None) -> socket.socket:
+    """Return a socket that listens to this machine; a `port` of None is `PORT`, or any free one.
 
-    `run` ends with Ctrl-C or SIGTERM, or once `should_exit` is set; it closes the studio.
+    Raises `FileError` if it cannot.
     """
-
-    def __init__(self, listener: socket.socket, studio: Studio) -> None:
-        self.listener = listener
-        config = uvicorn.Config(
-            make_app(studio, hosts_of(listener.getsockname()[1])),
-            loop="asyncio",
-            http=connection_class(studio.limits),
-            ws="none",
-            lifespan="on",
-            log_level="error",
-            access_log=False,
-            proxy_headers=False,
-            server_header=False,
-            timeout_graceful_shutdown=_GRACE,
-        )
-        super().__init__(config)
-
-    async def startup(self, sockets: Any = None) -> None:
-        """Begin to answer."""
-        await super().startup([self.listener])
+    try:
+        return socket.create_server((_HOST, PORT if port is None else port), backlog=128)
+    except OSError as error:
+        if port is None:
+            return listen(0)
+        why = os.strerror(error.errno or 0)
+        raise FileError(f"cannot listen at {_HOST}:{port}: {why}") from None
 
 
-def connection_class(limits: Limits) -> type[H11Protocol]:
+def hosts_of(port: int) -> set[str]:
+    """Return what the Host header of a request may be."""
+    names = {_HOST, "localhost"}
+    return {f"{name}:{port}" for name in names} | (names if port == 80 else set())
+
+
+def address_of(listener: socket.socket, token: str) -> str:
+    """Return what is to be opened in a browser."""
+    return f"http://{_HOST}:{listener.getsockname()[1]}/#token={token}"
+
+
+@contextmanager
+def redirect_file(address: str, downloads: Downloads) -> Iterator[Path]:
+    """Yield a page, for its owner alone, that leads to the address; it is removed afterwards."""
+    text = '<!doctype html><meta charset="utf-8"><meta name="referrer" content="no-referrer">'
+    text += f'<title>weftex</title><meta http-equiv="refresh" content="0; url={address}">'
+    with tempfile.TemporaryDirectory(dir=downloads.folder, ignore_cleanup_errors=True) as folder:
+        file = Path(folder) / "open.html"
+        file.touch(mode=0o600)
+        file.write_text(text, "utf-8")
+        yield file
+
+
+def server_of(listener: socket.socket, studio: Studio) -> uvicorn.Server:
+    """Return a server of a studio; `run([listener])` ends with Ctrl-C, and closes the studio."""
+    import uvicorn
+
+    from weftex.studio.app import make_app
+
+    config = uvicorn.Config(
+        make_app(studio, hosts_of(listener.getsockname()[1])),
+        loop="asyncio",
+        http=connection_class(studio.limits),
+        ws="none",
+        lifespan="on",
+        log_level="error",
+        access_log=False,
+        proxy_headers=False,
+        server_header=False,
+        timeout_graceful_shutdown=_GRACE,
+    )
+    return uvicorn.Server(config)
+
+
+def connection_class(limits: Limits) -> type[asyncio.Protocol]:
     """Return the class of a server's connections, which know each other.
 
     A connection is closed `header_seconds` after it began, or after its last answer, if no headers
     have come; while a body comes, `header_seconds` after its last bytes, and `body_seconds` after
     its headers. A new one closes the oldest that has not sent the token, if they are too many.
     """
+    from uvicorn.protocols.http.h11_impl import H11Protocol
+
+    from weftex.studio.guard import OWNER
+
     strangers: dict[Connection, None] = {}  # the oldest first
 
     class Connection(H11Protocol):

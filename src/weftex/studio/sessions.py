@@ -209,9 +209,12 @@ class Session:
         with suppress(OSError):  # a session without files has no folder
             os.utime(self.folder)
 
-    def recall(self, *key: Any) -> Any:
-        """Return what is in memory under this key, or None."""
-        return self.memory.get((self.key, *key))
+    def recall(self, *key: Any, gone: Refusal | None = None) -> Any:
+        """Return what is in memory under this key; without it None, or raise `gone`."""
+        found = self.memory.get((self.key, *key))
+        if found is None and gone is not None:
+            raise gone
+        return found
 
     def remember(self, value: Any, size: int, *key: Any) -> None:
         """Keep a value of `size` bytes in memory, within the limit."""

@@ -1,95 +1,99 @@
-"""From a recipe to a result, or to windows of an endless plane."""
+"""From recipes to results, in jobs, or to windows of an endless plane."""
 
 from __future__ import annotations
 
 import math
-import os
-import re
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from functools import partial
 from time import perf_counter
 from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
-
 from weftex import Exemplar, Synthesis
-from weftex.exemplar.material import Material
-from weftex.io.pictures import Picture
+from weftex.errors import CancelledError, InvalidInputError, WeftexError, is_whole, shown
 from weftex.method import Model
-from weftex.progress import ProgressCallback
 from weftex.recipe import Recipe
 from weftex.recipe.opening import OpenedRecipe, open_recipe
+from weftex.studio import results
+from weftex.studio.jobs import Job
 from weftex.studio.materials import id_of, load_material, map_of, maps_of, size_of
-from weftex.studio.pictures import shown, whole_number
-from weftex.studio.refusals import Refusal
+from weftex.studio.pictures import Bytes, on_screen, preview_of, whole_number
+from weftex.studio.refusals import Refusal, answer_of
+from weftex.studio.results import Result
 from weftex.studio.sessions import Session
-from weftex.studio.uploads import label_of, picture_of
+from weftex.studio.uploads import picture_of
 
-#: What `Result.stem` adds; a result of a result has it once.
-_ENDS = re.compile(r"(_(filled|fused|tileable|\d+x\d+))+$")
+MOST_SEEDS = 16
 
 
-@dataclass(frozen=True)
-class Result:
-    """A result, and how its pictures are stored."""
+def several(recipe: Recipe, count: Any, methods: Any) -> list[Recipe]:
+    """Return the recipes of a job: seeds from the recipe's on, or each with another method."""
+    if count is not None and not is_whole(count, 1, MOST_SEEDS):
+        raise InvalidInputError(f"count is {shown(count)}; it must be from 1 to {MOST_SEEDS}")
+    if methods is None:
+        seeds = ((recipe.seed + k) % 2**64 for k in range(count or 1))
+        return [recipe.changed(seed=seed) for seed in seeds]
+    if count is not None:
+        raise InvalidInputError("count has no effect beside methods; leave one of them out")
+    if not isinstance(methods, list) or not 0 < len(methods) <= MOST_SEEDS:
+        raise InvalidInputError(f"methods is {shown(methods)}; it must be a list of names")
+    return [recipe.changed(method=name, parameters={}) for name in map(str, methods)]
 
-    recipe: Recipe  # with its size
-    result: Synthesis
-    name: str  # of the first material
-    folder: bool  # whether it is a set of maps
-    # By the maps' names: what the files of the material are like, of which only the pixels differ.
-    pictures: dict[str, Picture]
-    seconds: float
 
-    @property
-    def id(self) -> str:
-        """The name of a result: the same for the same recipe."""
-        return id_of(self.recipe.as_json())
+def make_each(recipes: list[Recipe]) -> Callable[[Job], None]:
+    """Make one recipe after the other; the first that fails ends it."""
 
-    @property
-    def main(self) -> str:
-        """The name of the picture itself among its maps."""
-        return next(iter(self.pictures))
+    def work(job: Job) -> None:
+        for recipe in recipes:
+            job.check()
+            job.add(results.described(made_of(recipe, job), job.session))
 
-    def map(self, name: str | None) -> Exemplar:
-        """Return the sample's map of this name, the picture itself by default."""
-        return map_of(self.result.sample, self.main, name)
+    return work
 
-    def pixels(self, name: str | None) -> Any:
-        """Return the pixels of a map."""
-        own = self.map(name)
-        return self.result.image if own is self.result.sample else self.result.render(own)
 
-    @property
-    def material(self) -> Material:
-        """Its pictures, as a material."""
-        names = self.pictures.items()
-        pictures = {name: replace(like, pixels=self.pixels(name)) for name, like in names}
-        roles = {name: self.map(name).role for name in pictures}
-        return Material(self.name, pictures, roles, folder=self.folder)
+def compare(recipes: list[Recipe]) -> Callable[[Job], None]:
+    """Make what several methods make, each with its figures; one that cannot says why."""
 
-    @property
-    def tileable(self) -> bool:
-        """Whether it is tileable along both axes."""
-        options = self.recipe.options
-        return options.get("tileable") is True or options.get("axes") is True
+    def work(job: Job) -> None:
+        for recipe in recipes:
+            start = perf_counter()
+            try:
+                made = made_of(recipe, job)
+                figures = results.figures_of(made, job.session)
+                job.add(results.described(made, job.session) | {"figures": figures})
+            except CancelledError:
+                raise
+            except WeftexError as error:
+                _, answer = answer_of(error)
+                took = round(perf_counter() - start, 3)
+                job.add(answer | {"method": recipe.method.slug, "seconds": took})
 
-    @property
-    def output(self) -> str:
-        """What commands write: a folder for a set."""
-        floats = self.pictures[self.main].pixels.dtype.kind == "f"
-        return "out/" if self.folder else "out.exr" if floats else "out.png"
+    return work
 
-    @property
-    def stem(self) -> str:
-        """The name of exported files without their suffix; never that of the sample itself."""
-        recipe, (height, width) = self.recipe, self.result.shape
-        tileable = recipe.options.get("tileable") or recipe.task == "tile"
-        what = {"fill": "filled", "fuse": "fused"}.get(recipe.task, f"{width}x{height}")
-        stem = _ENDS.sub("", os.path.splitext(label_of(self.name))[0])
-        return f"{stem}_{'tileable' if tileable and recipe.task != 'fill' else what}"
+
+def made_of(recipe: Recipe, job: Job) -> Result:
+    """Make a recipe, or remember it; progress goes to the job."""
+    session = job.session
+    job(0, 1, "reading", lambda: None)
+    ready = open_job(recipe, session)
+    recipe = ready.recipe
+    job.to_show = preview_of(ready.prepared[0].exemplar)
+    first, *others = recipe.materials
+
+    def make() -> Result:
+        if "sample_width" in first and "density" not in first:
+            # A width alone changes no pixels: a result without it has them.
+            bare = {name: value for name, value in first.items() if name != "sample_width"}
+            like = made_of(recipe.changed(materials=[bare, *others]), job)
+            return replace(like, recipe=recipe, pictures=ready.pictures)
+        start = perf_counter()
+        result = ready.make(get_model=partial(fitted, ready, session), progress=job)
+        result.image  # rendering is part of the work  # noqa: B018
+        seconds, folder = perf_counter() - start, any(one.folder for one in ready.materials)
+        return Result(recipe, result, ready.materials[0].name, folder, ready.pictures, seconds)
+
+    key = "result", id_of(recipe.as_json())
+    return session.find(make, lambda made: 2 * bytes_of(made.result), *key)
 
 
 def bytes_of(result: Synthesis) -> int:
@@ -124,15 +128,6 @@ def fitted(job: OpenedRecipe, session: Session, sample: Exemplar) -> Model:
     return session.find(lambda: method.fit(sample), lambda _: 8 * size_of(sample), *key)
 
 
-def make(job: OpenedRecipe, session: Session, progress: ProgressCallback) -> Result:
-    """Make what a recipe says."""
-    start = perf_counter()
-    result = job.make(get_model=partial(fitted, job, session), progress=progress)
-    result.image  # rendering is part of the work  # noqa: B018
-    seconds, folder = perf_counter() - start, any(one.folder for one in job.materials)
-    return Result(job.recipe, result, job.materials[0].name, folder, job.pictures, seconds)
-
-
 _LARGEST = 1024  # pixels a side of a window
 _FAR = 2**40  # pixels from the middle of a plane
 
@@ -163,11 +158,10 @@ def begin_plane(given: Any, session: Session) -> dict[str, Any]:
     return {"id": name, "maps": maps, "method": plane.method}
 
 
-def plane_window(name: str, query: Mapping[str, str], session: Session) -> NDArray[np.uint8]:
+def plane_window(name: str, query: Mapping[str, str], session: Session) -> Bytes:
     """Return a window of a plane as a screen shows it, or raise `Refusal`."""
-    plane: Plane | None = session.recall("plane", name)
-    if plane is None:
-        raise Refusal(410, "this endless texture is no longer in memory; open it again")
+    gone = Refusal(410, "this endless texture is no longer in memory; open it again")
+    plane: Plane = session.recall("plane", name, gone=gone)
     top, left = (whole_number(query, side, 0, -_FAR, _FAR) for side in ("top", "left"))
     height, width = (whole_number(query, side, 256, 1, _LARGEST) for side in ("height", "width"))
     like = map_of(plane.model.exemplar, plane.main, query.get("map"))
@@ -175,4 +169,4 @@ def plane_window(name: str, query: Mapping[str, str], session: Session) -> NDArr
     made = session.find(
         lambda: plane.model.window(*box, seed=plane.seed, threads=1), bytes_of, "window", name, *box
     )
-    return shown(like, made.image if like is plane.model.exemplar else made.render(like))
+    return on_screen(like, made.image if like is plane.model.exemplar else made.render(like))

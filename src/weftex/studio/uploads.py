@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import hashlib
+import os
+import shutil
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -30,6 +32,11 @@ def label_of(given: str | None) -> str:
     last = unquote(given or "").replace("\\", "/").rpartition("/")[2]  # never a folder
     kept = "".join(c for c in last if c.isprintable() and c not in '<>:"|?*').strip(" .")
     return kept[-_LONGEST_NAME:] or "picture"
+
+
+def stem_of(given: str) -> str:
+    """Return what a file is called, without its suffix."""
+    return os.path.splitext(label_of(given))[0]
 
 
 def file_in(path: Path, session: Session) -> dict[str, Any]:
@@ -71,20 +78,30 @@ class IncomingUpload:
         found = self.session.uploads.get(str(about["id"]))
         if found is None:
             suffix = _SUFFIXES[kind_of(str(self.path), self.name)]
-            named = self.path.with_suffix(suffix)
-            self.path.rename(named)
-            try:
-                _read(named, self.name, self.session)
-            finally:
-                named.rename(self.path)
+            self.path = self.path.rename(self.path.with_suffix(suffix))
+            _read(self.path, self.name, self.session)
             found = about | {"suffix": suffix}
             self.taken = self.session.take(self.path, found)
         return found | {"name": self.name}
 
+    def link(self, source: Path, about: dict[str, Any]) -> None:
+        """Take an upload of another session, by a link to its file where the disk allows that."""
+        self.session.store.reserve(about["bytes"])
+        self.count = about["bytes"]
+        self.out.close()
+        self.path.unlink()
+        try:
+            os.link(source, self.path)
+        except FileNotFoundError:
+            raise Refusal(404, "this work is no longer there") from None
+        except OSError:
+            shutil.copyfile(source, self.path)
+        self.taken = self.session.take(self.path, about)
+
     def __exit__(self, *error: object) -> None:
         self.out.close()
         if not self.taken:
-            self.session.store.reserve(-self.count)
+            self.session.store.release(self.count)
         self.path.unlink(missing_ok=True)
 
 

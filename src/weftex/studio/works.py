@@ -5,9 +5,7 @@ A work is the folder of a session: its steps, and the uploads that they need.
 
 from __future__ import annotations
 
-import os
 import re
-import shutil
 import time
 from collections.abc import Mapping
 from pathlib import Path
@@ -17,6 +15,7 @@ from weftex.errors import InvalidInputError
 from weftex.recipe import Recipe, checked_material
 from weftex.studio.refusals import Refusal
 from weftex.studio.sessions import KEY, Session, Store, path_of, read_steps, read_uploads
+from weftex.studio.uploads import IncomingUpload
 
 _ID = re.compile(r"[0-9a-f]{12}")
 _THUMB = re.compile(r"data:image/(webp|png|jpeg);base64,[A-Za-z0-9+/=]{1,65536}")
@@ -70,24 +69,6 @@ def _folder_of(name: str, store: Store) -> Path:
     return folder
 
 
-def _copy_upload(source: Path, about: dict[str, Any], session: Session) -> None:
-    """Add an upload of another session, by a link to its file where the disk allows that."""
-    session.store.reserve(about["bytes"])
-    copy, taken = session.new_file(), False
-    try:
-        try:
-            os.link(source, copy)
-        except OSError:
-            shutil.copyfile(source, copy)
-        taken = session.take(copy, about)
-    except FileNotFoundError:
-        raise Refusal(404, "this work is no longer there") from None
-    finally:
-        if not taken:
-            session.store.release(about["bytes"])
-        copy.unlink(missing_ok=True)
-
-
 def continue_work(name: str, store: Store, session: Session, in_use: bool) -> list[dict[str, Any]]:
     """Add the uploads and steps of a work to a session, and return its steps.
 
@@ -97,7 +78,8 @@ def continue_work(name: str, store: Store, session: Session, in_use: bool) -> li
     steps = read_steps(folder)
     for upload, about in read_uploads(folder).items():
         if upload not in session.uploads:
-            _copy_upload(path_of(folder, about), about, session)
+            with IncomingUpload(about["name"], session) as copy:
+                copy.link(path_of(folder, about), about)
     session.add_steps(steps)
     if not in_use:
         store.remove(folder)

@@ -53,7 +53,7 @@ def run(argv: list[str]) -> None:
     from dataclasses import replace
 
     from weftex.studio.limits import usual_limits
-    from weftex.studio.listening import address_of, listen
+    from weftex.studio.server import address_of, listen, server_of
     from weftex.studio.sessions import default_folder
     from weftex.studio.studio import Studio
     from weftex.studio.uploads import StartMaterial
@@ -73,16 +73,14 @@ def run(argv: list[str]) -> None:
     say(f"the studio is at {address}   (Ctrl-C stops it)")
     if not args.no_browser:  # it starts, and waits for the answer, while the server starts
         threading.Thread(target=_open, args=(address, studio), daemon=True).start()
-    from weftex.studio.server import Server
-
-    Server(listener, studio).run()
+    server_of(listener, studio).run([listener])
 
 
 def _open(address: str, studio: Studio) -> None:
     """Open a browser without the token in its command line, which other users can read."""
     import webbrowser
 
-    from weftex.studio.listening import redirect_file
+    from weftex.studio.server import redirect_file
 
     with redirect_file(address, studio.downloads) as file:
         if not webbrowser.open(file.resolve().as_uri()):
