@@ -8,16 +8,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from weftex.analysis.lattice import Lattice
-from weftex.quality import kernels
 from weftex.quality.view import View, over_halves, some, window_corners
 from weftex.random import draw
 from weftex.raster.arrays import Floats
+from weftex.threads import one_blas_thread
 
 _WIDTH = 7  # pixels of a patch
 _SCALES = 4
 _PATCHES = 4096  # of each picture and scale
 _FEATURES = 48
-_SIMD = 16  # numbers that a processor multiplies at once
 _PATCH_QUANTILES = 128
 _FLOOR = 0.03  # standard deviations: what two draws of so many patches differ by
 _PIXELS = 2**15
@@ -48,8 +47,7 @@ def patch_distance(sample: View, result: View) -> tuple[float | None, tuple[floa
         values, ours = _described(own, features), _described(made, features)
         if ours is None or values is None or any(part is None for part in drawn):
             break
-        squares = (features.astype(np.float32) ** 2).sum(axis=1)
-        floor = 0.5 * np.sqrt(squares)  # a feature of less is rounding
+        floor = 0.5 * np.sqrt((features**2).sum(axis=1))  # a feature of less is rounding
         spread = np.maximum(values.std(axis=1, dtype=np.float64), floor)
         quantiles = [at_quantiles(part, _PATCH_QUANTILES) for part in drawn if part is not None]
         between = [_patches_apart(quantiles[k], quantiles[k + 1], spread) for k in (0, 2)]
@@ -62,26 +60,25 @@ def patch_distance(sample: View, result: View) -> tuple[float | None, tuple[floa
     return float(np.sqrt(np.mean(np.square(found)))), tuple(found)
 
 
-def _described(view: View, features: NDArray[np.int16]) -> NDArray[np.int32] | None:
+def _described(view: View, features: NDArray[np.float32]) -> NDArray[np.float32] | None:
     """Return the features of some patches (48, n), or None for fewer than 16 patches."""
     corners = window_corners(view.usable, _WIDTH)
     if len(corners) < 16:
         return None
-    corners = some(corners, _PATCHES, "patches")
-    values = np.ascontiguousarray(view.values)
-    found = np.empty((_FEATURES, len(corners)), np.int32)
-    scratch = np.zeros(features.shape[1], np.int16)
-    kernels.describe(values, corners, _WIDTH, features, scratch, found)
-    return found
+    y, x = np.divmod(some(corners, _PATCHES, "patches"), view.shape[1])
+    patches = np.lib.stride_tricks.sliding_window_view(view.values, (_WIDTH,) * 2, axis=(0, 1))
+    values = patches[y, x].reshape(len(y), -1).astype(np.float32)
+    with one_blas_thread():  # sums of integers that float32 holds: the same in any order
+        return features @ values.T
 
 
 @lru_cache(maxsize=16)
-def _features(channels: int, scale: int) -> NDArray[np.int16]:
-    """Return weights (48, m) of a patch's 7 * 7 * K bytes, padded to a multiple of 16.
+def _features(channels: int, scale: int) -> NDArray[np.float32]:
+    """Return integer weights (48, m) of a patch's K * 7 * 7 bytes.
 
     Features are means of random boxes, and differences of two, in random mixtures of the channels.
     """
-    result = np.zeros((_FEATURES, _WIDTH, _WIDTH, channels), np.int16)
+    result = np.zeros((_FEATURES, channels, _WIDTH, _WIDTH), np.float32)
     for k in range(_FEATURES):
         bits = draw(0, "measure features", scale, k, np.arange(8 + channels))
         sizes = 1 + (bits[:4] % np.uint64(4)).astype(int)
@@ -98,12 +95,11 @@ def _features(channels: int, scale: int) -> NDArray[np.int16]:
             first = first * second.sum() - second * first.sum()
         if not first.any():
             first = boxes[0]
-        result[k] = first[..., None] * mixture
-    flat = result.reshape(_FEATURES, -1)
-    return np.pad(flat, [(0, 0), (0, -flat.shape[1] % _SIMD)])
+        result[k] = first * mixture[:, None, None]
+    return result.reshape(_FEATURES, -1)
 
 
-def at_quantiles(values: NDArray[np.int32], number: int) -> Floats:
+def at_quantiles(values: NDArray[np.float32], number: int) -> Floats:
     """Return the values in the middle of `number` equal parts of each sorted row."""
     ranks = ((np.arange(number) + 0.5) / number * values.shape[1]).astype(np.int64)
     return np.sort(values, axis=1)[:, ranks].astype(np.float64)
@@ -143,7 +139,7 @@ def _color_values(view: View) -> NDArray[np.float64]:
         # Products of small integers: exact, so the same on every machine.
         values = np.concatenate([pixels, np.einsum("dk,kn->dn", mixtures, pixels)])
         lengths = np.append(lengths, np.sqrt((mixtures.astype(np.float64) ** 2).sum(axis=1)))
-    return at_quantiles(values.astype(np.int32), _COLOR_QUANTILES) / lengths[:, None]
+    return at_quantiles(values, _COLOR_QUANTILES) / lengths[:, None]
 
 
 def sharpness(sample: View, result: View) -> float | None:

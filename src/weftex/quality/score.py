@@ -13,13 +13,13 @@ from numpy.typing import NDArray
 
 from weftex.analysis.lattice import Lattice, find_lattice
 from weftex.exemplar import Exemplar
-from weftex.quality import kernels
 from weftex.quality.appearance import autocorrelation_distance, lattice_kept
 from weftex.quality.seams import StepModel, seams
 from weftex.quality.view import View, middle, view_beside, view_of, window_corners
 from weftex.raster.boxes import cells_as_pixels
 from weftex.raster.levels import resized
 from weftex.results.synthesis import Synthesis
+from weftex.threads import one_blas_thread
 
 Floats = NDArray[np.float32]
 Places = NDArray[np.int32]
@@ -38,7 +38,6 @@ _SIDE = 32  # pixels, about, of the sample's shorter side at the coarse level
 _MAX_WINDOWS = 1600  # of a picture
 _EXACT = 2**23  # float32 holds the mean of squared distances below it exactly
 _QUANTILE = 0.97
-_SIMD = 16  # numbers that a processor multiplies at once
 _VISIBLE = 0.05  # of the sample's contrast: a distance that is visible
 _ROUNDING = 0.05  # what rounding to few bits adds to a distance
 _CELLS = 4  # a side, to count how evenly the sample is used
@@ -172,16 +171,15 @@ class Scorer:
         width, (height, across) = self._width, view.shape
         length = width**2 * view.values.shape[2]
         if min(height, across) < width:
-            return Windows(np.zeros((0, 0), np.int16), np.zeros((0, 2), np.int32), length)
+            return Windows(np.zeros((0, length), np.float32), np.zeros((0, 2), np.int32))
         rows, columns = height - width + 1, across - width + 1
         step = max(1, math.ceil(math.sqrt(rows * columns / _MAX_WINDOWS)))
         places = np.stack(np.divmod(window_corners(view.usable, width), across), axis=1)
         places = places[(places % step == 0).all(axis=1)]
         bits = view.values >> self._shift
         found = np.lib.stride_tricks.sliding_window_view(bits, (width, width), axis=(0, 1))
-        values = np.zeros((len(places), -(-length // _SIMD) * _SIMD), np.int16)
-        values[:, :length] = found[places[:, 0], places[:, 1]].reshape(len(places), length)
-        return Windows(values, places.astype(np.int32), length)
+        values = found[places[:, 0], places[:, 1]].reshape(len(places), length)
+        return Windows(values.astype(np.float32), places.astype(np.int32))
 
     def _uneven(self, source: Places) -> float:
         """Return the relative entropy of the use of cells to an even use."""
@@ -258,33 +256,36 @@ def _middle(image: NDArray[Any]) -> NDArray[Any]:
 
 @dataclass(frozen=True, eq=False)
 class Windows:
-    """Square windows of a picture.
+    """Square windows of a picture: their numbers (n, m); their rows and columns (n, 2)."""
 
-    `values` (n, m) are the numbers of each, padded with zeros to a multiple of 16; `places` (n, 2)
-    their rows and columns; `length` the numbers of a window.
-    """
-
-    values: NDArray[np.int16]
+    values: Floats
     places: Places
-    length: int
 
     def __len__(self) -> int:
         return len(self.places)
 
     def of(self, chosen: NDArray[np.bool_]) -> Windows:
         """Return the chosen windows."""
-        return Windows(self.values[chosen], self.places[chosen], self.length)
+        return Windows(self.values[chosen], self.places[chosen])
 
 
-def nearest(first: Windows, second: Windows, least: int = 0) -> tuple[Floats, Places]:
+def nearest(first: Windows, second: Windows, least: int = 0) -> tuple[Floats, NDArray[np.intp]]:
     """Find for each window the nearest of `second`, the first of equals.
 
     Windows less than `least` rows and columns apart are not compared. Returns mean squared
     differences, infinite where none is compared, and indices into `second`.
     """
-    best, which = np.empty(len(first), np.int32), np.empty(len(first), np.int32)
-    others = np.pad(second.values, [(0, -len(second) % 4), (0, 0)])  # four are compared at once
-    squares = np.empty(len(others), np.int32)
-    kernels.nearest(first.values, others, first.places, second.places, least, best, which, squares)
-    apart = best.astype(np.float32) / np.float32(first.length)
-    return np.where(best < 0, np.float32(np.inf), apart), which
+    with one_blas_thread():  # sums of integers below `_EXACT`: the same in any order
+        apart = first.values @ second.values.T
+    apart *= -2
+    apart += (first.values**2).sum(axis=1)[:, None]
+    apart += (second.values**2).sum(axis=1)
+    if least:
+        rows, columns = (
+            abs(np.subtract.outer(one, other)) < least
+            for one, other in zip(first.places.T, second.places.T, strict=True)
+        )
+        apart[rows & columns] = np.inf
+    which = apart.argmin(axis=1)
+    best: Floats = np.take_along_axis(apart, which[:, None], 1)[:, 0]
+    return best / np.float32(first.values.shape[1]), which

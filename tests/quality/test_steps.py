@@ -1,4 +1,4 @@
-"""The kernels of the measures beside slow twins of them."""
+"""Parts of the measures beside slow twins of them."""
 
 from __future__ import annotations
 
@@ -6,20 +6,22 @@ import numpy as np
 import pytest
 
 from twins.measures import prediction_error
-from weftex.quality import kernels, seams
+from weftex.quality import seams
+from weftex.quality.score import Windows, nearest
 
 
-def test_patches_are_weighed_by_definition(rng):
-    pixels = rng.integers(0, 256, (12, 17, 3), np.uint8)
-    features = np.zeros((8, 80), np.int16)
-    features[:, :75] = rng.integers(-99, 100, (8, 75))
-    corners = rng.integers(0, 8, 30) * 17 + rng.integers(0, 13, 30)
-    found = np.empty((8, 30), np.int32)
-    kernels.describe(pixels, corners, 5, features, np.zeros(80, np.int16), found)
-    for i, corner in enumerate(corners):
-        y, x = divmod(int(corner), 17)
-        patch = pixels[y : y + 5, x : x + 5].ravel().astype(int)
-        assert (found[:, i] == features[:, :75].astype(int) @ patch).all()
+def test_windows_are_compared_by_definition(rng):
+    values, places = rng.integers(0, 256, (40, 75)), rng.integers(0, 20, (40, 2)).astype(np.int32)
+    values[7] = values[9] = values[30]
+    windows = Windows(values.astype(np.float32), places)
+    apart = ((values[:, None] - values) ** 2).mean(axis=2)
+    found, which = nearest(windows.of(places[:, 0] > 8), windows)
+    np.testing.assert_array_equal(which, apart[places[:, 0] > 8].argmin(axis=1))
+    assert not found.any()
+    apart[abs(places[:, None] - places).max(axis=2) < 5] = np.inf
+    found, which = nearest(windows, windows, 5)
+    np.testing.assert_array_equal(which, apart.argmin(axis=1))
+    np.testing.assert_allclose(found, apart.min(axis=1), rtol=1e-6)
 
 
 @pytest.mark.parametrize("shape", [(21, 32), (30, 23), (40, 41)])
