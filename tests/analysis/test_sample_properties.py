@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 
 import weftex
-from weftex.analysis.properties import autocorrelation, regularity, sidedness
-from weftex.analysis.relief import relief
+from weftex.analysis.properties import regularity, sidedness
 from weftex.exemplar import Exemplar
 
 #: The samples that ship with weftex.
@@ -19,34 +18,6 @@ REAL = {
 
 def regular(pixels, **options):
     return regularity(Exemplar(np.ascontiguousarray(pixels), **options))
-
-
-def correlation_by_definition(exemplar):
-    """Products of what overlaps over the mean of both parts' energies, shift by shift."""
-    flat = relief(exemplar)
-    height, width = flat.usable.shape
-    layers = np.concatenate([flat.levels, flat.usable[None]])
-    result = np.zeros((2 * (height // 2) + 1, 2 * (width // 2) + 1))
-    for row, column in np.ndindex(result.shape):
-        shifts = [(s * (row - height // 2), s * (column - width // 2)) for s in (-1, 1)]
-        (*a, here), (*b, there) = (
-            layers[:, max(0, y) : height + min(0, y), max(0, x) : width + min(0, x)]
-            for y, x in shifts
-        )
-        energy = sum((here * there * (k**2 + n**2) / 2).sum() for k, n in zip(a, b, strict=True))
-        products = sum((here * there * k * n).sum() for k, n in zip(a, b, strict=True))
-        result[row, column] = products / energy if energy else 0
-    return result
-
-
-@pytest.mark.parametrize("shape", [(8, 8), (7, 10, 3), (1, 9), (6, 1)])
-@pytest.mark.parametrize("masked", [False, True])
-def test_autocorrelation_is_its_definition(shape, masked, rng):
-    mask = rng.random(shape[:2]) < 0.7 if masked else np.ones(shape[:2], bool)
-    mask[0, 0] = True
-    exemplar = Exemplar(rng.integers(0, 256, shape, np.uint8), mask=mask)
-    expected = correlation_by_definition(exemplar)
-    np.testing.assert_allclose(autocorrelation(exemplar), expected, atol=1e-6)
 
 
 @pytest.mark.parametrize("repeats", [(3, 3), (1, 5), (6, 1), (4, 7)])

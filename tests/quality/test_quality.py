@@ -110,7 +110,7 @@ def test_colors(rng):
     first, second = surface("cobbles")
     real = measured("cobbles", "real")
     other = assess(first, np.minimum(second, 235) + np.uint8(20))
-    assert other.color > 2 * real.color and 15 < other.color_difference < 25
+    assert other.color > 2 * real.color
     assert "color" in other.flags and "other colors" in other.verdict()
     gray = assess(first[..., 0], second[..., 0])
     noise = assess(first[..., 0], rng.permutation(second[..., 0].ravel()).reshape(128, 256))
@@ -194,7 +194,7 @@ def test_small_and_flat_pictures_give_none_and_no_warning(own, made, plain, rng)
     assert np.isfinite(values).all()
     assert found.verdict()
     if plain:
-        assert found.color_difference == 0 and found.sharpness in (1, None)
+        assert found.color in (0, None) and found.sharpness in (1, None)
 
 
 def test_masks_hide_what_is_under_them(rng):
@@ -230,8 +230,7 @@ def test_what_does_not_go_together_is_refused():
 
 def test_every_figure_is_described():
     fields = {field.name for field in dataclasses.fields(Assessment)}
-    extra = {"patch_scales", "color_difference", "flags", "score"}
-    assert set(FIGURES) == fields - extra
+    assert set(FIGURES) == fields - {"flags", "score"}
     for name, figure in FIGURES.items():
         assert (figure.limit is None) == (figure.good == "") == (figure.within() == "")
         if figure.limit is not None:

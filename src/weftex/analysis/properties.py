@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from weftex.analysis.correlation import correlate
 from weftex.analysis.relief import relief
 from weftex.exemplar import Exemplar
 from weftex.raster.arrays import Floats, median
@@ -36,7 +37,10 @@ def regularity(exemplar: Exemplar) -> float:
     The correlation at a shift, less the lowest on the straight way to it where that is above 0, so
     long lines and slow changes do not count. Irregular samples have 0.1 to 0.3, bricks 0.6 to 0.9.
     """
-    return round(min(highest_return(autocorrelation(exemplar)), 1.0), 2)
+    flat = relief(exemplar)
+    height, width = flat.usable.shape
+    correlation = correlate(flat.levels, flat.usable >= 0.5, (height // 2, width // 2))
+    return round(highest_return(correlation), 2)
 
 
 def highest_return(correlation: NDArray[np.float64]) -> float:
@@ -60,33 +64,6 @@ def highest_return(correlation: NDArray[np.float64]) -> float:
         ]
         best = max(best, reached - max(0.0, float(way.min())))
     return best
-
-
-def autocorrelation(exemplar: Exemplar) -> NDArray[np.float64]:
-    """Return the correlation of a sample with itself at every shift of up to half its sides.
-
-    Slow lighting is removed first. Products of the overlap are divided by the mean of the two
-    parts' energies, so it is 1 where the parts are equal and never more.
-    """
-    flat = relief(exemplar)
-    height, width = flat.usable.shape
-    reach = height // 2, width // 2
-    size = height + reach[0], width + reach[1]  # so far that no shift wraps around
-    power = np.zeros((size[0], size[1] // 2 + 1))
-    for level in flat.levels:
-        power += np.abs(np.fft.rfft2(level, size)) ** 2
-    products = np.fft.irfft2(power, size)
-    usable = np.fft.rfft2(flat.usable, size)
-    energy = np.fft.rfft2((flat.levels**2).sum(axis=0), size)
-    energies = np.fft.irfft2((energy * usable.conj()).real, size)
-    places = [np.arange(-r, r + 1) for r in reach]
-    products, energies = products[np.ix_(*places)], energies[np.ix_(*places)]
-    # Below this the transforms' own rounding is all there is.
-    floor = 1e-9 * max(1.0, float(energies.max()))
-    result: NDArray[np.float64] = np.where(
-        energies > floor, products / np.maximum(energies, floor), 0
-    )
-    return result
 
 
 def border_steps(exemplar: Exemplar) -> tuple[float, float]:

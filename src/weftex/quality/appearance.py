@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from weftex.analysis.lattice import Lattice
-from weftex.quality.view import View, over_halves, some, window_corners
+from weftex.quality.view import View, beside_halves, some, window_corners
 from weftex.random import draw
 from weftex.raster.arrays import Floats
 from weftex.threads import one_blas_thread
@@ -33,31 +33,29 @@ _ROWS = 3  # rows that the sample must hold: fewer are no order
 _FAINT = 0.08  # contrast of correlations, which the sample must have
 
 
-def patch_distance(sample: View, result: View) -> tuple[float | None, tuple[float, ...]]:
-    """Return the distance of patch distributions over that of the sample's halves, and each scale.
+def patch_distance(sample: View, result: View) -> float | None:
+    """Return the distance of patch distributions over that of the sample's halves, 1 if as near.
 
-    At a scale it is the mean of the features' Wasserstein distances, in standard deviations of the
-    sample's; the first value is their root mean square, None where the sample is too small.
+    At each scale it is the mean of the features' Wasserstein distances, in standard deviations of
+    the sample's; these count by their root mean square. None where the sample is too small.
     """
     found = []
     scales = zip(sample.pyramid(_SCALES), result.pyramid(_SCALES), strict=True)
     for scale, (own, made) in enumerate(scales):
         features = _features(own.values.shape[2], scale)
-        drawn = [_described(half, features) for pair in own.halves for half in pair]
-        values, ours = _described(own, features), _described(made, features)
-        if ours is None or values is None or any(part is None for part in drawn):
+        views = [own, made, *(half for pair in own.halves for half in pair)]
+        values = [one for view in views if (one := _described(view, features)) is not None]
+        if len(values) < len(views):
             break
         floor = 0.5 * np.sqrt((features**2).sum(axis=1))  # a feature of less is rounding
-        spread = np.maximum(values.std(axis=1, dtype=np.float64), floor)
-        quantiles = [at_quantiles(part, _PATCH_QUANTILES) for part in drawn if part is not None]
-        between = [_patches_apart(quantiles[k], quantiles[k + 1], spread) for k in (0, 2)]
-        apart = _patches_apart(
-            at_quantiles(values, _PATCH_QUANTILES), at_quantiles(ours, _PATCH_QUANTILES), spread
+        spread = np.maximum(values[0].std(axis=1, dtype=np.float64), floor)
+        quantiles = [at_quantiles(part, _PATCH_QUANTILES) for part in values]
+        apart, *between = (
+            float((abs(first - second).mean(axis=1) / spread).mean())
+            for first, second in zip(quantiles[::2], quantiles[1::2], strict=True)
         )
         found.append(apart / max(float(np.mean(between)), _FLOOR))
-    if not found:
-        return None, ()
-    return float(np.sqrt(np.mean(np.square(found)))), tuple(found)
+    return float(np.sqrt(np.mean(np.square(found)))) if found else None
 
 
 def _described(view: View, features: NDArray[np.float32]) -> NDArray[np.float32] | None:
@@ -105,18 +103,13 @@ def at_quantiles(values: NDArray[np.float32], number: int) -> Floats:
     return np.sort(values, axis=1)[:, ranks].astype(np.float64)
 
 
-def _patches_apart(first: Floats, second: Floats, spread: Floats) -> float:
-    return float((abs(first - second).mean(axis=1) / spread).mean())
-
-
-def color_distance(sample: View, result: View) -> tuple[float | None, float | None]:
-    """Return the distance of color distributions in 255ths, and over that of the sample's halves.
+def color_distance(sample: View, result: View) -> float | None:
+    """Return the distance of color distributions over that of the sample's halves, 1 if as near.
 
     The Wasserstein distance, in the mean over each channel and 12 random mixtures of them. Halves
     closer than 1 of 255 count as 1.
     """
-    apart, own = _colors_apart(sample, result), over_halves(sample, _colors_apart)
-    return apart, None if own is None or apart is None else apart / max(own, _COLOR_FLOOR)
+    return beside_halves(sample, result, _colors_apart, _COLOR_FLOOR)
 
 
 def _colors_apart(first: View, second: View) -> float | None:
@@ -181,8 +174,7 @@ def autocorrelation_distance(sample: View, result: View) -> float | None:
         parts = [_at_short_shifts(view, reach) for view in (first, second)]
         return float(np.sqrt(np.mean((parts[0] - parts[1]) ** 2)))
 
-    own = over_halves(sample, apart)
-    return None if own is None else apart(sample, result) / max(own, _SAME)
+    return beside_halves(sample, result, apart, _SAME)
 
 
 def _at_short_shifts(view: View, reach: int) -> Floats:

@@ -25,13 +25,8 @@ LARGEST_MEASURED = 2048
 """Pixels a side: of a larger result the middle is measured, except for the wrap."""
 
 _DIGITS = 3
-_SCORED = (
-    "uneven",
-    "broken",
-    "autocorrelation",
-    "lattice",
-    "seams",
-)  # terms of the score shown by themselves
+#: Terms of the score that are shown by themselves.
+_SCORED = ("uneven", "broken", "autocorrelation", "lattice", "seams")
 
 
 @dataclass(frozen=True)
@@ -59,10 +54,6 @@ class Assessment:
         Strength of unexplained steps; 1 is as in the sample.
     sharpness : float or None
         Strength of the finest detail, relative to the sample's.
-    patch_scales : tuple of float
-        `patches` at each of its scales, finest first.
-    color_difference : float or None
-        The distance between both color distributions, before it is divided for `color`.
     wrap : float or None
         Share of the border that shows a seam; only of a tileable result.
     flags : tuple of str
@@ -75,10 +66,8 @@ class Assessment:
 
     uneven: float | None = None
     patches: float | None = None
-    patch_scales: tuple[float, ...] = ()
     broken: float | None = None
     color: float | None = None
-    color_difference: float | None = None
     autocorrelation: float | None = None
     lattice: float | None = None
     seams: float | None = None
@@ -158,16 +147,13 @@ def assess(
         scorer = Scorer(as_it_was(exemplar))
         own, whole = scorer.own, scorer.view(pixels)
         made = whole.center(LARGEST_MEASURED)
-        patches, scales = patch_distance(own, made)
-        color_difference, color = color_distance(own, made)
+        patches, color = patch_distance(own, made), color_distance(own, made)
         step(1)
         scored = scorer.figures(made, step)
-        figures: dict[str, Any] = {
+        figures = {
             **{name: scored.get(name) for name in _SCORED},
             "patches": patches,
-            "patch_scales": scales,
             "color": color,
-            "color_difference": color_difference,
             "sharpness": sharpness(own, made),
             "wrap": wrap_seam(scorer.steps, whole, wrap),
             "score": weigh(scored),
@@ -220,14 +206,12 @@ def _mean(values: list[float | None]) -> float | None:
     return round(float(np.mean(known)), _DIGITS) if known else None
 
 
-def _rounded(value: Any) -> Any:
-    if isinstance(value, tuple):
-        return tuple(_rounded(part) for part in value)
+def _rounded(value: float | None) -> float | None:
     return None if value is None or not math.isfinite(value) else round(float(value), _DIGITS)
 
 
-def _flags(figures: dict[str, Any]) -> tuple[str, ...]:
+def _flags(figures: dict[str, float | None]) -> tuple[str, ...]:
     """Return the names of the figures beyond their limits, the worst first."""
-    known = [name for name in FIGURES if figures.get(name) is not None]
-    off = {name: FIGURES[name].badness(figures[name]) for name in known}
-    return tuple(sorted((name for name in known if off[name] > 1), key=lambda name: -off[name]))
+    known = ((name, figures.get(name)) for name in FIGURES)
+    off = {name: FIGURES[name].badness(value) for name, value in known if value is not None}
+    return tuple(sorted((name for name in off if off[name] > 1), key=lambda name: -off[name]))

@@ -175,8 +175,10 @@ def some(places: NDArray[np.int64], count: int, purpose: str) -> NDArray[np.int6
     return places[(bits % np.uint64(len(places))).astype(np.int64)]
 
 
-def over_halves(sample: View, distance: Callable[[View, View], float | None]) -> float | None:
-    """Return the mean distance between the sample's halves."""
-    found = [distance(first, second) for first, second in sample.halves]
-    known = [value for value in found if value is not None]
-    return float(np.mean(known)) if known else None
+def beside_halves(
+    sample: View, result: View, distance: Callable[[View, View], float | None], least: float
+) -> float | None:
+    """Return the distance of a result over that of the sample's halves, at least `least`."""
+    apart, *between = (distance(*pair) for pair in ((sample, result), *sample.halves))
+    known = [value for value in between if value is not None]
+    return None if apart is None or not known else apart / max(float(np.mean(known)), least)
