@@ -27,7 +27,7 @@ PAGES = sorted(p for p in [ROOT / "README.md", *ROOT.glob("docs/**/*.md")] if p.
 EXAMPLES = sorted(ROOT.glob("examples/*.py"))
 PAPERS = sorted(p for p in ROOT.glob("examples/papers/*.py") if p.name[0] != "_")
 #: A line that a page says a command prints: of weftex synth, or of weftex analyze.
-SAID = r"^    (weftex: .+|map: .+|(?:scale|lattice|auto|runner-up 1|tiles) {3}.+| {14}\S.+)$"
+SAID = r"^    (weftex: .+|map: .+|(?:scale|lattice|auto|runner-up 1|tileable) {3}.+| {14}\S.+)$"
 #: Parameters of all methods, as options.
 PARAMETERS = " ".join(
     f"--{field.name.replace('_', '-')}" for m in METHODS.values() for field in dataclasses.fields(m)

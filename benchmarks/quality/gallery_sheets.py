@@ -30,12 +30,12 @@ PAGE = """\
 
 24 materials: each 256x256 sample on the left, and the 512x512 result of its command on the right.
 
-No seed was selected, and weftex chose every method. All samples are CC0
-([authors and sources](../benchmarks/data/surfaces/MANIFEST.csv)). Run the commands in a copy of the
-repository, or replace the file by your own photo. [What still fails](failures.md).
+All results have seed 1: we did not look for a better one. weftex chose every method. All samples
+are CC0 ([authors and sources](../benchmarks/data/surfaces/MANIFEST.csv)). Run the commands in the
+source folder, or replace the file by your own photo. [What still fails](failures.md).
 
-*Images are shown at half size; blue is transparent. This command writes the page, and edits are
-lost: `python benchmarks/quality/gallery.py --methods auto --sheets docs`.*
+*Images are shown at half size; blue is transparent. The page is written by
+`python benchmarks/quality/gallery.py --methods auto --sheets docs`.*
 """
 
 

@@ -28,7 +28,7 @@ CANVAS_KINDS = {
     "known": "hole filling",
     "guide": "following a guide",
     "many": "several samples in one picture",
-    "random_access": "windows of an endless plane",
+    "random_access": "parts of an endless plane",
 }
 #: The thing that a canvas of a kind has.
 CANVAS_NAMES = {"guide": "a guide", "known": "known pixels", "wrap": "tileable output"}
@@ -58,8 +58,8 @@ class Canvas:
         Image that the output follows. It is compared with the sample's guide if there is one (see
         `Exemplar`), else with the sample's pixels, and has their dtype and channels.
     shown : int32 array (H, W), optional
-        The source of each pixel that is there before, in a block of an endless plane or a border
-        that may change, as row * width + column in the sample; else -1. Methods may start from it.
+        The source of each pixel that has a value already (in a part of an endless plane, or in a
+        border that may change), as row * width + column in the sample; else -1. For methods.
 
     Raises
     ------
@@ -131,7 +131,7 @@ class Canvas:
         whole = self.shown is None and self.hole is not None  # no block of a plane
         if self.origin != (0, 0) and (any(self.wrap) or whole):
             raise InvalidInputError(
-                "a window of an endless plane neither wraps nor has known pixels; leave origin out"
+                "a part of an endless plane neither wraps nor has known pixels; leave origin out"
             )
 
     @property

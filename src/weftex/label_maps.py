@@ -37,8 +37,8 @@ class Gradient:
     direction : float
         Where the last sample lies, in degrees: 0 is right, 90 is down.
     width : float, optional
-        Length of one transition, above 0 and at most 1, as a share of the way from corner to
-        corner along `direction`. By default the transitions fill the canvas, as in the paper.
+        Length of one transition, above 0 and at most 1, as a share of the image's extent along
+        `direction`. By default the transitions fill the canvas, as in the paper.
 
     Raises
     ------
@@ -135,7 +135,7 @@ def labels_of(
     With `colors`, other colors count as the nearest of these, so painted edges may be smooth.
     """
     if picture.ndim not in (2, 3) or picture.size == 0:
-        raise InvalidInputError(f"the map has shape {picture.shape}; it must be (H, W[, C])")
+        raise InvalidInputError(f"the label map has shape {picture.shape}; it must be (H, W[, C])")
     flat = picture.reshape(picture.shape[0] * picture.shape[1], -1)
     labels = _by_appearance(flat, count) if colors is None else _by_nearest(flat, count, colors)
     return labels.reshape(picture.shape[:2])
@@ -148,7 +148,7 @@ def _by_appearance(flat: NDArray[Any], count: int) -> NDArray[np.int32]:
     if len(found) != count:
         listed = ", ".join(map(_text, found[order][:_SHOWN])) + ", ..." * (len(found) > _SHOWN)
         raise InvalidInputError(
-            f"the map has {len(found)} colors ({listed}) for {count} samples; it needs "
+            f"the label map has {len(found)} colors ({listed}) for {count} samples; it needs "
             "one for each sample, or a list of the colors: colors=[...], or --colors"
         )
     return np.argsort(order)[inverse.ravel()].astype(np.int32)
@@ -175,7 +175,7 @@ def _by_nearest(flat: NDArray[Any], count: int, colors: Sequence[Any]) -> NDArra
             raise InvalidInputError(f"the color {_text(color)} is given twice; give one each")
     for k, color in enumerate(wanted):
         if not (distance[k] == 0).any():
-            raise InvalidInputError(f"the map has no pixel of the color {_text(color)}")
+            raise InvalidInputError(f"the label map has no pixel of the color {_text(color)}")
     nearest: NDArray[np.int32] = distance.argmin(axis=0).astype(np.int32)
     return nearest
 
@@ -186,14 +186,14 @@ def map_picture(label_map: Any) -> NDArray[Any]:
         if label_map.dtype == bool:
             return label_map.astype(np.uint8)
         if label_map.dtype.kind not in "iu":
-            return check_pixels(label_map, "the map")
+            return check_pixels(label_map, "the label map")
         if label_map.size and label_map.min() < 0:
             raise InvalidInputError(
-                f"the map has the label {label_map.min()}; labels are from 0 on"
+                f"the label map has the label {label_map.min()}; labels are from 0 on"
             )
         return label_map
     if label_map is None:
-        raise InvalidInputError("the map is None; give an image, labels or 'gradient'")
+        raise InvalidInputError("the label map is None; give an image, labels or 'gradient'")
     return load_exemplar(label_map).pixels
 
 

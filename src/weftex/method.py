@@ -86,7 +86,7 @@ class Model(ABC):
     def make(
         self, canvas: Canvas, seed: int, threads: int, progress: ProgressCallback | None
     ) -> Synthesis:
-        """Make one output, such as by `Synthesis.from_source`; `sample` checks arguments."""
+        """Make one output, such as by `Synthesis.from_source`; arguments are already checked."""
 
     def require(self, canvas: Canvas) -> None:
         """Refuse a canvas that the method does not do, or on which a chosen parameter is idle."""
@@ -154,18 +154,18 @@ class Model(ABC):
         threads: int | None = None,
         progress: ProgressCallback | None = None,
     ) -> Synthesis:
-        """Make a window of an endless plane.
+        """Make a part of an endless plane.
 
         Every pixel depends only on the sample, the parameters, the seed and its position.
 
         Parameters
         ----------
         top, left : int
-            First row of the window, from -2**40 to 2**40; first column, in the same range.
+            First row of the part, from -2**40 to 2**40; first column, in the same range.
         height, width : int
-            Number of rows of the window; number of columns.
+            Number of rows of the part; number of columns.
         seed : int, numpy Generator or None
-            Seed of the plane: give the same one for each window.
+            Seed of the plane: give the same one for each part.
         period : int or (int, int), optional
             Number of pixels after which the plane repeats, down and across, up to 2**40.
         threads, progress
@@ -174,7 +174,7 @@ class Model(ABC):
         Raises
         ------
         UnsupportedError
-            If the method cannot make windows, or not with a period.
+            If the method cannot make parts of a plane, or not with a period.
         InvalidInputError
             If the period is too short for the method.
 
@@ -217,7 +217,7 @@ class Method(ABC):
 
     A method of your own sets `slug`, its name; `title`; `paper`, its reference; and `supports`, a
     frozenset that may contain "wrap" (tileable output) and "guide". Methods of weftex also have
-    "known" (holes), "many" (several samples) and "random_access" (windows).
+    "known" (holes), "many" (several samples) and "random_access" (parts of planes).
 
     Raises
     ------

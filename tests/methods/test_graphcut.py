@@ -143,7 +143,7 @@ def test_pieces_keep_to_a_lattice():
     times = off @ np.linalg.inv(np.array([[0, 31.05], [102.17, -0.25]]))
     strayed = abs((times - np.rint(times)) @ np.array([[0, 31.05], [102.17, -0.25]]))
     assert strayed.max() <= 31.05 / 16
-    with pytest.raises(weftex.WeftexError, match="less than two tiles"):
+    with pytest.raises(weftex.WeftexError, match="less than two cells"):
         GraphCut(placement="entire", lattice=(200, 0, 0, 200)).fit(exemplar)
     with pytest.raises(weftex.WeftexError, match="lattice"):
         GraphCut(lattice=(20, 0, 0, 20))

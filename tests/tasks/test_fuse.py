@@ -161,7 +161,7 @@ def test_what_does_not_fit_is_refused():
     for wide in (0, 1, -4, 3.5, True):
         refused(f"belt_width is {wide}", [A, B], HALVES, belt_width=wide)
     refused("belt_width is 81; it must be at most 80", [A, B], HALVES, belt_width=81)
-    refused("the map is 80x70, the size 50x60", [A, B], HALVES, (60, 50))
+    refused("the label map is 80x70, the size 50x60", [A, B], HALVES, (60, 50))
     refused("needs the size", [A, B], "gradient")
     refused("a gradient has no colors", [A, B], "gradient", 50, colors=[0, 1])
     refused("mixed is 3", [A, B], HALVES, mixed=3)

@@ -114,7 +114,7 @@ class CanvasLattice:
 
 
 def check_lattice(vectors: tuple[float, ...], exemplar: Exemplar) -> None:
-    """Raise `InvalidInputError` unless two tiles of these vectors lie in the sample."""
+    """Raise `InvalidInputError` unless two cells of these vectors lie in the sample."""
     x1, y1, x2, y2 = vectors
     lattice = Lattice(((x1, y1), (x2, y2))).reduced()
     height, width = exemplar.shape
@@ -126,8 +126,8 @@ def check_lattice(vectors: tuple[float, ...], exemplar: Exemplar) -> None:
             )
     if 2 * lattice.area > height * width:
         raise InvalidInputError(
-            f"the lattice's tile has {lattice.area:.0f} pixels and {size}, "
-            "which is less than two tiles; give a larger sample"
+            f"one cell of the lattice has {lattice.area:.0f} pixels, but {size}, "
+            "which is less than two cells; give a larger sample"
         )
 
 

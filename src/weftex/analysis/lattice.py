@@ -113,7 +113,7 @@ class Lattice:
 
     @property
     def area(self) -> float:
-        """Pixels of the tile (eq. 3.25); 0 for one vector."""
+        """Pixels of the cell (eq. 3.25); 0 for one vector."""
         if len(self.vectors) == 1:
             return 0.0
         (ax, ay), (bx, by) = self.vectors
@@ -246,9 +246,10 @@ class Rated:
     goodness : float
         Goodness, eq. 3.22; 0 if a vector has no significant multiple.
     mean : float
-        Mean correlation at the multiples, eq. 3.24; for rows, along the lines where it peaks.
+        Mean correlation at the multiples, eq. 3.24; for rows, along the lines of shifts that are
+        multiples of the step.
     multiples : int
-        Number of multiples with a significant overlap, n of eq. 3.22; for rows, of these lines.
+        Number of multiples with a significant overlap, n of eq. 3.22; for rows, of such lines.
     """
 
     vectors: tuple[tuple[float, float], ...]

@@ -145,8 +145,8 @@ class Evenness:
         Share of the remaining variance that forms larger than an eighth of the sample explain. A
         sample of many features has up to 0.3.
     perspective : (float, float)
-        Size of features at the bottom over that at the top, and at the right over that at the
-        left. 1 if they are equal, or if this cannot be measured.
+        Size of features at the bottom divided by that at the top; at the right divided by that at
+        the left. 1 if they are equal, or if this cannot be measured.
     """
 
     light: float

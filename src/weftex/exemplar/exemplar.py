@@ -52,8 +52,8 @@ class Exemplar(Displayable):
     tileable : bool, optional
         The sample repeats without a seam, so patches can cross its borders.
     alpha : bool, optional
-        Whether the last channel is straight alpha; by default with 2 and 4 channels. If the shape
-        looks like (channels, height, width), such as (3, 64, 64), `alpha` must be given.
+        Whether the last channel is straight alpha; by default with 2 and 4 channels. Arrays with
+        channels first, such as (3, 64, 64), are refused. Pass `alpha` if 64 are the channels.
     icc : bytes, optional
         Color profile, written to files.
     name : str, optional
@@ -62,7 +62,7 @@ class Exemplar(Displayable):
         What the pixels show, such as "color" or "normal"; by default from `name`, else color.
     weights : mapping of str to float, optional
         Weight of each map in matching, 1 by default, 0 to ignore the map. With weights of 1, all
-        maps together count as much as the pixels.
+        maps together count as much as the pixels; a map of weight 3 counts three times as much.
 
     Attributes
     ----------

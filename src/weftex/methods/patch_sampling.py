@@ -26,9 +26,9 @@ _SEED_OF_BEST = 1  # by default, so that holes are filled with the best matches
 class PatchSampling(PatchMethod):
     """Patch-based sampling.
 
-    Patches of the sample are pasted in scan order. Each is drawn at random from those whose
-    boundary zone matches the overlap with the patches before within a tolerance, and blended into
-    it.
+    Patches of the sample are pasted in scan order. The candidates are patches whose boundary zone
+    matches the earlier patches within a tolerance. One of them is drawn at random, and blended
+    into the earlier patches.
 
     Examples
     --------

@@ -23,9 +23,9 @@ _PAPERS_TOLERANCE = 0.1  # section 2.2
 class Quilting(PatchMethod):
     """Image quilting.
 
-    Blocks of the sample are pasted in scan order. Each is picked from those whose overlap with the
-    blocks before is within a tolerance of the best one's, and cut along the path through the
-    overlap where they differ least.
+    Patches of the sample are pasted in scan order. Each is drawn from those whose error in the
+    overlap with earlier patches is at most 1 + tolerance times the least error. It is cut along
+    the path through the overlap where it differs least from the earlier patches.
 
     Examples
     --------

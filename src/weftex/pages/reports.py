@@ -41,7 +41,7 @@ _LEGEND = (
 
 @dataclass(frozen=True, eq=False)
 class MapReport:
-    """One map of a set: pictures of the sample's and the result's, and the figures."""
+    """One map of a set: images of it in the sample and in the result, and its measures."""
 
     sample: Bytes
     result: Bytes

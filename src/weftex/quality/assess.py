@@ -41,7 +41,7 @@ class Assessment:
         How unevenly the parts of the sample are used: 0 is evenly, above 1 a few parts only. It
         matches windows with the sample, so it needs no source map.
     patches : float or None
-        Whether small patches look as in the sample; 1 is as similar as two halves of the sample.
+        Whether small windows look as in the sample; 1 is as similar as two halves of the sample.
     broken : float or None
         Whether features are whole, in the same unit.
     color : float or None
@@ -59,9 +59,9 @@ class Assessment:
     flags : tuple of str
         Names of the measures beyond their limits, worst first.
     score : float or None
-        Predicted preference of a viewer: 0 is the sample itself, lower is better. If two scores
-        differ by d, a share of 1 / (1 + exp(-d)) of viewers prefers the lower one. 4 to 5 is
-        typical of good results.
+        Predicted preference of a judge (AI models that see pictures): 0 is the sample itself, lower
+        is better. If two scores differ by d, a share of 1 / (1 + exp(-d)) of judges prefers the
+        lower one. 4 to 5 is typical of good results.
     """
 
     uneven: float | None = None

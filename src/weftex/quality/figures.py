@@ -70,9 +70,9 @@ FIGURES: dict[str, Figure] = {
     ),
     "patches": Figure(
         "patches", _HALVES, "low", 1.6,
-        "Whether small patches, at four scales, look as they do in the sample.",
+        "Whether small windows, at four scales, look as they do in the sample.",
         "where in the image they are; repetition; structure above 50 pixels",
-        "has patches that the sample lacks",
+        "has details that the sample lacks",
         agrees=0.67,
     ),
     "broken": Figure(

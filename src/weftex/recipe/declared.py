@@ -117,7 +117,7 @@ FIT = Option(
 LANDMARKS = Option(
     "landmarks", TEXT, "conspicuous features of the sample, such as its only red leaf: keep "
     "repeats them, thin makes them rare, remove replaces them; auto "
-    "thins them in large outputs; no effect on samples with a lattice", "auto",
+    "thins them from 8 times the sample's area on; no effect on samples with a lattice", "auto",
     choices=("auto", "keep", "thin", "remove"), metavar="auto|keep|thin|remove", heading=_QUALITY,
 )  # fmt: skip
 
@@ -128,7 +128,7 @@ GRADIENT = _by_name(
         "right, 90 is down", default_text="90", metavar="DEG", heading="--map gradient",
     ),
     Option(
-        "width", NUMBER, "length of each transition as a share of the image, at most 1",
+        "width", NUMBER, "length of each transition as a share of the image in this direction",
         default_text="transitions fill the image", metavar="W", heading="--map gradient",
     ),
 )  # fmt: skip
@@ -193,30 +193,30 @@ TASKS = {
                    default_text="pixels that are not fully opaque", metavar="FILE"),
             Option("tileable", AXES, "the photo is tileable along both axes, or only x or y, so "
                    "holes can cross its border", False, metavar="x|y"),
-            Option("overlap", WHOLE, "width of a margin around the holes that may change; wider "
+            Option("overlap", WHOLE, "width of a strip around the holes that may change; wider "
                    "hides the seam better", 0, low=0, unit="px", metavar="PX", heading=_QUALITY),
             Option("match_tone", FLAG, "match the tone of the filling to its surroundings",
-                   default_text="yes if weftex chooses the method", heading=_QUALITY),
+                   default_text="yes without --method and its parameters", heading=_QUALITY),
         ),
         ("maps", "repeats", "map_weights"), 1, 2, AUTO, FOR_HOLES,
     ),
     "fuse": Task(
         _by_name(
             Option("map", Kind("map", "an image, or what a gradient takes", str, _map),
-                   "image with one color for each sample, or 'gradient'", metavar="MAP"),
-            Option("colors", COLORS, "map colors of the samples, in their order, as #rrggbb or "
-                   "gray levels", metavar="C,C,..."),
-            Option("mixed", MIXED, "map colors of regions that show spots of two samples, such as "
-                   "'#00ff00=1+2'", metavar="C=A+B,..."),
-            Option("size", SIZE, "output size in pixels", default_text="the map's",
+                   "label map: image with one color for each sample, or 'gradient'", metavar="MAP"),
+            Option("colors", COLORS, "colors of the samples in the label map, in their order, as "
+                   "#rrggbb or gray levels", metavar="C,C,..."),
+            Option("mixed", MIXED, "colors in the label map of regions that show spots of two "
+                   "samples, such as '#00ff00=1+2'", metavar="C=A+B,..."),
+            Option("size", SIZE, "output size in pixels", default_text="the label map's",
                    metavar="WxH|N"),
             TILEABLE,
             Option("boundary", TEXT, "cut: materials meet along the least visible seam; merged: "
                    "a belt along the seam is filled from both", "cut", choices=("cut", "merged"),
                    metavar="cut|merged", heading=_QUALITY),
-            Option("belt_width", WHOLE, "width of the belt in which boundaries may move", low=2,
-                   unit="px", default_text="about three times the largest features", metavar="PX",
-                   heading=_QUALITY),
+            Option("belt_width", WHOLE, "width of the belt around a boundary, in which it may move",
+                   low=2, unit="px", default_text="about three times the largest features",
+                   metavar="PX", heading=_QUALITY),
             Option("missing", LEVELS, "values for missing maps: 0 to 1, or 'flat' for normals",
                    default_text="omit such maps", metavar="NAME=VALUE,...",
                    heading=_SETS),

@@ -37,7 +37,7 @@ def best_tile(sample: Any, size: Any, vectors: Any, border: int = 10) -> Made:
 
     Notes
     -----
-    Vectors with fractions are rounded where they lead from pixel to pixel. A tile is considered if
+    Fractional vectors are rounded only when a pixel is looked up. A tile is considered if
     it lies in the sample with half its borders.
 
     Examples
@@ -71,7 +71,7 @@ def best_tile(sample: Any, size: Any, vectors: Any, border: int = 10) -> Made:
         return total
 
     # The left and right borders are v1 apart and lie along v2, the top and bottom ones v2 and v1.
-    reach = (border + 1) // 2  # on each side of a side
+    reach = (border + 1) // 2  # on either side of an edge
     error = integrated(differences(0), within(0 * v[1], v[1], reach))
     error += integrated(differences(1), within(0 * v[0], v[0], reach))
     # Tiles whose borders are outside have undefined self-similarity.

@@ -23,7 +23,7 @@ def efros_leung(
     seed_size: int = 3,
     seed: int = 0,
 ) -> Made:
-    """Grow a texture from a seed, one pixel at a time.
+    """Grow a texture from a small piece of the sample, one pixel at a time.
 
     A. A. Efros, T. K. Leung: Texture synthesis by non-parametric sampling, ICCV 1999, section 2,
     with the values of the pseudocode that its authors published.
@@ -41,10 +41,11 @@ def efros_leung(
         the best match.
     threshold : float
         MaxErrThreshold: a pixel whose match differs more waits. In mean squared difference, 1 is
-        black against white. It rises by a tenth when no pixel of a layer has such a match.
+        black against white. It rises by a tenth when no pixel of a layer has such a
+        match, and in each layer after 8 tries per pixel.
     seed_size : int
-        Side of the piece of the sample in the middle from which the texture grows, in pixels; at
-        most `window`, so that it lies in the sample.
+        Side of the piece of the sample in the middle from which the texture grows, in pixels;
+        larger values than `window` are reduced to it.
     seed : int
         Seed of the random draws.
 

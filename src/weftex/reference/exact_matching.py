@@ -53,9 +53,9 @@ def exact_matching(
 
     Notes
     -----
-    The upper band lies above the output. Under random pixels, as many more rows are made and left
-    out. Of equal distances the first place in scan order wins. Where the reduced search space is
-    empty, a random pixel is taken.
+    The upper band lies above the output. Below a random band, as many rows as it has are made and
+    discarded. Of equal distances the first place in scan order wins. Where the reduced search
+    space is empty, a random pixel is taken.
 
     Examples
     --------
@@ -127,9 +127,9 @@ def synthesize(
 
 
 def texture_analysis(pixels: Any, centers: Any, tolerance: float) -> Any:
-    """Section 4.1: which centers have a color at a direct neighbor, instead of a kd-tree of them.
+    """Section 4.1: for each color and neighbor, the centers that have it there.
 
-    Returns the function that section 4.2 retrieves lists of positions with.
+    A plain search stands in for the paper's kd-tree. Returns the function of section 4.2.
     """
     colors, number = np.unique(pixels.reshape(-1, pixels.shape[2]), axis=0, return_inverse=True)
     number = number.reshape(pixels.shape[:2])

@@ -96,8 +96,8 @@ def fusion(
     # First each non-belt region with its texture sample ...
     for k, (pixels, origin) in enumerate(zip(inputs, origins, strict=True)):
         fill(pixels, origin, (labels == k) & (belt_of < 0), scales[k], scales[k], k)
-    # ... then every belt with a new one: the window of the larger, seed points as dense as those
-    # of the smaller.
+    # ... then each belt from a merged sample: the window has the larger scale, the seed points the
+    # smaller.
     for number, (a, b) in enumerate(pairs):
         belt = belt_of == number
         if belt.any():

@@ -72,9 +72,9 @@ def graphcut(
     Notes
     -----
     The paper leaves the norm of colors open: here the sum of absolute differences, in whole steps
-    of 1/256. At a border of the sample, where one of both patches ends, a seam costs twice as much
-    as the other patch says. Of equal cuts, the one with the fewest new pixels is used. Each patch
-    covers the first missing pixel in scan order.
+    of 1/256. Beyond the sample's border, one of both patches has no colors: the cost there is that
+    of the other patch, doubled. A small number is added to each gradient. Of equal cuts, the one
+    with the fewest new pixels is used. Each patch covers the first missing pixel in scan order.
 
     Examples
     --------
@@ -109,12 +109,12 @@ def graphcut(
         differences = [norm(p, q) for p, q in ((a_s, b_s), (a_t, b_t)) if p and q]
         gradient = [norm(p, q) for p, q in ((a_s, a_t), (b_s, b_t)) if p and q]
         cost, across = sum(differences), sum(gradient)
-        if len(differences) < 2:  # a patch ends here: as if it were like the other, times two
+        if len(differences) < 2:  # a patch ends: the missing term is the other one; doubled
             cost, across = (4 * cost, 2 * across) if differences else (4 * WHITE * len(a_s), 0)
         return 256 * cost // (across + SOFT * len(a_s)) if gradients else cost
 
     def offset(old: Any, known: Any) -> Any:
-        """Sub-patch matching (section 4): one of the offsets by its chance, from the mean SSD."""
+        """Sub-patch matching (section 4): draw an offset; its chance follows from the mean SSD."""
         cost = np.zeros(patches.shape[:2])
         if known.any():
             cost = ((patches[:, :, known] - old[known]) ** 2).sum(axis=(2, 3)) / known.sum()
@@ -124,7 +124,7 @@ def graphcut(
         return np.divmod(chosen, patches.shape[1])
 
     def connect(graph: Graph, s: Place, t: Place, new: dict[Place, Place]) -> None:
-        """Add what it costs that s and its neighbor t are old or new to the graph."""
+        """Add to the graph the costs of s and its neighbor t being old or new."""
         step = t[0] - s[0], t[1] - s[1]
         old_s, old_t = (tuple(sources[p].tolist()) if sources[p][0] >= 0 else None for p in (s, t))
         new_s, new_t = new.get(s), new.get(t)

@@ -110,7 +110,7 @@ def pyramid_masks(shape: tuple[int, ...], levels: int, orientations: int) -> lis
     radius, angle = np.hypot(v, u), np.arctan2(v, u)
 
     def low_pass(level: int) -> Any:
-        """1 below half of a frequency, which falls by octaves, 0 above it, a cosine between."""
+        """Cutoff f halves with each level: 1 below f / 2, 0 above f, a cosine between."""
         octave = np.log2(np.maximum(radius, 1e-9) * 2 ** (level + 1))  # 0 where it ends
         return np.cos(np.pi / 2 * np.clip(octave + 1, 0, 1))
 

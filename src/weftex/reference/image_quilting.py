@@ -46,8 +46,8 @@ def image_quilting(
 
     Notes
     -----
-    Of paths with the same error the one nearest to the border of the block is taken, from its end
-    on. Each cut goes through the whole side of the block, so that both meet in its corner.
+    Of paths with the same error, the one nearest to the border of the block wins, compared from
+    its end on. Each cut goes through the whole side of the block, so both meet in its corner.
 
     Examples
     --------

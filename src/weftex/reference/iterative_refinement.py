@@ -35,8 +35,8 @@ def iterative_refinement(
     size : int or (int, int)
         Height and width of the output in pixels.
     scale : int, optional
-        Scale of the dominant structure in pixels; by default `dominant_scale` of the sample, or the
-        largest of which a window fits into it.
+        Scale of the dominant structure in pixels; by default estimated from the power spectrum, but
+        at most so large that a window fits into the sample.
     matches : int
         k: a unit tile is drawn from the k best matching ones.
     iterations : int
@@ -66,7 +66,7 @@ def iterative_refinement(
     (12, 14)
     """
     pixels, shape = checked(sample, size, seed)
-    # Steps 1 to 3: the window is twice as wide as the scale, to which seed points are as dense.
+    # Steps 1 to 3: the window is twice as wide as the scale; seed points lie one scale apart.
     if scale is None:
         scale = max(1, min(round(dominant_scale(sample)), (min(pixels.shape[:2]) - 1) // 2))
     fits("window", 2 * scale + 1, pixels, odd=True, least=3)

@@ -60,8 +60,8 @@ def near_regular(
 
     Notes
     -----
-    Blocks beyond the output are made too, so that all gaps have four neighbors. All patches that
-    are similar to a block are in one random order, of which each block begins at a random place.
+    Blocks beyond the output are made too, so that all gaps have four neighbors. The
+    multiples of the vectors are shuffled once; each block starts at a random place in that order.
 
     Examples
     --------

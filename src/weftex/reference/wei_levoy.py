@@ -111,7 +111,7 @@ def wei_levoy(
 
 
 def noise_like(sample: tuple[int, ...], shape: tuple[int, int], seed: int) -> Any:
-    """Numbers of the sample's pixels: each equally often, at random places (steps 1 and 2)."""
+    """Indices of sample pixels, each used equally often, at random places (steps 1 and 2)."""
     numbers, cells = np.arange(sample[0] * sample[1]), np.arange(shape[0] * shape[1])
     pool = np.argsort(draw(seed, "wei-levoy share", 0, numbers), kind="stable")
     order = np.argsort(draw(seed, "wei-levoy noise", 0, cells), kind="stable")
@@ -166,7 +166,7 @@ def halves(vectors: Any) -> Any:
 
 
 def tsvq(vectors: Any, tree_size: int) -> Any:
-    """The tree of section 4: a node is its children, each after its centroid; a leaf, its members.
+    """The tree of section 4: a node is (centroid, child, centroid, child); a leaf is its members.
 
     The leaf with the largest distortion is split by the generalized Lloyd algorithm, which begins
     at the mean of the dimension that varies most, until the tree has as many leaves as tree_size.

@@ -116,7 +116,7 @@ def room_for(pixels: NDArray[Any], height: int, width: int) -> NDArray[Any]:
         return np.empty((height, width, *pixels.shape[2:]), pixels.dtype)
     except MemoryError:
         raise InvalidInputError(
-            f"{width}x{height} does not fit in memory; render windows of it"
+            f"{width}x{height} does not fit in memory; render parts of it"
         ) from None
 
 

@@ -48,11 +48,11 @@ class Synthesis(Displayable, SourceMap):
         Match the tone of a filled hole to its surroundings.
     tone_reach : float
         Distance in pixels over which steps of tone at seams are spread; 0 copies pixels unchanged.
-        Holes, images of few colors, normals and colors with alpha are always copied unchanged.
+        Filled holes, images of few colors, normals and colors with alpha are not changed.
     turn, copy_shape : str or None, (int, int) or None
         The copies that `prepare.turned` added to the sample; height and width of one copy.
     is_window : bool
-        The result is a window of an endless plane, where tone steps are not spread.
+        The result is a part of an endless plane, where tone steps are not spread.
     threads : int
         Maximum number of threads of `render`.
     """

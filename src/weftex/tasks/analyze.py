@@ -33,14 +33,14 @@ _MOST_RUNNERS_UP = 24  # pairs that are rated by all their multiples
 
 @dataclass(frozen=True)
 class Band:
-    """A quarter of an octave of the power spectrum, whose rings are its frequencies.
+    """The strongest frequency in a quarter of an octave of the power spectrum.
 
     Attributes
     ----------
     period : float
-        Period of the strongest ring in this quarter of an octave, in pixels.
+        Period of this frequency in pixels.
     power, background : float
-        Power of that ring, 1 for the strongest; power of the rings around it.
+        Its power in all directions, 1 for the strongest; power of the frequencies around it.
     """
 
     period: float
@@ -93,7 +93,7 @@ class Analysis:
     ratings : Ratings
         Ratings of the lattice and of others.
     border_steps : (float, float)
-        Change of color at the border over the change inside, down and across; 1 is no seam.
+        Change of color at the border divided by that inside, down and across; 1 is no seam.
     tiles : (bool, bool)
         Whether the sample is tileable, down and across, as `tile --check` says.
     evenness : Evenness
@@ -153,7 +153,7 @@ class Analysis:
             ("scale", f"{self.scale:g} px {certainty}"),
             ("regularity", f"{self.regularity:g}"),
             *self._lattices(),
-            ("tiles", f"{words[self.tiles]} ({across})"),
+            ("tileable", f"{words[self.tiles]} ({across})"),
             ("auto", self.choice.reason),
             *(("note", warning) for warning in self.choice.warnings),
             *(("window", f"{'none' if width is None else f'{width} px'} for {slug}")

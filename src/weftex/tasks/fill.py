@@ -71,8 +71,8 @@ def fill(
     photo : path, array, PIL image or Exemplar
         The photo with holes. Values inside them are ignored, but must not be NaN or infinite.
     mask : path, PIL image or bool array (H, W), optional
-        True, or white in an image, where the photo is to be filled. An image that is the photo
-        with transparent holes is also accepted. By default, all pixels that are not fully opaque.
+        True, or white in an image, where the photo is to be filled. A copy of the photo with
+        transparent holes is also accepted. By default, all pixels that are not fully opaque.
     sample : path, array, PIL image or Exemplar, optional
         Take patches from this sample instead of the photo. It must have the photo's dtype and
         channels, and maps of the same roles.
@@ -82,11 +82,11 @@ def fill(
         larger than a twelfth of its side; otherwise `patch-sampling`. If `sample` or `parameters`
         are given, it is always `patch-sampling`. The result's `provenance` has the reason.
     overlap : int
-        Width in pixels of a zone around the holes that may change too. The boundary between photo
+        Width in pixels of a strip around the holes that may change too. The boundary between photo
         and filling is cut inside it, so that it does not follow the outline of the mask.
     match_tone : bool, optional
         Match the tone of the filling to the tone around the hole, if they differ by more than the
-        texture itself varies. By default only if `method` is "auto" without `parameters`.
+        texture itself varies. By default only if `method` is "auto" and no `parameters` are given.
     seed : int, numpy Generator or None
         The same seed gives the same bytes, with any number of threads.
     tileable : bool or {"x", "y"}

@@ -60,7 +60,7 @@ def fuse(
         `weftex.label_maps.Gradient`: a transition from one sample to the next. "gradient" is
         ``Gradient()``, from the top to the bottom.
     size : int or (int, int), optional
-        Height and width of the output. By default those of the map; a gradient needs a size.
+        Height and width of the output. By default the label map's; a gradient needs a size.
     colors : sequence of colors, optional
         The label map's color of each sample. By default, colors belong to the samples in the order
         in which they appear, row by row from the upper left corner.
@@ -68,19 +68,19 @@ def fuse(
         Values, from 0 to 1, of maps for samples that lack them; a normal map is flat. By default
         maps that not all samples have are left out, and `provenance` says so.
     mixed : mapping of color to (int, int), optional
-        Further colors, or labels, of regions that merge two samples, with the samples' numbers.
+        Further colors, or labels, of regions that merge two samples, with their indices from 0.
     boundary : {"cut", "merged"}
-        "cut" only cuts. "merged" also fills a belt along each cut with a mixture of both materials,
-        as in the paper. The belt is half as wide as the larger of their windows.
+        "cut" only cuts. "merged" also fills a strip along each cut with a mixture of both
+        materials, as in the paper. It is half as wide as the larger of their windows.
     belt_width : int, optional
-        Width in pixels of the belt that a boundary may use, half of it on each side of the line in
-        the map. By default 1.5 times the larger window of its materials; less in narrow regions.
+        Width in pixels of the belt in which a boundary may move, half of it on each side of the
+        painted line. By default 1.5 times the larger window of its materials; less where narrow.
     method : str or Method
         A method that can fuse, by its name in `weftex.METHODS` or with its parameters.
     seed : int, numpy Generator or None
         The same seed gives the same bytes, with any number of threads.
     tileable : bool or {"x", "y"}
-        Axes that wrap around without a seam, also those of the map.
+        Axes along which the output and the label map wrap around without a seam.
     threads : int, optional
         Maximum number of threads; one for each processor by default.
     progress : callable, optional
@@ -96,8 +96,8 @@ def fuse(
     Raises
     ------
     InvalidInputError
-        If dtypes or channels differ, a color has no sample or a sample no color, the map has
-        another size, or a value is out of range.
+        If dtypes or channels differ, a color has no sample or a sample no color, the label map
+        has another size, or a value is out of range.
     UnsupportedError
         If the method cannot fuse.
     FileError
@@ -242,7 +242,7 @@ def _labels(
     labels = labels_of(picture, count + len(mixed), given)
     if wanted is not None and labels.shape != wanted:
         raise InvalidInputError(
-            f"the map is {labels.shape[1]}x{labels.shape[0]}, the size {wanted[1]}x{wanted[0]}; "
-            "leave size out, or scale the map (nearest neighbor)"
+            f"the label map is {labels.shape[1]}x{labels.shape[0]}, the size "
+            f"{wanted[1]}x{wanted[0]}; leave size out, or scale the label map (nearest neighbor)"
         )
     return labels, [*single, *((min(pair), max(pair)) for pair in mixed.values())]

@@ -64,14 +64,14 @@ def synthesize(
         the dtype and channels of the sample, or of `sample_guide` if there is one; an opaque alpha
         is ignored.
     sample_guide : path, array, PIL image or Exemplar, optional
-        An image of the sample's size that `guide` is compared with, such as a map of labels; see
+        An image of the sample's size that `guide` is compared with, such as an image of labels; see
         `Exemplar`.
     fit : bool
-        Whether to change `size` to the nearest one that contains whole tiles or rows of a
+        Whether to change `size` to the nearest one that contains whole cells or rows of a
         lattice. It needs `tileable`, and has no effect if the sample has no lattice.
     best_of : int
-        Number of results, 1 to 1000, made with `seed`, `seed` + 1 and so on. The result with the
-        best score is returned. Its provenance has all scores.
+        Number of results, 1 to 1000, made with `seed`, `seed` + 1 and so on. The one with the best
+        score and fewest broken features is returned. Its provenance has all scores.
     landmarks : {"auto", "keep", "thin", "remove"}
         What to do with landmarks, small salient regions that reveal repeats: keep them, show each
         only at places far apart, or remove them. With "auto", the method `Auto` thins them if the

@@ -62,7 +62,7 @@ def tile(
     Raises
     ------
     InvalidInputError
-        If the border leaves less than it changes, or no axis is named.
+        If the border is wider than a third of a side, or no axis is named.
     FileError
         If the photo cannot be read.
     CancelledError

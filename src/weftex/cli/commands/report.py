@@ -11,7 +11,7 @@ from weftex.recipe.declared import TILEABLE
 
 _ABOUT = """\
 Measure how well a result matches its sample. Prints a line for each measure, or writes a page with
-images, maps of the flaws, and all measures.\
+images, pictures of the flaws, and all measures.\
 """
 
 _EXAMPLES = """\

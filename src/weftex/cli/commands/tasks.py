@@ -54,8 +54,8 @@ examples:
     "fill": _Help(
         """\
 Fill the holes in a photo. All other pixels stay unchanged unless --overlap is given. Without
---method, weftex chooses graphcut for photos with a lattice, and for small photos with large
-features. In all other cases, it uses patch-sampling.\
+--method, weftex chooses graphcut for photos with a lattice, and for photos up to 512x512 with rows
+or large features. With --sample or a method parameter, and for all others, it uses patch-sampling.\
 """,
         """\
 examples:
@@ -88,9 +88,9 @@ examples:
     ),
     "fuse": _Help(
         """\
-Make one image of several materials, according to a map. The map has one color for each sample;
---colors lists them. Without --colors, the color at the top left belongs to the first sample; the
-next new color, row by row, belongs to the second. --map gradient needs no image.\
+Make one image of several materials. A label map has one color for each sample, and says where each
+goes. --colors lists the colors. Without it, the color at the top left belongs to the first sample,
+and the next new color, row by row, to the second. --map gradient needs no image.\
 """,
         """\
 examples:

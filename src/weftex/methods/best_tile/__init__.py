@@ -49,7 +49,7 @@ class BestTile(Method):
 
     lattice: tuple[float, ...] | None = parameter(
         None,
-        "vectors x1,y1,x2,y2 from one tile to the next",
+        "vectors x1,y1,x2,y2 from one cell to the next",
         count=4,
         unit="px",
         default_text="found in the sample",

@@ -68,7 +68,7 @@ class ExactMatching(WindowedMethod):
         "is more random",
         low=0.0,
         high=1.0,
-        default_text="0 if colors occur more than once, else so that the nearest four match",
+        default_text="0 if colors repeat, else the least at which each color matches four others",
         control="variety",
     )
     nearest_colors: int | None = parameter(
@@ -89,7 +89,7 @@ class ExactMatching(WindowedMethod):
         high=2**31 - 1,
     )
     grouping: float = parameter(
-        0.0, "largest difference (RMS) of windows that share a list entry; higher is faster",
+        0.0, "windows that differ by less (RMS) are compared only once; higher is faster",
         low=0.0, high=1.0,
     )  # fmt: skip
     repeat_distance: int | None = parameter(

@@ -23,9 +23,9 @@ from weftex.threads import thread_map
 class NearRegular(Method):
     """Constrained random sampling and gap filling.
 
-    The output is divided into blocks. Every second block is drawn from the sample, a random
-    multiple of the translation vectors from its own position. Each gap between them is copied from
-    where the sample fits its four neighbors best. So irregularities stay irregular.
+    The output is divided into square patches. Every second patch is copied from the sample, from a
+    place that differs from its own by a random multiple of the lattice vectors. Each gap between
+    them is copied from where the sample fits its four neighbors best. Irregularities vary.
 
     Examples
     --------
@@ -47,7 +47,7 @@ class NearRegular(Method):
 
     lattice: tuple[float, ...] | None = parameter(
         None,
-        "vectors x1,y1,x2,y2 from one tile to the next; rows P apart: 0,P,1,0; any shift: 1,0,0,1",
+        "vectors x1,y1,x2,y2 from one cell to the next; rows P apart: 0,P,1,0; any shift: 1,0,0,1",
         count=4,
         unit="px",
         default_text="found in the sample",
@@ -59,10 +59,10 @@ class NearRegular(Method):
     )
     block_size: int | None = parameter(
         None,
-        "side of the square blocks",
+        "side of the square patches; larger has fewer seams, smaller repeats less",
         low=1,
         unit="px",
-        default_text="by tile and sample, up to 5/16 of the sample's side as in the paper",
+        default_text="by cell and sample, up to 5/16 of the sample's side as in the paper",
         control="size",
     )
     border_width: int | None = parameter(
@@ -71,16 +71,16 @@ class NearRegular(Method):
         low=0,
         parity="even",
         unit="px",
-        default_text="two thirds of the block; 10 in the paper",
+        default_text="two thirds of the patch; 10 in the paper",
     )
     blend: str = parameter(
         "feather",
-        "how blocks are joined: blended into each other, or pasted",
+        "how patches are joined: blended into each other, or pasted",
         choices=("feather", "none"),
     )
     blend_width: int | None = parameter(
         None,
-        "width of the feathered area between blocks; wider hides the blocks better",
+        "width of the feathered area between patches; wider hides the seams better",
         low=0,
         unit="px",
         default_text="12, at most that of the borders; 4 in the paper",
@@ -89,11 +89,11 @@ class NearRegular(Method):
     )
     tolerance: int | None = parameter(
         None,
-        "maximum distance of a block in a gap from a multiple of the vectors",
+        "maximum distance of a patch in a gap from a multiple of the vectors",
         low=0,
         high=64,
         unit="px",
-        default_text="3, less where the tile is small",
+        default_text="3, less where the cell is small",
     )
     match: str = parameter(
         "difference",

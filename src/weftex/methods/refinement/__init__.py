@@ -111,7 +111,7 @@ class Refinement(WindowedMethod):
     )
     matches: int = parameter(
         5,
-        "number of best tiles that each seed point is drawn from; higher is more random",
+        "number of best matches that each seed point is drawn from; higher is more random",
         low=1,
         needs=("init", ("seeds",)),
     )
