@@ -141,7 +141,7 @@ def test_samples_that_tile_must_hold_a_window_too():
     exemplar = weftex.Exemplar(np.zeros((9, 20), np.uint8), tileable=True)
     assert weftex.PatchSampling(patch_size=9).fit(exemplar).sample(30, seed=1).shape == (30, 30)
     for kind in ({"patch_size": 10}, {"patch_size": 1, "boundary_width": 5}):
-        with pytest.raises(weftex.InvalidInputError, match="20x9, smaller than the window"):
+        with pytest.raises(weftex.InvalidInputError, match="20x9, smaller than the patch"):
             weftex.PatchSampling(**kind).fit(exemplar)
 
 

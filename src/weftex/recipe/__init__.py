@@ -205,7 +205,7 @@ class Recipe:
     def _check_map(self, named: Callable[[str], str]) -> None:
         given, options = self.options["map"], self.options
         if given is None:
-            raise InvalidInputError("map is missing; it must be an image or a gradient")
+            raise InvalidInputError("the label map is missing; it must be an image or a gradient")
         if isinstance(given, str):
             if options["mixed"] and options["colors"] is None:
                 raise InvalidInputError(f"{named('mixed')} needs {named('colors')} beside it")

@@ -162,7 +162,7 @@ class PatchMethod(Method):
         if method.window_side > shorter:
             raise InvalidInputError(
                 f"{exemplar.name} is {exemplar.shape[1]}x{exemplar.shape[0]}, smaller than the "
-                f"window of {method.window_side}; the largest that fits is {shorter}"
+                f"patch of {method.window_side}; the largest that fits is {shorter}"
             )
         return method
 
