@@ -40,7 +40,11 @@ __all__ = ["Atlas", "atlas", "corner_colors"]
 _USUAL, _LEAST = 256, 32  # pixels a side of a tile
 #: Colors by which editors show corner colors.
 _SHOWN = ((0xD0, 0x43, 0x3B), (0x3B, 0x7D, 0xD0), (0x4C, 0xA8, 0x4C))
-_SHADER = Path(__file__).parent / "presets" / "corner_tiles.gdshader"
+#: Tilesets of Tiled and Godot, and a shader. The path in a tileset is relative to its file.
+_TEMPLATES = [
+    Path(__file__).parent / "presets" / f"corner_tiles{suffix}"
+    for suffix in (".tsx", ".tres", ".gdshader")
+]
 _TIMES = np.array([0x8DA6B343, 0xD8163841, 0xCB1AB31F], np.uint32)
 _MIX = np.array([0x7FEB352D, 0x846CA68B], np.uint32)
 
@@ -120,14 +124,21 @@ class Atlas:
         `maps` are lists of the maps in each file, if there are several.
         """
         index = {"image": image} | ({} if maps is None else {"maps": maps}) | self.index
-        return {
-            ".json": json.dumps(index, indent=1) + "\n",
-            ".tsx": _tiled_tileset(index, name, image),
-            ".tres": _godot_tileset(index, image),
-            ".gdshader": Template(_SHADER.read_text("utf-8")).substitute(
-                index, count=len(index["ids"]), numbers=", ".join(map(str, index["ids"]))
-            ),
+        values = index | {
+            "count": len(index["ids"]),
+            "numbers": ", ".join(map(str, index["ids"])),
+            "spacing": 2 * self.gutter,
+            "name_in_xml": quoteattr(name),
+            "image_in_xml": quoteattr(image),
+            "image_in_quotes": image.replace("\\", "\\\\").replace('"', '\\"'),
+            "corners_of_tiled": _corners_of_tiled(index),
+            "tiles_of_godot": _tiles_of_godot(index),
+            "terrains_of_godot": _terrains_of_godot(self.colors),
         }
+        found = {".json": json.dumps(index, indent=1) + "\n"}
+        for file in _TEMPLATES:
+            found[file.suffix] = Template(file.read_text("utf-8")).substitute(values)
+        return found
 
     def plane(
         self, rows: int, columns: int, seed: int = 0, *, name: str | None = None
@@ -331,65 +342,43 @@ def _check_gutter(gutter: Any, size: tuple[int, int], exemplar: Exemplar) -> Non
             )
 
 
-def _tiled_tileset(index: dict[str, Any], name: str, image: str) -> str:
-    """Return a tileset of Tiled 1.10 and later with a Wang set of corners.
+def _corners_of_tiled(index: Mapping[str, Any]) -> str:
+    """Return the colors and tiles of a Wang set of corners, for Tiled 1.10 and later.
 
     A Wang ID lists the colors of top, top right, right and so on around; 0 is none.
     """
-    tileset = {
-        "version": "1.10", "tiledversion": "1.10.0", "name": name,
-        "tilewidth": index["tile_width"], "tileheight": index["tile_height"],
-        "spacing": 2 * index["gutter"], "margin": index["gutter"],
-        "tilecount": len(index["tiles"]), "columns": index["columns"],
-    }  # fmt: skip
-    size = {"width": index["width"], "height": index["height"]}
-    lines = [
-        '<?xml version="1.0" encoding="UTF-8"?>',
-        f"<tileset{_attributes(tileset)}>",
-        f" <image{_attributes({'source': image} | size)}/>",
-        " <wangsets>",
-        f"  <wangset{_attributes({'name': name, 'type': 'corner', 'tile': -1})}>",
-    ]
-    for number in range(index["colors"]):
-        color = {"name": f"Corner {number}", "color": "#" + bytes(_SHOWN[number]).hex()}
-        lines.append(f"   <wangcolor{_attributes(color | {'tile': -1, 'probability': 1})}/>")
+    lines = ""
+    for number, color in enumerate(_SHOWN[: index["colors"]]):
+        shown = f'name="Corner {number}" color="#{bytes(color).hex()}"'
+        lines += f'   <wangcolor {shown} tile="-1" probability="1"/>\n'
     for tile in sorted(index["tiles"], key=lambda tile: tile["id"]):
         top_left, top_right, bottom_left, bottom_right = (color + 1 for color in tile["corners"])
         wang = f"0,{top_right},0,{bottom_right},0,{bottom_left},0,{top_left}"
-        lines.append(f'   <wangtile tileid="{tile["id"]}" wangid="{wang}"/>')
-    return "\n".join([*lines, "  </wangset>", " </wangsets>", "</tileset>", ""])
+        lines += f'   <wangtile tileid="{tile["id"]}" wangid="{wang}"/>\n'
+    return lines
 
 
-def _godot_tileset(index: dict[str, Any], image: str) -> str:
-    """Return a TileSet resource of Godot 4 with a terrain set that matches corners.
+def _tiles_of_godot(index: Mapping[str, Any]) -> str:
+    """Return the tiles of a TileSet of Godot 4 with a terrain set that matches corners.
 
     A tile's own terrain is the color of its top left corner, so that cells painted with any
-    terrains have tiles. The path of the image is relative to the resource.
+    terrains have tiles.
     """
-    gutter, across, down = index["gutter"], index["tile_width"], index["tile_height"]
-    path = image.replace("\\", "\\\\").replace('"', '\\"')
-    lines = [
-        '[gd_resource type="TileSet" load_steps=3 format=3]', "",
-        f'[ext_resource type="Texture2D" path="{path}" id="1"]', "",
-        '[sub_resource type="TileSetAtlasSource" id="atlas"]',
-        'texture = ExtResource("1")', f"margins = Vector2i({gutter}, {gutter})",
-        f"separation = Vector2i({2 * gutter}, {2 * gutter})",
-        f"texture_region_size = Vector2i({across}, {down})",
-    ]  # fmt: skip
-    sides = ("top_left", "top_right", "bottom_left", "bottom_right")
+    sides, lines = ("top_left", "top_right", "bottom_left", "bottom_right"), ""
     for tile in sorted(index["tiles"], key=lambda tile: tile["id"]):
         row, column = divmod(tile["id"], index["columns"])
         at = f"{column}:{row}/0"
-        lines += [f"{at} = 0", f"{at}/terrain_set = 0", f"{at}/terrain = {tile['corners'][0]}"]
-        bits = zip(sides, tile["corners"], strict=True)
-        lines += [f"{at}/terrains_peering_bit/{side}_corner = {color}" for side, color in bits]
-    lines += ["", "[resource]", f"tile_size = Vector2i({across}, {down})", "terrain_set_0/mode = 1"]
-    for number in range(index["colors"]):
-        color = ", ".join(str(round(part / 255, 3)) for part in _SHOWN[number])
-        lines += [f'terrain_set_0/terrain_{number}/name = "Corner {number}"']
-        lines += [f"terrain_set_0/terrain_{number}/color = Color({color}, 1)"]
-    return "\n".join([*lines, 'sources/0 = SubResource("atlas")', ""])
+        lines += f"{at} = 0\n{at}/terrain_set = 0\n{at}/terrain = {tile['corners'][0]}\n"
+        for side, color in zip(sides, tile["corners"], strict=True):
+            lines += f"{at}/terrains_peering_bit/{side}_corner = {color}\n"
+    return lines
 
 
-def _attributes(values: dict[str, Any]) -> str:
-    return "".join(f" {name}={quoteattr(str(value))}" for name, value in values.items())
+def _terrains_of_godot(colors: int) -> str:
+    """Return the names and colors of the terrains."""
+    lines = ""
+    for number, color in enumerate(_SHOWN[:colors]):
+        shown = ", ".join(str(round(part / 255, 3)) for part in color)
+        lines += f'terrain_set_0/terrain_{number}/name = "Corner {number}"\n'
+        lines += f"terrain_set_0/terrain_{number}/color = Color({shown}, 1)\n"
+    return lines

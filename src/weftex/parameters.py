@@ -62,24 +62,8 @@ def parameter(
     control : str
         Slider of the studio that sets it: "size" of features, "variety", or "softness" of seams.
     """
-    return dataclasses.field(
-        default=default,
-        metadata={
-            "help": help,
-            "low": low,
-            "high": high,
-            "unit": unit,
-            "choices": choices,
-            "default_text": default_text,
-            "hole_text": hole_text,
-            "needs": needs,
-            "needs_canvas": needs_canvas,
-            "idle_canvas": idle_canvas,
-            "count": count,
-            "parity": parity,
-            "control": control,
-        },
-    )
+    about = {**locals()}  # everything but the default is metadata, under its own name
+    return dataclasses.field(default=about.pop("default"), metadata=about)
 
 
 def check_value(field: dataclasses.Field[Any], value: Any) -> None:

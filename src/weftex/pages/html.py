@@ -7,6 +7,7 @@ import os
 from abc import ABC, abstractmethod
 from collections.abc import Iterable, Sequence
 from html import escape
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -18,24 +19,7 @@ from weftex.quality import Figure
 
 _LARGEST_PICTURE = 1024  # pixels a side of a picture in the page
 
-_STYLE = """
-:root { color-scheme: light dark; --line: #8886; --bad: #b3261e; --good: #1b6e2c; }
-@media (prefers-color-scheme: dark) { :root { --bad: #ff8a80; --good: #81d58f; } }
-body { font: 16px/1.5 system-ui, sans-serif; max-width: 84rem; margin: 2rem auto; padding: 0 1rem; }
-h1 { font-size: 1.6rem; } h2 { font-size: 1.2rem; margin-top: 2.5rem; }
-.verdict { font-size: 1.2rem; border-left: .4rem solid var(--line); padding: .4rem 1rem; }
-.verdict.good { border-color: var(--good); } .verdict.bad { border-color: var(--bad); }
-.pictures { display: grid; gap: 1rem; align-items: start;
-  grid-template-columns: repeat(auto-fit, minmax(min(100%, 16rem), 1fr)); }
-figure { margin: 0; max-width: 100%; } img { max-width: 100%; height: auto; display: block; }
-figcaption { font-size: .9rem; max-width: 32rem; }
-.table { overflow-x: auto; } table { border-collapse: collapse; width: 100%; }
-th, td { text-align: left; padding: .35rem .6rem; border-bottom: 1px solid var(--line);
-  vertical-align: top; }
-td.number { text-align: right; font-variant-numeric: tabular-nums; white-space: nowrap; }
-.over { color: var(--bad); font-weight: 600; } .within { color: var(--good); }
-.small { font-size: .9rem; opacity: .85; }
-"""
+_STYLE = Path(__file__).parent / "page.css"
 
 
 class Page(ABC):
@@ -60,7 +44,7 @@ def document(title: str, parts: Iterable[str]) -> str:
     return (
         '<!DOCTYPE html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n'
         '<meta name="viewport" content="width=device-width, initial-scale=1">\n'
-        f"<title>{escape(title)}</title>\n<style>{_STYLE}</style>\n</head>\n<body>\n"
+        f"<title>{escape(title)}</title>\n<style>\n{_STYLE.read_text('utf-8')}</style>\n</head>\n<body>\n"
         + "\n".join([f"<h1>{escape(title)}</h1>", *parts])
         + "\n</body>\n</html>\n"
     )
