@@ -45,7 +45,7 @@ def test_files_that_appear_are_not_cut_off(tmp_path, monkeypatch, number, second
 
     def work(bar, outputs):
         for name in ("a.png", "b.png"):
-            outputs.add(tmp_path / name)
+            outputs.reserve(tmp_path / name)
         return "made"
 
     assert terminal.run(work, quiet=True)[0] == "made"
@@ -54,7 +54,7 @@ def test_files_that_appear_are_not_cut_off(tmp_path, monkeypatch, number, second
 
 def test_work_that_fails_after_a_signal_was_stopped(tmp_path):
     def work(bar, outputs):
-        outputs.add(tmp_path / "a.png")
+        outputs.reserve(tmp_path / "a.png")
         signal_main_thread(signal.SIGTERM)
         while not bar.stopped:
             time.sleep(0.01)

@@ -2,23 +2,25 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+import argparse
+import dataclasses
+from collections.abc import Iterable, Iterator
+from typing import Any
 
 from weftex.canvas import MAX_PIXELS
+from weftex.cli.files import read_input
 from weftex.cli.parser import BLOCKS, HUGE, Parser
 from weftex.cli.terminal import say
 from weftex.errors import InvalidInputError
 from weftex.io.formats import TIFF, suffix_of
+from weftex.method import Method
+from weftex.parameters import bounds, kind_of
 from weftex.recipe import TASKS, Recipe
 from weftex.recipe.command_line import json_of, value_of
 from weftex.recipe.declared import MATERIAL
+from weftex.recipe.opening import measured
 from weftex.recipe.options import SIZE, Option, read_length
-
-if TYPE_CHECKING:
-    import argparse
-    from collections.abc import Iterable, Iterator
-
-    from weftex.method import Method
+from weftex.registry import AUTO, METHODS, method_class, owners
 
 
 def given_blocks(args: argparse.Namespace) -> list[str]:
@@ -86,9 +88,6 @@ def _in_pixels(text: str, path: str, args: argparse.Namespace, command: str) -> 
         return text  # of pixels, or wrong
     if command == "batch":
         raise InvalidInputError(f"--size is '{text}'; batch needs pixels, as samples may differ")
-    from weftex.cli.files import read_input
-    from weftex.recipe.opening import measured
-
     given = vars(args)
     spec = {name: value_of(MATERIAL[name], given) for name in ("sample_width", "density")}
     material = read_input(path, args, value_of(MATERIAL["maps"], given))
@@ -120,9 +119,6 @@ def _add_parameters(parser: Parser, argv: list[str], usual: str, named: str) -> 
     unknown = parser.unknown(argv)
     if not (unknown or parser.build_only or {"-h", "--help"} & {*argv}):
         return []
-    from weftex.parameters import kind_of
-    from weftex.registry import AUTO, method_class
-
     is_named = named not in ("", AUTO)
     name = named if is_named else usual
     found = [*parameters_of(method_class(name), parser.command in ("fill", "tile"))]
@@ -150,8 +146,6 @@ _KINDS = {"fill": {"known"}, "tile": {"known"}, "fuse": {"known", "many"}}
 
 def _refuse_others(options: list[str], own: list[str], command: str) -> None:
     """Name the methods that have a parameter which the usual method lacks."""
-    from weftex.registry import METHODS, owners
-
     for option in options:
         name = option[2:].replace("-", "_")
         kinds = _KINDS.get(command, set())
@@ -172,11 +166,7 @@ def check_numbers(args: argparse.Namespace) -> None:
 
 def parameters_of(method: type[Method], hole: bool = False) -> Iterator[tuple[Any, str]]:
     """Give each field of a method, and its range and default, in a hole if asked, in words."""
-    from dataclasses import fields
-
-    from weftex.parameters import bounds
-
-    for field in fields(method):
+    for field in dataclasses.fields(method):
         unit = f" {field.metadata['unit']}" if field.metadata["unit"] else ""
         between = " in" if field.metadata["count"] else ""
         default = field.metadata["default_text"]

@@ -2,13 +2,30 @@
 
 from __future__ import annotations
 
+import argparse
 import os
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+from numpy.typing import NDArray
+
+from weftex.cli.terminal import Outputs
 from weftex.errors import InvalidInputError
+from weftex.exemplar import Exemplar
 from weftex.exemplar.material import Material, read_material
+from weftex.io.outputs import OutputSet, fitted_file, kept_file
+from weftex.io.packing import pack_set
+from weftex.io.pictures import (
+    MAX_PIXELS,
+    Picture,
+    check_output,
+    is_folder,
+    read_image,
+    write_image,
+)
+from weftex.io.presets import read_preset
+from weftex.recipe import Recipe
 from weftex.recipe.command_line import described_material, path_of
 from weftex.recipe.opening import (
     OpenedRecipe,
@@ -17,28 +34,14 @@ from weftex.recipe.opening import (
     pictures_like,
     prepare_material,
 )
+from weftex.results.synthesis import Synthesis
 
-if TYPE_CHECKING:
-    import argparse
-    from collections.abc import Callable, Sequence
-
-    from numpy.typing import NDArray
-
-    from weftex.cli.terminal import Outputs
-    from weftex.exemplar import Exemplar
-    from weftex.io.outputs import OutputSet
-    from weftex.io.pictures import Picture
-    from weftex.recipe import Recipe
-    from weftex.results.synthesis import Synthesis
-
-    OpenMaterial = Callable[[dict[str, Any]], PreparedMaterial]
-    OpenPicture = Callable[[str], Picture]
+OpenMaterial = Callable[[dict[str, Any]], PreparedMaterial]
+OpenPicture = Callable[[str], Picture]
 
 
 def read_input(path: str, args: argparse.Namespace, maps: dict[str, str] | None = None) -> Material:
     """Read a picture, or a folder of maps; refuse a plane, as pictures are read whole."""
-    from weftex.io.pictures import MAX_PIXELS
-
     if os.path.lexists(f"{path}.run"):
         from weftex.planes.record import Record
 
@@ -52,8 +55,6 @@ def read_input(path: str, args: argparse.Namespace, maps: dict[str, str] | None 
 
 def _readers(args: argparse.Namespace) -> tuple[OpenMaterial, OpenPicture]:
     """Return what opens materials and images of a recipe, which are files, within the limits."""
-    from weftex.io.pictures import MAX_PIXELS, read_image
-
     read = partial(read_image, max_pixels=None if args.allow_huge else MAX_PIXELS)
 
     def prepare(spec: dict[str, Any]) -> PreparedMaterial:
@@ -76,95 +77,61 @@ def load_sample(path: str, args: argparse.Namespace, *options: str) -> Exemplar:
 
 def open_job(
     recipe: Recipe, args: argparse.Namespace, outputs: Outputs
-) -> tuple[OpenedRecipe, Plan]:
-    """Open materials, and say where each picture goes; all is checked before any work."""
-    from weftex.io.pictures import check_output
-
+) -> tuple[OpenedRecipe, OutputSet, str]:
+    """Open materials, and say where each picture goes; see `plan`."""
     if args.save_source is not None:
         check_output(args.save_source, suffixes=(".npz",))
     paths = [path_of(spec, {}) for spec in recipe.materials]
     make_room(paths[:1] if recipe.task == "fill" else paths, args, outputs)
     job = open_materials(recipe, args)
     notes = [f"map: {note}" for note in job.notes] if recipe.task == "synth" else []
-    return job, plan(job.materials, job.like, args, notes)
+    return job, *plan(job.materials, job.like, args, notes)
 
 
 def make_room(paths: list[str], args: argparse.Namespace, outputs: Outputs) -> None:
     """Make the folder of a set, if one of the paths is a folder; or check the file to write."""
-    from weftex.io.pictures import check_output, is_folder
-
     if any(map(is_folder, paths)):
         outputs.make_folder(args.output)
     else:
         check_output(args.output)
 
 
-@dataclass(frozen=True)
-class Plan:
-    """What will be written."""
-
-    pictures: dict[str, Picture]  # by maps, what files are like; the main one first
-    files: OutputSet
-    folder: str  # of the files
-    told: str  # what was taken for what, a line each
-
-    @property
-    def main(self) -> str:
-        """The name of the main picture."""
-        return next(iter(self.pictures))
-
-    def write(
-        self,
-        outputs: Outputs,
-        pixels_of: Callable[[str], NDArray[Any]] | None = None,
-        threads: int | None = None,
-    ) -> None:
-        """Write pixels, asked for by the names of maps; by default those of the pictures."""
-        own = pixels_of or (lambda name: self.pictures[name].pixels)
-        self.files.write(self.folder, own, outputs.add, threads)
-
-
 def plan(
     materials: Sequence[Material],
-    made: Exemplar,
+    template: Exemplar,
     args: argparse.Namespace,
     notes: Sequence[str] = (),
-) -> Plan:
-    """Return where everything goes, checked before any work; `notes` are further lines to print.
+) -> tuple[OutputSet, str]:
+    """Return where everything goes, checked before any work, and what was taken for what.
 
-    `made` is a sample with the maps to write; each is stored as the first material that has it, or
-    as a preset wants it.
+    `template` is a sample with the maps to write; each is stored as the first material that has it,
+    or as a preset wants it. `notes` are further lines to print.
     """
-    from weftex.io.outputs import OutputSet, fitted_file, kept_file
-    from weftex.io.packing import pack_set
-    from weftex.io.presets import read_preset
-
     first = materials[0]
-    pictures = pictures_like(materials, made)
+    pictures = pictures_like(materials, template)
     lines = [
         line.replace("map: ", f"map of {one.name}: ") if len(materials) > 1 else line
         for one in materials
         for line in one.told()
     ]
-    folder = args.output
     if not any(one.folder for one in materials):
         if args.preset is not None:
             raise InvalidInputError(f"--preset has no effect: {first.name} is not a folder")
         folder, name = os.path.split(args.output)
         main = first.main
         file, said = fitted_file(name, main, pictures[main], first.roles[main].name)
-        files, lines = OutputSet((file,)), lines + [f"note: {line}" for line in said]
+        files, lines = OutputSet(folder, pictures, (file,)), lines + [f"note: {s}" for s in said]
     elif args.preset is None:
         stems = {k: os.path.splitext(os.path.basename(p.path))[0] for k, p in pictures.items()}
-        files = OutputSet(tuple(kept_file(stems[k], k, p) for k, p in pictures.items()))
+        kept = (kept_file(stems[k], k, p) for k, p in pictures.items())
+        files = OutputSet(args.output, pictures, tuple(kept))
     else:
         own = os.path.basename(os.path.abspath(str(args.output)))
-        roles = {first.main: first.roles[first.main], **made.roles}
-        files = pack_set(read_preset(args.preset), own, pictures, roles)
+        roles = {first.main: first.roles[first.main], **template.roles}
+        files = pack_set(read_preset(args.preset), args.output, own, pictures, roles)
         lines += [f"map: {line}" for line in files.told()]
-    files.check(folder, lambda key: pictures[key].pixels)
-    told = "".join(f"{line}\n" for line in (*lines, *notes))
-    return Plan(pictures, files, folder, told)
+    files.check()
+    return files, "".join(f"{line}\n" for line in (*lines, *notes))
 
 
 def pixels_of(result: Synthesis, main: str) -> Callable[[str], NDArray[Any]]:
@@ -174,10 +141,8 @@ def pixels_of(result: Synthesis, main: str) -> Callable[[str], NDArray[Any]]:
 
 def write_debug(result: Synthesis, folder: str, outputs: Outputs) -> None:
     """Write how a result was put together."""
-    from weftex.io.pictures import write_image
-
     for what, name in (("sources", "coordinates"), ("patches", "patches"), ("seams", "seams")):
-        write_image(outputs.add(os.path.join(folder, f"{name}.png")), result.draw(what))
+        write_image(outputs.reserve(os.path.join(folder, f"{name}.png")), result.draw(what))
 
 
 def report(args: argparse.Namespace, result: Synthesis, what: str, took: float, told: str) -> str:

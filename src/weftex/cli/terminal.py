@@ -167,8 +167,8 @@ class Outputs:
             raise FileError(f"{path}: cannot make this folder: {why}") from None
         self._made.append(path)
 
-    def add(self, path: str) -> str:
-        """Return where to write what is to appear at `path`."""
+    def reserve(self, path: str) -> str:
+        """Return a temporary path to write what appears at `path` when the work has ended well."""
         from weftex.io.pictures import atomic
 
         refuse_input(path)

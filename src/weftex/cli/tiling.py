@@ -4,22 +4,19 @@ from __future__ import annotations
 
 import argparse
 import os
-from typing import TYPE_CHECKING
+from collections.abc import Iterator, Sequence
 
 from weftex.cli.files import plan, read_input
 from weftex.cli.parser import Parser
 from weftex.cli.terminal import Bar, Outputs, finish, run
 from weftex.errors import InvalidInputError
 from weftex.exemplar.material import has_several, with_border
-from weftex.recipe import TASKS
+from weftex.io.formats import written_as
+from weftex.io.pictures import check_output, is_folder, locate, write_image
+from weftex.recipe import TASKS, Recipe
 from weftex.recipe.command_line import value_of
 from weftex.recipe.declared import CROP, PAD
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
-
-    from weftex.recipe import Recipe
-    from weftex.recipe.options import Option
+from weftex.recipe.options import Option
 
 #: Options of `weftex tile` that do something else than making a photo tileable.
 TOOLS = ("--check", "--pad", "--crop")
@@ -47,8 +44,6 @@ def materials_of(
     all outputs are folders if `folders`.
     """
     from weftex.cli.commands.batch import Entry, entries_of
-    from weftex.io.formats import written_as
-    from weftex.io.pictures import is_folder, locate
 
     if len(paths) == 1 and not has_several(paths[0]):
         return [(paths[0], output)]
@@ -72,16 +67,12 @@ def each_output(
     paths: Sequence[str], args: argparse.Namespace, outputs: Outputs, *, folders: bool = False
 ) -> Iterator[tuple[str, argparse.Namespace]]:
     """Give each material, and the arguments with the output of it, whose folder is made."""
-    from weftex.io.pictures import check_output, is_folder
-
     found = materials_of(paths, args.output, folders=folders)
     if len(found) > 1 or found[0][1] != args.output:
         outputs.make_folder(args.output)
     for path, output in found:
         if folders or is_folder(path):
             outputs.make_folder(output)
-        else:
-            check_output(output)
         yield path, argparse.Namespace(**vars(args) | {"output": output})
 
 
@@ -110,6 +101,7 @@ def run_tool(argv: list[str]) -> None:
     parser.add_argument("materials", nargs="+")
     parser.take(_AXES)
     parser.share("--quiet", "--allow-huge", *(["--output"] if named != ["--check"] else []))
+    parser.set_defaults(preset=None)
     add_tools(parser)
     args = parser.parse(argv)
     if args.picture is not None and not args.check:
@@ -124,7 +116,6 @@ def run_tool(argv: list[str]) -> None:
 
 def _check(args: argparse.Namespace, axes: tuple[int, ...]) -> None:
     """Print a line for each image; exit code 1 if one is not tileable."""
-    from weftex.io.pictures import check_output, write_image
     from weftex.quality import borders_of_each, draw_borders
 
     if args.picture is not None:
@@ -144,7 +135,7 @@ def _check(args: argparse.Namespace, axes: tuple[int, ...]) -> None:
                 line = f"not tileable: {said}" if bad else "tileable"
                 lines.append(f"{material.pictures[name].path}: {line}")
         if picture is not None:
-            write_image(outputs.add(args.picture), picture)
+            write_image(outputs.reserve(args.picture), picture)
         return lines, worst
 
     (lines, worst), _ = run(work, args.quiet)
@@ -162,10 +153,8 @@ def _resize(args: argparse.Namespace, axes: tuple[int, ...], option: Option) -> 
         count = 0
         for path, own in each_output(args.materials, args, outputs):
             changed = with_border(read_input(path, args), **by, axes=axes, flag="--")
-            made = plan(
-                [changed], changed.exemplar(), argparse.Namespace(**{"preset": None} | vars(own))
-            )
-            made.write(outputs)
+            files, _ = plan([changed], changed.exemplar(), own)
+            files.write(outputs.reserve)
             count += len(changed.pictures)
         did = "padded" if option is PAD else "cropped"
         return f"{did} {count} image{'s'[: count > 1]} in {args.output}, in {bar.took:.2f} s"

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -110,12 +110,19 @@ def _converted(pixels: Pixels, role: str, dtype: np.dtype[Any], alpha: bool) -> 
 
 @dataclass(frozen=True)
 class OutputSet:
-    """The files of a picture or a set, and what else is to be written and said about them."""
+    """The files of a picture or a set in a folder, and what else is to be said about them."""
 
+    folder: str
+    pictures: Mapping[str, Picture]  # what the files of maps are like, by name; the main one first
     files: tuple[OutputFile, ...]
     notes: tuple[str, ...] = ()
     name: str = ""
     material: str = ""  # one of `weftex.io.presets.MATERIALS`
+
+    @property
+    def main(self) -> str:
+        """The name of the main picture."""
+        return next(iter(self.pictures))
 
     def told(self) -> list[str]:
         """Return a line for each file, and the notes."""
@@ -157,8 +164,8 @@ class OutputSet:
         text = materialx_document(self.name, where, hextiled=hextiled)
         return {f"{self.name}.mtlx": text.encode()}
 
-    def check(self, folder: str, pixels_of: PixelsOf) -> None:
-        """Refuse what cannot be written, before any work; `pixels_of` gives pixels of this kind."""
+    def check(self) -> None:
+        """Refuse what cannot be written, before any work."""
         by_name: dict[str, OutputFile] = {}
         for one in self.files:
             if one.name in by_name:
@@ -167,28 +174,32 @@ class OutputSet:
                     f"{' and '.join(twins)} would both be written to {one.name}; rename one of them"
                 )
             by_name[one.name] = one
-            like = one.pixels(lambda key: pixels_of(key)[:1, :1])
-            check_output(os.path.join(folder, one.name), like, alpha=one.alpha)
+            like = one.pixels(lambda key: self.pictures[key].pixels[:1, :1])
+            check_output(os.path.join(self.folder, one.name), like, alpha=one.alpha)
         for name in self.documents(lambda name: b""):
-            check_output(os.path.join(folder, name), suffixes=(suffix_of(name),))
+            check_output(os.path.join(self.folder, name), suffixes=(suffix_of(name),))
 
     def write(
         self,
-        folder: str,
-        pixels_of: PixelsOf,
-        add: Callable[[str], str],
+        reserve: Callable[[str], str],
+        pixels_of: PixelsOf | None = None,
         threads: int | None = None,
     ) -> list[str]:
-        """Write the files under the names that `add` returns for their paths; their names."""
+        """Write the files under the temporary names that `reserve` returns for their paths.
+
+        Pixels are asked for by the names of maps; by default they are those of the pictures.
+        Returns the names of the files.
+        """
         files, at_once = self.files, thread_count(threads)
-        temporary = {one.name: add(os.path.join(folder, one.name)) for one in files}
+        render = pixels_of or (lambda key: self.pictures[key].pixels)
+        temporary = {one.name: reserve(os.path.join(self.folder, one.name)) for one in files}
         shapes: dict[int, tuple[int, int]] = {}
 
         def write_one(number: int) -> None:
             one = files[number]
             how: dict[str, Any] = {"alpha": one.alpha, "icc": one.icc, "half": one.half}
             how |= {"density": one.density, "threads": max(1, at_once // len(files))}
-            pixels = one.pixels(pixels_of)
+            pixels = one.pixels(render)
             shapes[number] = pixels.shape[:2]
             write_image(temporary[one.name], pixels, **how)
 
@@ -196,7 +207,7 @@ class OutputSet:
             pass  # the first that fails ends it
         documents = self.documents(lambda name: Path(temporary[name]).read_bytes(), shapes[0])
         for name, data in documents.items():
-            write_bytes(add(os.path.join(folder, name)), data)
+            write_bytes(reserve(os.path.join(self.folder, name)), data)
         return [*temporary, *documents]
 
 

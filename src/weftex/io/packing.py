@@ -38,7 +38,11 @@ _SLACK = 1e-3  # that floats may lie outside 0 to 1
 
 
 def pack_set(
-    preset: Preset, name: str, pictures: Mapping[str, Picture], roles: Mapping[str, Role]
+    preset: Preset,
+    folder: str,
+    name: str,
+    pictures: Mapping[str, Picture],
+    roles: Mapping[str, Role],
 ) -> OutputSet:
     """Plan the files of a preset for a set of maps; `pictures` and `roles` are by map name.
 
@@ -49,7 +53,7 @@ def pack_set(
             kept_file(preset.stem(name, roles[key]), key, one, roles[key].name)
             for key, one in pictures.items()
         ]
-        return OutputSet(tuple(kept), (), name)
+        return OutputSet(folder, pictures, tuple(kept), (), name)
     packer = _Packer(preset, name, pictures, roles)
     files = [made for one in preset.files if (made := packer.file(one)) is not None]
     if not files:
@@ -63,7 +67,8 @@ def pack_set(
         if not used or left:
             what = f"{', '.join(left)} of {key}" if used else key
             packer.notes.append(f"{what} is left out: preset {preset.name} has no file for it")
-    return OutputSet(tuple(files), tuple(packer.notes), name, preset.material)
+    notes = tuple(packer.notes)
+    return OutputSet(folder, pictures, tuple(files), notes, name, preset.material)
 
 
 class _Packer:
@@ -257,14 +262,10 @@ def write_preset(
     pictures = {key: _picture(key, one, shows[key]) for key, one in maps.items()}
     place = os.path.abspath(os.fsdecode(folder))
     own = name or os.path.basename(place)
-    planned = pack_set(read_preset(preset), own, pictures, shows)
-
-    def pixels_of(key: str) -> Pixels:
-        return pictures[key].pixels
-
-    planned.check(place, pixels_of)
+    planned = pack_set(read_preset(preset), place, own, pictures, shows)
+    planned.check()
     with ExitStack() as stack:
-        files = planned.write(place, pixels_of, lambda p: stack.enter_context(atomic(p)))
+        files = planned.write(lambda path: stack.enter_context(atomic(path)))
     return files, list(planned.notes)
 
 

@@ -37,9 +37,13 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Self
+from typing import Any, Self
 
+from weftex.canvas import as_canvas
 from weftex.errors import InvalidInputError, did_you_mean, shown
+from weftex.io.pictures import sample_path
+from weftex.method import Method
+from weftex.naming import make_method
 from weftex.recipe.declared import (
     ATLAS,
     CROP,
@@ -52,9 +56,7 @@ from weftex.recipe.declared import (
     TASKS,
 )
 from weftex.recipe.options import PICTURE, plain
-
-if TYPE_CHECKING:
-    from weftex.method import Method
+from weftex.registry import AUTO, method_class
 
 __all__ = [
     "ATLAS",
@@ -250,8 +252,6 @@ def checked_material(given: Any, *, local: bool = False) -> dict[str, Any]:
         if name in spec and not isinstance(spec[name], str):
             raise InvalidInputError(f"{name} is {shown(spec[name])}; it must be a string")
     if "sample" in spec:
-        from weftex.io.pictures import sample_path
-
         spec["sample"] = spec["sample"].removeprefix("sample:")
         sample_path(spec["sample"])
     for name, option in MATERIAL.items():
@@ -279,9 +279,6 @@ def _method(
     task: str, name: Any, given: Any, options: Mapping[str, Any]
 ) -> tuple[Method, dict[str, Any]]:
     """Return the method of a task, and those of its parameters that were given."""
-    from weftex.naming import make_method
-    from weftex.registry import AUTO, method_class
-
     usual = TASKS[task]
     name = usual.method if name is None else name
     if not isinstance(name, str):
@@ -295,7 +292,6 @@ def _method(
             raise InvalidInputError(f"effort has no effect on {task}")
     belts: Iterable[str] = ()
     if task == "fuse" and options["boundary"] == "merged":
-        from weftex.canvas import as_canvas
         from weftex.tasks.fuse import split_parameters
 
         belts = method_class(name).belt_parameters & own.keys()

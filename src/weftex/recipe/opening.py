@@ -6,26 +6,24 @@ import os
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
+
+from numpy.typing import NDArray
 
 from weftex.canvas import as_canvas
 from weftex.errors import InvalidInputError
 from weftex.exemplar import Exemplar
 from weftex.exemplar.material import Material, read_material, role_of_picture
+from weftex.io.pictures import Picture, mask_of, read_image
+from weftex.method import Model
+from weftex.progress import ProgressCallback
 from weftex.recipe import Recipe, gradient
 from weftex.results.scales import check_size
+from weftex.results.synthesis import Synthesis
 from weftex.roles import COLOR, Role, role_of
 from weftex.tasks.synthesize import synthesize_on
 
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from weftex.io.pictures import Picture
-    from weftex.method import Model
-    from weftex.progress import ProgressCallback
-    from weftex.results.synthesis import Synthesis
-
-    OpenPicture = Callable[[str], Picture]
+OpenPicture = Callable[[str], Picture]
 
 __all__ = ["OpenedRecipe", "PreparedMaterial", "open_recipe", "prepare_material", "read_described"]
 
@@ -148,8 +146,6 @@ def _usable(exemplar: Exemplar, mask: str, open_picture: OpenPicture) -> NDArray
         from weftex.tasks.fill import hole_of
 
         return ~hole_of(None, exemplar)
-    from weftex.io.pictures import mask_of
-
     picture = open_picture(mask)
     return mask_of(picture.pixels, alpha=picture.alpha)
 
@@ -160,8 +156,6 @@ def open_recipe(
     open_picture: OpenPicture | None = None,
 ) -> OpenedRecipe:
     """Open the materials of a recipe; without `open_material` and `open_picture`, from files."""
-    from weftex.io.pictures import read_image
-
     read_picture = open_picture or read_image
 
     def read(spec: dict[str, Any]) -> PreparedMaterial:

@@ -12,6 +12,7 @@ from weftex.canvas import Canvas
 from weftex.io.npz import DamageError
 from weftex.raster.mixing import Mixing
 from weftex.results import paste_kernels
+from weftex.results.files import ABOUT
 from weftex.results.sources import Place, Window
 from weftex.results.synthesis import Synthesis
 
@@ -26,22 +27,24 @@ class PixelSynthesis(Synthesis):
         self.index = index
 
     def stretched(self, canvas: Canvas) -> PixelSynthesis:
-        """Change this result to another size, and return it: leave out or double lines evenly.
+        """Return this result in another size: lines are left out or doubled evenly.
 
         Lines beside few seams are left out, as pieces that fit would be off by a pixel there.
         """
+        index = self.index
         for axis, (n, count) in enumerate(zip(self.shape, canvas.shape, strict=True)):
             lines = np.arange(count) * n // count
             if count < n:
                 on = (self.sample_shape[1], 1)[axis]
-                cut = (np.roll(self.index, -1, axis) - self.index != on).sum(axis=1 - axis)
+                cut = (np.roll(index, -1, axis) - index != on).sum(axis=1 - axis)
                 seams, ends = cut + np.roll(cut, 1), np.arange(n - count + 1) * n // (n - count)
                 out = [a + seams[a : (a + b + 1) // 2].argmin() for a, b in pairwise(ends)]
                 lines = np.delete(np.arange(n), out)
             if count != n:
-                self.index = self.index.take(lines, axis)
-        self.canvas = canvas
-        return self
+                index = index.take(lines, axis)
+        about: dict[str, Any] = {name: getattr(self, name) for name in ABOUT}
+        how = {"exemplar": self.exemplar, "threads": self.threads}
+        return PixelSynthesis(canvas, index, **about | how)
 
     def _layers(self, window: Window) -> tuple[NDArray[np.int32], NDArray[np.float32]]:
         top, left, height, width = window

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import os
 from abc import abstractmethod
-from collections.abc import Mapping
-from typing import Any, ClassVar
+from collections.abc import Mapping, Set
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -56,12 +56,6 @@ class Synthesis(Displayable, SourceMap):
     threads : int
         Maximum number of threads of `render`.
     """
-
-    #: Every kind of result by its arrays.
-    _KINDS: ClassVar[list[type[Synthesis]]] = []
-
-    def __init_subclass__(cls) -> None:
-        Synthesis._KINDS.append(cls)
 
     def __init__(
         self,
@@ -350,8 +344,7 @@ class Synthesis(Displayable, SourceMap):
             raise InvalidInputError(f"source lies outside the sample, which is {width}x{height}")
         index = (found[..., 0] * width + found[..., 1]).astype(np.int32)
         own: dict[str, Any] = {"index": index, "provenance": provenance}
-        kind = next(kind for kind in cls._KINDS if kind.ARRAYS.keys() == {"index"})
-        return kind(canvas, sample_shape=exemplar.shape, exemplar=exemplar, **own)
+        return kind_with({"index"})(canvas, sample_shape=exemplar.shape, exemplar=exemplar, **own)
 
     @classmethod
     def load(
@@ -379,7 +372,7 @@ class Synthesis(Displayable, SourceMap):
         with one_line_errors(path, "a saved weftex result"):
             facts, arrays = read_result(path)
             hole = facts.check_hole(arrays.pop("hole", None))
-            kind = next(kind for kind in cls._KINDS if kind.ARRAYS.keys() <= arrays.keys())
+            kind = kind_with(arrays.keys())
             own = arrays_of({**kind.ARRAYS, **kind.OPTIONAL}, arrays)
             canvas = Canvas(*facts.shape, facts.wrap, hole=hole, origin=facts.origin)
             kind._check(canvas, facts.sample_shape, own)
@@ -389,3 +382,8 @@ class Synthesis(Displayable, SourceMap):
             exemplar = as_made_from(exemplar, facts.turn)
         about: dict[str, Any] = {name: getattr(facts, name) for name in ABOUT}
         return kind(canvas, exemplar=exemplar, **own, **about)
+
+
+def kind_with(arrays: Set[str]) -> type[Synthesis]:
+    """Return the kind of result that has these arrays."""
+    return next(kind for kind in Synthesis.__subclasses__() if kind.ARRAYS.keys() <= arrays)

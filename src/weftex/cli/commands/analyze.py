@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
+from weftex.analysis.canvas_lattice import checked_lattice
+from weftex.analysis.overlay import draw_lattice
 from weftex.cli.files import load_sample
 from weftex.cli.parser import Parser
 from weftex.cli.terminal import Bar, Outputs, print_json
 from weftex.cli.terminal import run as run_work
+from weftex.exemplar import Exemplar
+from weftex.io.pictures import check_output, write_image
 from weftex.recipe import MATERIAL
-
-if TYPE_CHECKING:
-    from weftex.exemplar import Exemplar
-    from weftex.tasks.analyze import Analysis
+from weftex.tasks.analyze import Analysis, analyze
 
 _ABOUT = """\
 Measure the scale, the lattice and the evenness of a sample, and recommend window sizes.\
@@ -41,10 +40,6 @@ def run(argv: list[str]) -> None:
     add("--runners-up", type=int, default=3, metavar="N", help=text)
     parser.share("--allow-huge")
     args = parser.parse(argv)
-    from weftex.analysis.canvas_lattice import checked_lattice
-    from weftex.io.pictures import check_output, write_image
-    from weftex.tasks.analyze import analyze
-
     if args.overlay is not None:
         check_output(args.overlay)
     how = {"lattice": args.lattice, "runners_up": args.runners_up}
@@ -55,8 +50,6 @@ def run(argv: list[str]) -> None:
 
     (exemplar, found), _ = run_work(work, False)
     if args.overlay is not None:
-        from weftex.analysis.overlay import draw_lattice
-
         lattice = found.lattice if args.lattice is None else checked_lattice(args.lattice, exemplar)
         write_image(args.overlay, draw_lattice(exemplar, lattice))
     if args.json:

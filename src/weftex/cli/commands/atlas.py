@@ -2,21 +2,21 @@
 
 from __future__ import annotations
 
+import argparse
 import json
 import os
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+from weftex.atlas import Atlas, atlas
 from weftex.cli.arguments import parse_task
+from weftex.cli.files import open_job
 from weftex.cli.parser import Parser
 from weftex.cli.terminal import Bar, Outputs, finish
+from weftex.io.formats import suffix_of, written_as
+from weftex.io.outputs import OutputSet
+from weftex.io.pictures import is_folder, write_image, write_text
 from weftex.recipe.command_line import value_of
 from weftex.recipe.declared import ATLAS, MATERIAL, SEED
-
-if TYPE_CHECKING:
-    import argparse
-
-    from weftex.atlas import Atlas
-    from weftex.cli.files import Plan
 
 _ABOUT = """\
 Make all corner tiles of a material. Tiles with the same corner colors at a side fit without a seam,
@@ -48,18 +48,15 @@ def run(argv: list[str]) -> None:
     own = {o.name: o.checked(value, o.flag) for o, value in given.items() if value is not None}
 
     def work(bar: Bar, outputs: Outputs) -> str:
-        from weftex.atlas import atlas
-        from weftex.cli.files import open_job
-
         folder = _folder_of_tiles(args, outputs)
-        job, plan = open_job(recipe, args, outputs)
+        job, files, told = open_job(recipe, args, outputs)
         how: dict[str, Any] = {"seed": recipe.seed, "threads": args.threads, "progress": bar}
         made = atlas(job.sample, method=recipe.method.slug, **own, **how, **recipe.parameters)
-        (_write_grids if folder is None else _write_tiles)(made, plan, args, outputs)
+        (_write_grids if folder is None else _write_tiles)(made, files, args, outputs)
         used, (height, width) = made.synthesis.provenance, made.tile_size
         notes = "".join(f"note: {note}\n" for note in made.notes)
         return (
-            f"{plan.told}{notes}made {made.colors**4} tiles of {width}x{height} in "
+            f"{told}{notes}made {made.colors**4} tiles of {width}x{height} in "
             f"{folder or args.output} with {used['method']}, seed {used['seed']}, "
             f"in {bar.took:.2f} s"
         )
@@ -69,9 +66,6 @@ def run(argv: list[str]) -> None:
 
 def _folder_of_tiles(args: argparse.Namespace, outputs: Outputs) -> str | None:
     """Make the folder that gets a file for each tile of an image, unless OUT is an image."""
-    from weftex.io.formats import suffix_of, written_as
-    from weftex.io.pictures import is_folder
-
     folder = str(args.output)
     if suffix_of(folder) or any(map(is_folder, args.materials)):
         return None
@@ -82,38 +76,34 @@ def _folder_of_tiles(args: argparse.Namespace, outputs: Outputs) -> str | None:
     return folder
 
 
-def _write_grids(made: Atlas, plan: Plan, args: argparse.Namespace, outputs: Outputs) -> None:
+def _write_grids(made: Atlas, files: OutputSet, args: argparse.Namespace, outputs: Outputs) -> None:
     """Write a grid for each map, the index, and the tilesets of editors."""
-    from weftex.io.pictures import write_text
-
-    maps = {
-        one.name: [part.source for part in one.parts if part.source] for one in plan.files.files
-    }
-    image = next(name for name, sources in maps.items() if plan.main in sources)
-    single = plan.folder != args.output
+    maps = {one.name: [part.source for part in one.parts if part.source] for one in files.files}
+    image = next(name for name, sources in maps.items() if files.main in sources)
+    single = files.folder != args.output
     stem = os.path.splitext(args.output)[0] if single else os.path.join(args.output, "atlas")
     texts = made.documents(os.path.basename(stem), image, None if single else maps)
-    plan.write(
-        outputs, lambda name: made.image if name == plan.main else made.maps[name], args.threads
+    files.write(
+        outputs.reserve,
+        lambda name: made.image if name == files.main else made.maps[name],
+        args.threads,
     )
     for suffix, text in texts.items():
-        write_text(outputs.add(stem + suffix), text)
+        write_text(outputs.reserve(stem + suffix), text)
 
 
-def _write_tiles(made: Atlas, plan: Plan, args: argparse.Namespace, outputs: Outputs) -> None:
+def _write_tiles(made: Atlas, files: OutputSet, args: argparse.Namespace, outputs: Outputs) -> None:
     """Write a file for each tile, named by its corner colors, and the index."""
-    from weftex.io.pictures import write_image, write_text
-
-    (one,), index, tiles = plan.files.files, made.index, []
+    (one,), index, tiles = files.files, made.index, []
     image, suffix = one.pixels(lambda _: made.image), os.path.splitext(one.name)[1]
     height, width = (side + 2 * made.gutter for side in made.tile_size)
     for tile in index["tiles"]:
         top, left = tile["y"] - made.gutter, tile["x"] - made.gutter
         name = f"tile_{''.join(map(str, tile['corners']))}{suffix}"
-        pixels, path = image[top:, left:][:height, :width], os.path.join(plan.folder, name)
+        pixels, path = image[top:, left:][:height, :width], os.path.join(files.folder, name)
         how: dict[str, Any] = {"icc": one.icc, "half": one.half, "density": one.density}
-        write_image(outputs.add(path), pixels, alpha=one.alpha, **how)
+        write_image(outputs.reserve(path), pixels, alpha=one.alpha, **how)
         tiles.append({"file": name, "corners": tile["corners"]})
     kept = {name: index[name] for name in ("colors", "tile_width", "tile_height", "gutter")}
-    path = outputs.add(os.path.join(plan.folder, "atlas.json"))
+    path = outputs.reserve(os.path.join(files.folder, "atlas.json"))
     write_text(path, json.dumps({**kept, "tiles": tiles}, indent=1) + "\n")

@@ -6,8 +6,10 @@ import argparse
 import os
 import string
 from collections.abc import Iterator, Sequence
+from html import escape
 from time import perf_counter
 from typing import Any, NamedTuple
+from urllib.parse import quote
 
 from weftex.cli.arguments import parse_task
 from weftex.cli.files import open_materials, pixels_of, plan
@@ -20,6 +22,7 @@ from weftex.io.manifest import MANIFEST, Manifest, unfinished
 from weftex.io.map_files import map_files
 from weftex.io.pictures import write_text
 from weftex.method import Model
+from weftex.pages.html import document, small
 from weftex.processes import LostError, Workers
 from weftex.quality.score import MapsScorer, Rating
 from weftex.recipe import MATERIAL, SEED, Recipe
@@ -112,11 +115,6 @@ def _stray(folder: str, entries: Sequence[Entry], output: str) -> str:
 
 def _write_contact_sheet(folder: str, manifest: Manifest) -> None:
     """Write a page that shows the outputs in a folder, which it links to."""
-    from html import escape
-    from urllib.parse import quote
-
-    from weftex.pages.html import document, small
-
     parts = ['<div class="pictures">']
     for record in sorted(manifest.records, key=lambda one: str(one["output"])):
         file = record["output"]
@@ -386,9 +384,9 @@ class Maker:
             options = argparse.Namespace(**vars(self.args) | {"output": path})
             if job.materials[0].folder:
                 outputs.make_folder(path)
-            made = plan(job.materials, job.like, options)
+            files, _ = plan(job.materials, job.like, options)
             try:
-                made.write(outputs, pixels_of(result, made.main), self.args.threads)
+                files.write(outputs.reserve, pixels_of(result, files.main), self.args.threads)
             except WeftexError as error:
                 raise type(error)(str(error).replace(path, target)) from None
         return path

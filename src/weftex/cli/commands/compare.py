@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 from weftex.cli.arguments import check_numbers, check_size
+from weftex.cli.files import load_sample
 from weftex.cli.parser import Parser
 from weftex.cli.terminal import Bar, Outputs, finish, print_json
+from weftex.io.pictures import check_output
+from weftex.pages.comparisons import compare
 from weftex.recipe import MATERIAL, SEED
 from weftex.recipe.command_line import value_of
 from weftex.recipe.declared import OUTPUT_SIZE, TILEABLE
@@ -46,16 +49,12 @@ def run(argv: list[str]) -> None:
     how = {"seed": 1 if values["seed"] is None else values["seed"], "threads": args.threads}
 
     def work(bar: Bar, outputs: Outputs) -> str:
-        from weftex.cli.files import load_sample
-        from weftex.io.pictures import check_output
-        from weftex.pages.comparisons import compare
-
         if args.output is not None:
             check_output(args.output, suffixes=(".html",))
         exemplar, axes = load_sample(args.sample, args, *own), values["tileable"] or False
         found = compare(exemplar, values["size"], tileable=axes, methods=names, progress=bar, **how)
         if args.output is not None:
-            found.save(outputs.add(args.output))
+            found.save(outputs.reserve(args.output))
         if args.json:
             print_json(found.as_dict())
         best = found.entries[0]

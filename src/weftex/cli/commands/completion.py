@@ -8,6 +8,7 @@ from typing import Any
 
 from weftex.cli.parser import Parser, ParserBuilt
 from weftex.errors import missing_packages
+from weftex.registry import METHODS
 
 _EXAMPLES = """\
 examples:
@@ -55,8 +56,6 @@ def _whole(
     commands: Mapping[str, str], built: Callable[[str, list[str]], Parser], file: Any
 ) -> argparse.ArgumentParser:
     """All commands as one parser, each with the parameters of all methods that it takes."""
-    from weftex.registry import METHODS
-
     whole = argparse.ArgumentParser("weftex", description="Texture synthesis from samples.")
     whole.add_argument("--version", "-V", action="store_true", help="print the version")
     parts = whole.add_subparsers()

@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
+from weftex.cli.files import plan, read_input
 from weftex.cli.parser import Parser
 from weftex.cli.terminal import Bar, Outputs, finish
-
-if TYPE_CHECKING:
-    from weftex.exemplar import Exemplar
-    from weftex.exemplar.material import Material
+from weftex.cli.tiling import each_output
+from weftex.exemplar import Exemplar
+from weftex.exemplar.material import Material
+from weftex.io.formats import written_as
+from weftex.io.pictures import Picture
+from weftex.prepare.estimating import estimate_maps, light_joints
 
 _ABOUT = """\
 Estimate the maps that a photo lacks, and write all of them as a map set. Height is estimated from
@@ -54,10 +56,6 @@ def run(argv: list[str]) -> None:
     maps = None if args.maps is None else [name.strip() for name in args.maps.split(",")]
 
     def work(bar: Bar, outputs: Outputs) -> str:
-        from weftex.cli.files import plan, read_input
-        from weftex.cli.tiling import each_output
-        from weftex.prepare.estimating import estimate_maps, light_joints
-
         lines = []
         for path, own in each_output(args.photos, args, outputs, folders=True):
             material = read_input(path, args)
@@ -65,8 +63,8 @@ def run(argv: list[str]) -> None:
             how = {"relief": args.relief, "invert": args.invert, "radius": args.ao_radius}
             made = estimate_maps(photo, maps=maps, **how)
             whole, new = _with_maps(material, made)
-            plans = plan([whole], whole.exemplar(), own)
-            plans.write(outputs)
+            files, _ = plan([whole], whole.exemplar(), own)
+            files.write(outputs.reserve)
             by_color = not {"height", "normal"} & {one.kind for one in material.roles.values()}
             if by_color and not args.invert and {*new} - {"roughness"} and light_joints(photo):
                 lines.append("note: thin bright lines divide the pattern and became ridges; if "
@@ -82,10 +80,6 @@ def run(argv: list[str]) -> None:
 
 def _with_maps(material: Material, made: Exemplar) -> tuple[Material, list[str]]:
     """Return a material as a set with its new maps, and their names."""
-    from weftex.exemplar.material import Material
-    from weftex.io.formats import written_as
-    from weftex.io.pictures import Picture
-
     pictures, roles = dict(material.pictures), dict(material.roles)
     if not material.folder:
         (name, picture), role = next(iter(pictures.items())), roles[material.main]

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from weftex.cli.arguments import parameters_of
 from weftex.cli.parser import Parser
+from weftex.io.pictures import is_folder, sample_names
+from weftex.registry import AUTO, METHODS, method_class
 
 #: Headings of what not every method does, and the kinds of canvas that it takes.
 _ABILITIES = {"FILLS HOLES": "known", "FOLLOWS A GUIDE": "guide", "FUSES SAMPLES": "many"}
@@ -15,8 +17,6 @@ def run(argv: list[str]) -> None:
     parser = Parser("methods", "List the methods, or the parameters of one.", "")
     parser.add_argument("method", metavar="NAME", nargs="?", help="method whose parameters to list")
     name = parser.parse(argv).method
-    from weftex.registry import AUTO, METHODS, method_class
-
     if name is None:
         print(_LINE.format("NAME", "METHOD", *_ABILITIES))
         for slug, cls in ((AUTO, method_class(AUTO)), *METHODS.items()):
@@ -35,8 +35,6 @@ def run(argv: list[str]) -> None:
 def run_samples(argv: list[str]) -> None:
     """Run `weftex samples`."""
     Parser("samples", "List the samples that ship with weftex.", "").parse(argv)
-    from weftex.io.pictures import is_folder, sample_names
-
     for name in sample_names():
         folder = "  (a folder of aligned maps)" if is_folder(f"sample:{name}") else ""
         print(f"sample:{name}{folder}")

@@ -5,9 +5,15 @@ from __future__ import annotations
 import os
 from dataclasses import replace
 
+from weftex.cli.files import plan, read_input
 from weftex.cli.parser import Parser
 from weftex.cli.terminal import Bar, Outputs, finish
 from weftex.errors import FileError, InvalidInputError
+from weftex.io.map_files import map_files
+from weftex.io.outputs import OutputSet, kept_file
+from weftex.io.packing import unpack_set
+from weftex.io.pictures import MAX_PIXELS, is_folder, locate
+from weftex.io.presets import presets, read_preset
 from weftex.recipe import MATERIAL
 from weftex.recipe.command_line import described_material
 
@@ -39,8 +45,6 @@ examples:
 
 def run(argv: list[str]) -> None:
     """Run `weftex pack`; `argv` is what follows its name."""
-    from weftex.io.presets import presets
-
     width = max(map(len, presets()))
     listed = "".join(f"  {name:{width}}  {about}\n" for name, about in presets().items())
     parser = Parser("pack", _ABOUT, f"{_EXAMPLES}\npresets:\n{listed}")
@@ -52,13 +56,11 @@ def run(argv: list[str]) -> None:
     _check_preset(args.preset)
 
     def work(bar: Bar, outputs: Outputs) -> str:
-        from weftex.cli.files import plan, read_input
-
         material = read_input(args.sample, args, spec.get("maps"))
         outputs.make_folder(args.output)
-        made = plan([material], material.exemplar(), args)
-        made.write(outputs)
-        return f"{made.told}packed {args.output} for {args.preset} in {bar.took:.2f} s"
+        files, told = plan([material], material.exemplar(), args)
+        files.write(outputs.reserve)
+        return f"{told}packed {args.output} for {args.preset} in {bar.took:.2f} s"
 
     finish(work, args.quiet)
 
@@ -73,12 +75,6 @@ def run_unpack(argv: list[str]) -> None:
     _check_preset(args.preset)
 
     def work(bar: Bar, outputs: Outputs) -> str:
-        from weftex.io.map_files import map_files
-        from weftex.io.outputs import OutputSet, kept_file
-        from weftex.io.packing import unpack_set
-        from weftex.io.pictures import MAX_PIXELS, is_folder, locate
-        from weftex.io.presets import read_preset
-
         notes: list[str] = []
         if len(args.files) == 1 and is_folder(args.files[0]):
             paths, notes = map_files(args.files[0])
@@ -92,9 +88,9 @@ def run_unpack(argv: list[str]) -> None:
         limits = {"max_pixels": None if args.allow_huge else MAX_PIXELS}
         maps, more = unpack_set(read_preset(args.preset), paths, **limits)
         maps = {role: replace(one, path="") for role, one in maps.items()}  # as PNG, or EXR
-        planned = OutputSet(tuple(kept_file(role, role, one) for role, one in maps.items()))
+        files = tuple(kept_file(role, role, one) for role, one in maps.items())
         outputs.make_folder(args.output)
-        planned.write(args.output, lambda role: maps[role].pixels, outputs.add)
+        OutputSet(args.output, maps, files).write(outputs.reserve)
         told = "".join(f"map: {note}\n" for note in (*notes, *more))
         found = ", ".join(maps)
         return f"{told}unpacked {found} of {args.preset} to {args.output} in {bar.took:.2f} s"
@@ -103,7 +99,5 @@ def run_unpack(argv: list[str]) -> None:
 
 
 def _check_preset(preset: str | None) -> None:
-    from weftex.io.presets import presets
-
     if preset is None:
         raise InvalidInputError(f"--preset is missing; known: {', '.join(presets())}, or a .toml")

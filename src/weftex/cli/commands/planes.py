@@ -8,13 +8,29 @@ from contextlib import ExitStack
 from functools import partial
 from typing import Any
 
+from weftex import planes
+from weftex.cli.files import open_materials
 from weftex.cli.parser import Parser
 from weftex.cli.terminal import Bar, Outputs, finish, say
 from weftex.errors import InvalidInputError
 from weftex.exemplar.material import Material
 from weftex.io.formats import TIFF
 from weftex.io.pictures import check_output
-from weftex.planes.definition import Definition
+from weftex.io.presets import read_preset
+from weftex.planes.beginning import done_before
+from weftex.planes.definition import BLOCK, Definition, define
+from weftex.planes.layout import check_block
+from weftex.planes.plane_file import PlaneFile
+from weftex.planes.record import MOST_PARTS
+from weftex.planes.writing import (
+    block_maker,
+    in_processes,
+    in_words,
+    most_bytes,
+    seed_of_run,
+    write_plane,
+)
+from weftex.processes import Workers
 from weftex.recipe import Recipe
 
 #: Options of synth that need the whole image.
@@ -34,8 +50,6 @@ examples:
 
 def check_options(args: argparse.Namespace) -> None:
     """Refuse options that make no sense for a plane, before anything is read."""
-    from weftex.planes.layout import check_block
-
     for name in _NOT_BY_BLOCKS:
         if getattr(args, name, None):
             option = name.replace("_", "-")
@@ -64,8 +78,6 @@ def check_options(args: argparse.Namespace) -> None:
 
 def parse_part(text: str) -> tuple[int, int]:
     """Return number and count of 'K/N'."""
-    from weftex.planes.record import MOST_PARTS
-
     number, slash, count = text.partition("/")
     if slash and number.isdecimal() and count.isdecimal():
         if 1 <= int(number) <= int(count) <= MOST_PARTS:
@@ -81,8 +93,6 @@ def stems_of(args: argparse.Namespace, material: Material) -> dict[str, str]:
         return {}
     if not material.folder:
         raise InvalidInputError(f"--preset has no effect: {material.name} is not a folder")
-    from weftex.io.presets import read_preset
-
     preset = read_preset(args.preset)
     if not preset.others:
         raise InvalidInputError(
@@ -98,10 +108,6 @@ def synthesize(recipe: Recipe, args: argparse.Namespace) -> None:
     check_options(args)
 
     def work(bar: Bar, outputs: Outputs) -> str:
-        from weftex.cli.files import open_materials
-        from weftex.planes.definition import BLOCK, define
-        from weftex.planes.writing import seed_of_run
-
         job, seed = open_materials(recipe, args), recipe.seed
         if args.seed is None and not args.restart:
             begun = seed_of_run(args.output)
@@ -117,10 +123,6 @@ def synthesize(recipe: Recipe, args: argparse.Namespace) -> None:
 
 def _write(args: argparse.Namespace, definition: Definition, bar: Bar) -> str:
     """Write a plane, and return the line about it."""
-    from weftex.planes.beginning import done_before
-    from weftex.planes.plane_file import PlaneFile
-    from weftex.planes.writing import in_words, most_bytes, write_plane
-
     plane = PlaneFile(definition, args.output, args.part)
     left = plane.missing(done_before(plane, restart=args.restart))
     part = "part {}/{} of ".format(*args.part) if args.part else ""
@@ -134,9 +136,6 @@ def _write(args: argparse.Namespace, definition: Definition, bar: Bar) -> str:
     how |= {"threads": args.threads, "check_disk": not args.allow_huge}
     with ExitStack() as stack:
         if args.workers is not None:
-            from weftex.planes.writing import block_maker, in_processes
-            from weftex.processes import Workers
-
             workers = stack.enter_context(Workers(block_maker, plane))
             how["runner"] = partial(in_processes, workers, args.workers)
             bar.at_stop(workers.end)
@@ -164,8 +163,6 @@ def run_check(argv: list[str]) -> None:
     text = "read all pixels, and make damaged or missing blocks and files again"
     parser.add_argument("--repair", action="store_true", help=text)
     args = parser.parse(argv)
-    from weftex import planes
-
     made = planes.repair(args.plane).made if args.repair else 0
     plane = planes.check(args.plane, read=args.read or args.repair)
     used = plane.definition

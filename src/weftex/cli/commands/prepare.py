@@ -4,12 +4,18 @@ from __future__ import annotations
 
 import argparse
 
+from weftex.analysis.overlay import is_tilted
+from weftex.cli.files import load_sample, make_room, plan, read_input
 from weftex.cli.parser import Parser
 from weftex.cli.terminal import Bar, Outputs, finish
 from weftex.cli.terminal import run as run_work
 from weftex.errors import InvalidInputError
+from weftex.io.pictures import read_image
 from weftex.recipe import LANDMARKS, MATERIAL, PREPARATION
 from weftex.recipe.command_line import described_material, value_of
+from weftex.recipe.opening import prepare_material
+from weftex.tasks.auto import Auto, AutoModel, Findings
+from weftex.tasks.landmarks import remove_landmarks
 
 _ABOUT = """\
 Straighten a photo, remove uneven light, and remove landmarks (conspicuous features). The output is
@@ -59,30 +65,21 @@ def run(argv: list[str]) -> None:
         raise InvalidInputError("-o OUT is missing; it names the file, or the folder, to write")
 
     def work(bar: Bar, outputs: Outputs) -> str:
-        from weftex.cli.files import make_room, plan, read_input
-        from weftex.recipe.opening import measured, prepared, times_of
-
         make_room([args.sample], args, outputs)
         given = read_input(args.sample, args, spec.get("maps"))
-        material, exemplar = measured(given, spec), given.exemplar(tileable="repeats" in spec)
-        made = prepared(exemplar, spec, times_of(given, spec))
+        _, material, made = prepare_material(spec, given, read_image)
         if remove:
-            from weftex.tasks.landmarks import remove_landmarks
-
             made = remove_landmarks(made)
-        plans = plan([material], made, args)
-        plans.write(outputs)
+        files, told = plan([material], made, args)
+        files.write(outputs.reserve)
         height, width = made.shape
-        return f"{plans.told}prepared {width}x{height} {args.output} in {bar.took:.2f} s"
+        return f"{told}prepared {width}x{height} {args.output} in {bar.took:.2f} s"
 
     finish(work, args.quiet)
 
 
 def _advice(args: argparse.Namespace) -> list[str]:
     """Say what a photo needs, and the command that does it."""
-    from weftex.analysis.overlay import is_tilted
-    from weftex.cli.files import load_sample
-    from weftex.tasks.auto import Auto, AutoModel, Findings
 
     def look(bar: Bar, outputs: Outputs) -> tuple[list[str], Findings]:
         photo = load_sample(args.sample, args, "maps")

@@ -4,15 +4,16 @@ from __future__ import annotations
 
 import os
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
+from weftex.cli.files import make_room, plan, read_input
 from weftex.cli.parser import Parser
 from weftex.cli.terminal import Bar, Outputs, finish
+from weftex.exemplar import Exemplar
+from weftex.exemplar.material import Material
+from weftex.prepare.combining import combined, of_one_kind, paired
+from weftex.raster.levels import scale_between
+from weftex.results.synthesis import Synthesis
 from weftex.roles import role_of
-
-if TYPE_CHECKING:
-    from weftex.exemplar import Exemplar
-    from weftex.exemplar.material import Material
 
 _EXAMPLES = """\
 examples:
@@ -35,31 +36,26 @@ def run(argv: list[str]) -> None:
     add("--background", metavar="PHOTO", help=text)
     parser.share("--output", "--preset", "--quiet", "--allow-huge")
     args = parser.parse(argv)
-    from weftex.cli.files import make_room, plan, read_input
 
     def work(bar: Bar, outputs: Outputs) -> str:
-        from weftex.prepare.combining import combined, of_one_kind, paired
-        from weftex.raster.levels import scale_between
-        from weftex.results.synthesis import Synthesis
-
         make_room(args.maps, args, outputs)
         materials = [_as_map(read_input(one, args)) for one in args.maps]
         result = Synthesis.load(args.source)
         pairs, _ = paired(of_one_kind([one.exemplar() for one in materials]))
-        made, maps = plan(materials, pairs[0], args), materials[0].maps
+        (files, told), maps = plan(materials, pairs[0], args), materials[0].maps
         if len(materials) > 1:
             whole = combined(pairs)
             if scale_between(whole.shape, result.sample_shape) is None:  # of one material
                 whole = combined(pairs, apart=True)
-            maps = {name: whole.map(name) for name in whole.maps} | {made.main: whole}
+            maps = {name: whole.map(name) for name in whole.maps} | {files.main: whole}
         around: dict[str, Exemplar] = {}
         if args.background is not None:
             given = read_input(args.background, args)
-            around = given.maps if given.folder else {made.main: given.exemplar()}
+            around = given.maps if given.folder else {files.main: given.exemplar()}
         kept = {name: around[name].pixels if name in around else None for name in maps}
-        made.write(outputs, lambda name: result.render(maps[name], background=kept[name]))
+        files.write(outputs.reserve, lambda name: result.render(maps[name], background=kept[name]))
         size = f"{result.shape[1]}x{result.shape[0]}"
-        return f"{made.told}made {size} {args.output} in {bar.took:.2f} s"
+        return f"{told}made {size} {args.output} in {bar.took:.2f} s"
 
     finish(work, args.quiet)
 

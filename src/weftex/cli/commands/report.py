@@ -6,6 +6,8 @@ from weftex.cli.files import load_sample
 from weftex.cli.parser import Parser
 from weftex.cli.terminal import Bar, Outputs, print_json
 from weftex.cli.terminal import run as run_work
+from weftex.io.pictures import check_output
+from weftex.pages.reports import Report, report
 from weftex.recipe import MATERIAL
 from weftex.recipe.declared import TILEABLE
 
@@ -40,10 +42,6 @@ def run(argv: list[str]) -> None:
     add("--json", action="store_true", help="print the scores as JSON")
     parser.share("--allow-huge")
     args = parser.parse(argv)
-    from weftex.io.pictures import check_output
-    from weftex.pages.reports import Report
-    from weftex.pages.reports import report as measure
-
     if args.output is not None:
         check_output(args.output, suffixes=(".html",))
     axes = None if args.tileable is None else TILEABLE.read(args.tileable)
@@ -51,7 +49,7 @@ def run(argv: list[str]) -> None:
 
     def work(bar: Bar, outputs: Outputs) -> Report:
         sample, result = load_sample(args.sample, args, "maps"), load_sample(args.result, args)
-        return measure(sample, result, args.source, tileable=wrap)
+        return report(sample, result, args.source, tileable=wrap)
 
     found, _ = run_work(work, False)
     if args.output is not None:

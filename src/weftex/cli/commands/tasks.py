@@ -2,20 +2,19 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, NamedTuple
+import argparse
+from typing import NamedTuple
 
 from weftex.cli.arguments import is_plane, parse_task
+from weftex.cli.files import open_job, pixels_of, report, write_debug
 from weftex.cli.parser import BLOCKS, Parser
 from weftex.cli.terminal import Bar, Outputs, finish
+from weftex.cli.tiling import TOOLS, add_tools, each_job, run_tool
 from weftex.errors import InvalidInputError
+from weftex.recipe import Recipe
 from weftex.recipe.declared import options_of
-
-if TYPE_CHECKING:
-    import argparse
-
-    from weftex.recipe import Recipe
-    from weftex.recipe.opening import OpenedRecipe
-    from weftex.results.synthesis import Synthesis
+from weftex.recipe.opening import OpenedRecipe
+from weftex.results.synthesis import Synthesis
 
 
 class _Help(NamedTuple):
@@ -113,8 +112,6 @@ def run_task(task: str, argv: list[str]) -> None:
     parser = Parser(task, said.about, said.examples)
     count = "+" if task in ("synth", "fuse", "tile") else None
     if task == "tile":
-        from weftex.cli.tiling import TOOLS, add_tools, each_job, run_tool
-
         if {word.split("=")[0] for word in argv} & {*TOOLS}:
             run_tool(argv)
             return
@@ -148,21 +145,19 @@ def run_task(task: str, argv: list[str]) -> None:
 
 def _make(recipe: Recipe, args: argparse.Namespace, bar: Bar, outputs: Outputs) -> str:
     """Do a task, write its output, and return what to print."""
-    from weftex.cli.files import open_job, pixels_of, report, write_debug
-
     debug, start = getattr(args, "debug", None), bar.took
-    job, plan = open_job(recipe, args, outputs)
+    job, files, told = open_job(recipe, args, outputs)
     if debug is not None:
         outputs.make_folder(debug)
     result = job.make(progress=bar, threads=args.threads)
-    plan.write(outputs, pixels_of(result, plan.main), args.threads)
+    files.write(outputs.reserve, pixels_of(result, files.main), args.threads)
     if args.save_source is not None:
-        result.save(outputs.add(args.save_source))
+        result.save(outputs.reserve(args.save_source))
     if debug is not None:
         write_debug(result, debug, outputs)
     if recipe.task == "fill" and not job.hole.any():
         return f"the mask is empty; {args.output} is the unchanged photo"
-    return report(args, result, _done(job, result), bar.took - start, plan.told)
+    return report(args, result, _done(job, result), bar.took - start, told)
 
 
 def _done(job: OpenedRecipe, result: Synthesis) -> str:
