@@ -256,12 +256,12 @@ def test_smaller_versions_are_made_of_whole_blocks_only(tmp_path, target):
     with pytest.raises(CancelledError):
         weftex.planes.stream(SAMPLE, target, 600, restart=True, progress=stop, **HOW)
     store = open_plane(target).stores["color"]
-    store.put((0, 2, 3), 255 - store.get(0, store.layout.window((0, 2, 3))))
+    store.write((0, 2, 3), 255 - store.read(0, store.layout.window((0, 2, 3))))
     with pytest.raises(FileError, match="level 0, row 2, column 3 is damaged.*check --repair"):
         weftex.planes.stream(SAMPLE, target, 600, **HOW)
     repair(target)
     assert is_whole(target) and pixels_of(tmp_path) == whole
-    store.put((0, 2, 3), 255 - store.get(0, store.layout.window((0, 2, 3))))
+    store.write((0, 2, 3), 255 - store.read(0, store.layout.window((0, 2, 3))))
     assert repair(target) == store.levels  # the block and all that is made of it
 
 

@@ -43,7 +43,7 @@ def materials_of(
     A folder of separate pictures stands for all of them, and `output`, if any, is then a folder;
     all outputs are folders if `folders`.
     """
-    from weftex.cli.commands.batch import Entry, entries_of
+    from weftex.cli.commands.batch import Entry, entries_of, refuse_twins
 
     if len(paths) == 1 and not has_several(paths[0]):
         return [(paths[0], output)]
@@ -56,10 +56,8 @@ def materials_of(
             if not is_folder(path):
                 suffix, name = written_as(locate(path)[0]), os.path.splitext(name)[0]
             entries.append(Entry(path, name, suffix))
-    taken: dict[str, str] = {}
-    for path, name, _ in entries:
-        if output and taken.setdefault(name, path) != path:
-            raise InvalidInputError(f"{taken[name]} and {path} would both make {name}; rename one")
+    if output:
+        refuse_twins(entries)
     return [(e.path, os.path.join(output, e.name + ("" if folders else e.suffix))) for e in entries]
 
 

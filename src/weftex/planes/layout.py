@@ -108,8 +108,8 @@ def named(place: Place) -> str:
 
 def check_block(block: object) -> None:
     """Raise `InvalidInputError` unless the side of blocks is a power of two in its bounds."""
-    whole = isinstance(block, int) and not isinstance(block, bool)
-    if not (whole and SMALLEST_BLOCK <= block <= LARGEST_BLOCK and block.bit_count() == 1):  # type: ignore[operator,attr-defined]
+    bounds = range(SMALLEST_BLOCK, LARGEST_BLOCK + 1)
+    if type(block) is not int or block not in bounds or block.bit_count() != 1:
         raise InvalidInputError(
             f"block is {shown(block)}; it must be a power of two from {SMALLEST_BLOCK} to "
             f"{LARGEST_BLOCK}"

@@ -88,20 +88,45 @@ class TiffStore:
         return True
 
     def write(self, place: Place, pixels: NDArray[Any]) -> None:
-        """Write a block; when this returns it is on the disk."""
+        """Write the tiles of a block, a row at a time; when this returns they are on the disk."""
+        level, tile = place[0], self.layout.tile
+        top, left, height, width = self.layout.window(place)
+        across = -(-width // tile)
         try:
-            self.put(place, pixels)
+            with open(self.path, "r+b") as file:
+                for line in range(0, height, tile):
+                    rows = min(tile, height - line)
+                    strip = np.zeros((tile, across * tile, self._bands), self._dtype)
+                    strip[:rows, :width] = pixels[line : line + rows].reshape(rows, width, -1)
+                    tiles = strip.reshape(tile, across, tile, -1).swapaxes(0, 1)
+                    file.seek(self._offset(level, top + line, left))
+                    file.write(np.ascontiguousarray(tiles).data)
+                file.flush()
+                os.fsync(file.fileno())
         except OSError as error:
             why = error.strerror or error
             raise FileError(f"{self.path}: cannot write: {why}; {KEPT}") from None
 
     def read(self, level: int, window: Window) -> NDArray[Any]:
-        """Return the pixels of a window, or raise `FileError` if the file is damaged."""
+        """Return the pixels of a window, read a row of tiles at a time; `FileError` if damaged."""
+        top, left, height, width = window
+        tile, bands = self.layout.tile, self._bands
+        out = np.empty((height, width, bands), self.layout.dtype)
+        first = left // tile
+        across = -(-(left + width) // tile) - first
         try:
-            return self.get(level, window)
+            with self._opened() as file:
+                for line in range(top // tile * tile, top + height, tile):
+                    file.seek(self._offset(level, line, first * tile))
+                    data = np.frombuffer(file.read(across * self._tile_bytes), self._dtype)
+                    strip = data.reshape(across, tile, tile, bands).swapaxes(0, 1)
+                    strip = strip.reshape(tile, -1, bands)[:, left - first * tile :][:, :width]
+                    start, end = max(line, top), min(line + tile, top + height)
+                    out[start - top : end - top] = strip[start - line : end - line]
         except (OSError, ValueError) as error:  # NumPy raises those where data are missing
             why = " ".join(str(error).split())
             raise FileError(f"{self.path}: level {level} is damaged: {why}; {REPAIR}") from None
+        return out if self.layout.channels else out[..., 0]
 
     def reduced(self, place: Place, sums: Mapping[Place, int]) -> NDArray[Any]:
         """Return a block of a level above 0, made of blocks that must have these check sums."""
@@ -137,38 +162,9 @@ class TiffStore:
         for level in range(self.levels):
             yield self._heads[level], self._directory(level)
 
-    def put(self, place: Place, pixels: NDArray[Any]) -> None:
-        """Write the tiles of a block, a row of them at a time."""
-        level, tile = place[0], self.layout.tile
-        top, left, height, width = self.layout.window(place)
-        across = -(-width // tile)
-        with open(self.path, "r+b") as file:
-            for line in range(0, height, tile):
-                rows = min(tile, height - line)
-                strip = np.zeros((tile, across * tile, max(self.layout.channels, 1)), self._dtype)
-                strip[:rows, :width] = pixels[line : line + rows].reshape(rows, width, -1)
-                tiles = strip.reshape(tile, across, tile, -1).swapaxes(0, 1)
-                file.seek(self._offset(level, top + line, left))
-                file.write(np.ascontiguousarray(tiles).data)
-            file.flush()
-            os.fsync(file.fileno())
-
-    def get(self, level: int, window: Window) -> NDArray[Any]:
-        """Read the tiles that a window touches, a row of them at a time."""
-        top, left, height, width = window
-        tile, bands = self.layout.tile, max(self.layout.channels, 1)
-        out = np.empty((height, width, bands), self.layout.dtype)
-        first = left // tile
-        across = -(-(left + width) // tile) - first
-        with self._opened() as file:
-            for line in range(top // tile * tile, top + height, tile):
-                file.seek(self._offset(level, line, first * tile))
-                data = np.frombuffer(file.read(across * self._tile_bytes), self._dtype)
-                strip = data.reshape(across, tile, tile, bands).swapaxes(0, 1)
-                strip = strip.reshape(tile, -1, bands)[:, left - first * tile :][:, :width]
-                start, end = max(line, top), min(line + tile, top + height)
-                out[start - top : end - top] = strip[start - line : end - line]
-        return out if self.layout.channels else out[..., 0]
+    @property
+    def _bands(self) -> int:
+        return max(self.layout.channels, 1)
 
     @property
     def _dtype(self) -> np.dtype[Any]:
@@ -210,7 +206,7 @@ class TiffStore:
         """Number, type and values of each tag, in the order of their numbers."""
         layout = self.layout
         height, width = layout.shape(level)
-        bands, kind = max(layout.channels, 1), np.dtype(layout.dtype)
+        bands, kind = self._bands, np.dtype(layout.dtype)
         colors = _RGB if bands - layout.alpha >= _RGB else 1
         rows, columns = self._tiles(level)
         offsets = start + np.arange(rows * columns, dtype=np.uint64) * self._tile_bytes

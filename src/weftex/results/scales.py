@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
 from numpy.typing import NDArray
 
 from weftex.errors import InvalidInputError
@@ -108,16 +107,6 @@ def background_of(
             f"{pixels.dtype}"
         )
     return background
-
-
-def room_for(pixels: NDArray[Any], height: int, width: int) -> NDArray[Any]:
-    """Return an empty picture of this size, of the kind of another."""
-    try:
-        return np.empty((height, width, *pixels.shape[2:]), pixels.dtype)
-    except MemoryError:
-        raise InvalidInputError(
-            f"{width}x{height} does not fit in memory; render parts of it"
-        ) from None
 
 
 def check_window(window: Window, scale: Fraction | int, name: str) -> None:

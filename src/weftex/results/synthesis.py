@@ -201,7 +201,7 @@ class Synthesis(Displayable, SourceMap):
 
         def lay(part: Window) -> NDArray[Any]:
             top, left, height, width = part
-            out = scales.room_for(pixels, height * scale, width * scale)
+            out = np.empty((height * scale, width * scale, *pixels.shape[2:]), pixels.dtype)
             if base is not None:
                 out[:] = base[top * scale :, left * scale :][: height * scale, : width * scale]
             below, planes = (a.reshape(*a.shape[:2], -1) for a in (out, pixels))

@@ -6,6 +6,7 @@ import argparse
 import os
 import string
 from collections.abc import Iterator, Sequence
+from contextlib import suppress
 from html import escape
 from time import perf_counter
 from typing import Any, NamedTuple
@@ -80,6 +81,7 @@ def run(argv: list[str]) -> None:
     def work(bar: Bar, outputs: Outputs) -> str:
         first = 0 if args.seed is None else recipe.seed
         entries = entries_of(args.materials, args.output)
+        refuse_twins(entries)
         seeds = [(first + k) % 2**64 for k in range(args.count)]
         template = args.template or ("{name}" if args.count == 1 else "{name}_{seed}")
         jobs = jobs_of(entries, template, seeds, together=args.keep_best is not None)
@@ -193,15 +195,12 @@ class Done(NamedTuple):
 
 
 def entries_of(folder: str, output: str) -> list[Entry]:
-    """Return the pictures of a folder, and the folders in it that have pictures, but `output`.
-
-    Two that would make one output are refused, if there is an output.
-    """
+    """Return the pictures of a folder, and the folders in it that have pictures, but `output`."""
     try:
         names = sorted(os.listdir(folder))
     except OSError as error:
         raise FileError(f"{folder}: cannot read the folder: {error.strerror}") from None
-    found: dict[str, Entry] = {}
+    found = list[Entry]()
     there = os.path.exists(output)
     for file in names:
         path, stem = os.path.join(folder, file), os.path.splitext(file)[0]
@@ -210,25 +209,22 @@ def entries_of(folder: str, output: str) -> list[Entry]:
         ):
             continue
         if os.path.isdir(path):
-            try:
+            with suppress(FileError):
                 map_files(path)
-            except FileError:
-                continue
-            if has_several(path):
-                continue
-            entry = Entry(path, file, "")
+                found += [] if has_several(path) else [Entry(path, file, "")]
         elif suffix_of(file) in READABLE:
-            entry = Entry(path, stem, written_as(path))
-        else:
-            continue
-        key = entry.name if output else path
-        if key in found:
-            both = f"{found[key].path} and {path}"
-            raise InvalidInputError(f"{both} would both make {key}; rename one")
-        found[key] = entry
+            found.append(Entry(path, stem, written_as(path)))
     if not found:
         raise FileError(f"{folder}: has no images, and no folders of maps")
-    return list(found.values())
+    return found
+
+
+def refuse_twins(entries: Sequence[Entry]) -> None:
+    """Raise `InvalidInputError` if two samples would make one output."""
+    paths: dict[str, str] = {}
+    for path, name, _ in entries:
+        if paths.setdefault(name, path) != path:
+            raise InvalidInputError(f"{paths[name]} and {path} would both make {name}; rename one")
 
 
 def jobs_of(
