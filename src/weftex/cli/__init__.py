@@ -1,4 +1,4 @@
-"""The command line: finds the command in `commands`, and prints errors."""
+"""The command line: finds the command in `commands`, whose docstring is its help; prints errors."""
 
 from __future__ import annotations
 
@@ -42,8 +42,15 @@ _COMMANDS = {
     "completion": "print a script that completes commands and options in bash, zsh or fish",
 }
 #: Commands whose function is not `run` of the module that is called as they are.
-_HOMES = {"check": "planes:run_check", "samples": "methods:run_samples"}
-_HOMES |= {"unpack": "pack:run_unpack"}
+_HOMES = {
+    "synth": "tasks:run_synth",
+    "fill": "tasks:run_fill",
+    "tile": "tasks:run_tile",
+    "fuse": "tasks:run_fuse",
+    "check": "planes:run_check",
+    "unpack": "pack:run_unpack",
+    "samples": "methods:run_samples",
+}
 
 _ABOUT = """\
 usage: weftex COMMAND ...      (weftex COMMAND --help shows its options)
@@ -132,10 +139,6 @@ def _run_command(name: str, argv: list[str]) -> None:
         from weftex.cli.commands.completion import run
 
         run(argv, _COMMANDS, _run_command)
-    elif name in ("synth", "fill", "tile", "fuse"):
-        from weftex.cli.commands.tasks import run_task
-
-        run_task(name, argv)
     else:
         module, _, function = _HOMES.get(name, f"{name}:run").partition(":")
         getattr(import_module(f"weftex.cli.commands.{module}"), function)(argv)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import os
 import re
+from inspect import cleandoc
 from typing import Any, ClassVar, NoReturn
 
 from weftex.cli import terminal
@@ -82,18 +83,19 @@ class ParserBuilt(Exception):
 
 
 class Parser(argparse.ArgumentParser):
-    """An ArgumentParser whose errors are one line."""
+    """An ArgumentParser whose errors are one line, and whose help begins with a docstring."""
 
     #: Whether to raise `ParserBuilt` in place of parsing.
     build_only: ClassVar[bool] = False
 
-    def __init__(self, command: str, description: str, examples: str = "") -> None:
+    def __init__(self, command: str, docstring: str | None = None) -> None:
+        about, heading, examples = cleandoc(docstring or "").partition("examples:")
         # By itself argparse looks for the terminal's width with every option that is added.
         self._columns = 80
         super().__init__(
             f"weftex {command}",
-            description=description,
-            epilog=examples,
+            description=about.rstrip(),
+            epilog=heading + examples,
             allow_abbrev=False,
             formatter_class=lambda prog: argparse.RawDescriptionHelpFormatter(
                 prog, width=self._columns - 2

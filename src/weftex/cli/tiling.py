@@ -95,7 +95,7 @@ def run_tool(argv: list[str]) -> None:
     named = [tool for tool in TOOLS if tool in {word.split("=")[0] for word in argv}]
     if len(named) > 1:
         raise InvalidInputError(f"give only one of {' and '.join(named)}")
-    parser = Parser(f"tile {named[0]}", "")
+    parser = Parser(f"tile {named[0]}")
     parser.add_argument("materials", nargs="+")
     parser.take(_AXES)
     parser.share("--quiet", "--allow-huge", *(["--output"] if named != ["--check"] else []))

@@ -1,4 +1,11 @@
-"""weftex analyze: measure what matters for synthesis from a sample."""
+"""Measure the scale, the lattice and the evenness of a sample, and recommend window sizes.
+
+examples:
+  weftex analyze stones.png
+  weftex analyze stone_wall/ --json
+  weftex analyze brick.png --overlay lattice.png
+  weftex analyze brick.png --overlay lattice.png --lattice 63,42,63,-42
+"""
 
 from __future__ import annotations
 
@@ -13,22 +20,10 @@ from weftex.io.pictures import check_output, write_image
 from weftex.recipe import MATERIAL
 from weftex.tasks.analyze import Analysis, analyze
 
-_ABOUT = """\
-Measure the scale, the lattice and the evenness of a sample, and recommend window sizes.\
-"""
-
-_EXAMPLES = """\
-examples:
-  weftex analyze stones.png
-  weftex analyze stone_wall/ --json
-  weftex analyze brick.png --overlay lattice.png
-  weftex analyze brick.png --overlay lattice.png --lattice 63,42,63,-42
-"""
-
 
 def run(argv: list[str]) -> None:
     """Run the command; `argv` is what follows its name."""
-    parser = Parser("analyze", _ABOUT, _EXAMPLES)
+    parser = Parser("analyze", __doc__)
     add = parser.add_argument
     add("sample", metavar="SAMPLE", help="image, folder of maps, or sample:NAME")
     parser.take(MATERIAL["maps"])

@@ -1,4 +1,17 @@
-"""weftex atlas: make all corner tiles of a material, for an endless texture in any engine."""
+"""Make all corner tiles of a material.
+
+Tiles with the same corner colors at a side fit without a seam, so an engine can assemble an endless
+texture from them. OUT is an image with a grid of tiles; weftex also writes an index (.json),
+tilesets for Tiled (.tsx) and Godot 4 (.tres), and a shader for 3D surfaces of Godot 4 (.gdshader).
+For a map set, OUT is a folder. For one image, OUT without a suffix is a folder with a file for each
+tile.
+
+examples:
+  weftex atlas pebbles.png -o tiles.png
+  weftex atlas bricks.png -o tiles.png --colors 3 --tile-size 512 --seed 7
+  weftex atlas stone_wall/ -o tiles/                  a folder of aligned maps
+  weftex atlas pebbles.png -o tiles.png --gutter 8    for engines that cut tiles out
+"""
 
 from __future__ import annotations
 
@@ -18,26 +31,10 @@ from weftex.io.pictures import is_folder, write_image, write_text
 from weftex.recipe.command_line import value_of
 from weftex.recipe.declared import ATLAS, MATERIAL, SEED
 
-_ABOUT = """\
-Make all corner tiles of a material. Tiles with the same corner colors at a side fit without a seam,
-so an engine can assemble an endless texture from them. OUT is an image with a grid of tiles; weftex
-also writes an index (.json), tilesets for Tiled (.tsx) and Godot 4 (.tres), and a shader for 3D
-surfaces of Godot 4 (.gdshader). For a map set, OUT is a folder. For one image, OUT without a suffix
-is a folder with a file for each tile.\
-"""
-
-_EXAMPLES = """\
-examples:
-  weftex atlas pebbles.png -o tiles.png
-  weftex atlas bricks.png -o tiles.png --colors 3 --tile-size 512 --seed 7
-  weftex atlas stone_wall/ -o tiles/                  a folder of aligned maps
-  weftex atlas pebbles.png -o tiles.png --gutter 8    for engines that cut tiles out
-"""
-
 
 def run(argv: list[str]) -> None:
     """Run the command; `argv` is what follows its name."""
-    parser = Parser("atlas", _ABOUT, _EXAMPLES)
+    parser = Parser("atlas", __doc__)
     text = "image, folder of maps, or sample:NAME; several must show the same material"
     parser.add_argument("materials", metavar="SAMPLE", nargs="+", help=text)
     parser.share("--output", "--preset")

@@ -1,4 +1,13 @@
-"""weftex batch: synthesize from every sample in a folder."""
+"""Make images from every image and every folder of maps in a folder.
+
+In the output folder, contact.html shows all outputs, and manifest.jsonl records how each was made.
+--skip-existing resumes an interrupted run.
+
+examples:
+  weftex batch samples/ -o out/ --size 1024 --tileable --seed 1
+  weftex batch samples/ -o out/ --count 20 --keep-best 3 --seed 1
+  weftex batch samples/ -o out/ --count 1000 --seed 1 --skip-existing     resume
+"""
 
 from __future__ import annotations
 
@@ -33,18 +42,6 @@ from weftex.results.synthesis import Synthesis
 from weftex.roles import COLOR, role_of
 from weftex.threads import in_turn, thread_count
 
-_ABOUT = """\
-Make images from every image and every folder of maps in a folder. In the output folder,
-contact.html shows all outputs, and manifest.jsonl records how each was made. --skip-existing
-resumes an interrupted run.\
-"""
-
-_EXAMPLES = """\
-examples:
-  weftex batch samples/ -o out/ --size 1024 --tileable --seed 1
-  weftex batch samples/ -o out/ --count 20 --keep-best 3 --seed 1
-  weftex batch samples/ -o out/ --count 1000 --seed 1 --skip-existing     resume
-"""
 _MOST = 10**6
 _FIELDS = {"name", "seed"}
 _SHEET = "contact.html"
@@ -53,7 +50,7 @@ _LONGEST = 255  # bytes of a file's name
 
 def run(argv: list[str]) -> None:
     """Run the command; `argv` is what follows its name."""
-    parser = Parser("batch", _ABOUT, _EXAMPLES)
+    parser = Parser("batch", __doc__)
     add = parser.add_argument
     add("materials", metavar="IN", help="folder of images and of folders of maps")
     add("-o", "--output", metavar="OUT", required=True, help="folder to write to")

@@ -1,4 +1,12 @@
-"""weftex compare: run every method on one sample."""
+"""Run every method on one sample, and write a page with the results.
+
+The page shows the results, the sources of their pixels, scores, times and parameters. Slow methods
+run with faster parameters, which the page names.
+
+examples:
+  weftex compare brick.png -o compare.html
+  weftex compare brick.png --methods quilting,graphcut,near-regular -o compare.html --json
+"""
 
 from __future__ import annotations
 
@@ -12,21 +20,10 @@ from weftex.recipe import MATERIAL, SEED
 from weftex.recipe.command_line import value_of
 from weftex.recipe.declared import OUTPUT_SIZE, TILEABLE
 
-_ABOUT = """\
-Run every method on one sample, and write a page with the results, the sources of their pixels,
-scores, times and parameters. Slow methods run with faster parameters, which the page names.\
-"""
-
-_EXAMPLES = """\
-examples:
-  weftex compare brick.png -o compare.html
-  weftex compare brick.png --methods quilting,graphcut,near-regular -o compare.html --json
-"""
-
 
 def run(argv: list[str]) -> None:
     """Run the command; `argv` is what follows its name."""
-    parser = Parser("compare", _ABOUT, _EXAMPLES)
+    parser = Parser("compare", __doc__)
     add = parser.add_argument
     add("sample", metavar="SAMPLE", help="image, folder of maps, or sample:NAME")
     add("-o", "--output", metavar="OUT.html", help="page to write")

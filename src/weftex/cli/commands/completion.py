@@ -1,4 +1,10 @@
-"""weftex completion: print a script that completes commands, options and methods in a shell."""
+"""Print a script that completes weftex commands and options in a shell.
+
+examples:
+  weftex completion bash > ~/.local/share/bash-completion/completions/weftex
+  weftex completion zsh > ~/.zfunc/_weftex        with ~/.zfunc in fpath, before compinit
+  weftex completion fish > ~/.config/fish/completions/weftex.fish
+"""
 
 from __future__ import annotations
 
@@ -9,13 +15,6 @@ from typing import Any
 from weftex.cli.parser import Parser, ParserBuilt
 from weftex.errors import missing_packages
 from weftex.registry import METHODS
-
-_EXAMPLES = """\
-examples:
-  weftex completion bash > ~/.local/share/bash-completion/completions/weftex
-  weftex completion zsh > ~/.zfunc/_weftex        with ~/.zfunc in fpath, before compinit
-  weftex completion fish > ~/.config/fish/completions/weftex.fish
-"""
 
 #: Options and arguments that are files or folders, by their names in the help.
 _FILES = {"SAMPLE", "PHOTO", "RESULT", "MAP", "OUT", "OUT.html", "F.npz", "FILE"}
@@ -38,11 +37,7 @@ def run(argv: list[str], commands: Mapping[str, str], run_command: Run) -> None:
             Parser.build_only = False
         raise AssertionError(f"{command} parses nothing")
 
-    parser = Parser(
-        "completion",
-        "Print a script that completes weftex commands and options in a shell.",
-        _EXAMPLES,
-    )
+    parser = Parser("completion", __doc__)
     parser.add_argument("shell", choices=("bash", "zsh", "fish"), help="shell to complete in")
     shell = parser.parse(argv).shell
     try:

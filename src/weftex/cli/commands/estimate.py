@@ -1,4 +1,15 @@
-"""weftex estimate: estimate the maps that photos and map sets lack."""
+"""Estimate the maps that a photo lacks, and write all of them as a map set.
+
+Height is estimated from brightness: dark pixels are deep, so stains and paint become relief too.
+Normals and ambient occlusion are computed from height. Roughness is a guess. A map set keeps its
+own height or normals, and the other maps are computed from these.
+
+examples:
+  weftex estimate photo.png -o material/
+  weftex estimate bricks.png -o material/ --relief 12 --invert      light joints between dark bricks
+  weftex estimate photos/ -o materials/ --maps height,normal_dx     a folder of photos
+  weftex estimate normal.png -o material/ --maps height             height from normals
+"""
 
 from __future__ import annotations
 
@@ -14,25 +25,10 @@ from weftex.io.formats import written_as
 from weftex.io.pictures import Picture
 from weftex.prepare.estimating import estimate_maps, light_joints
 
-_ABOUT = """\
-Estimate the maps that a photo lacks, and write all of them as a map set. Height is estimated from
-brightness: dark pixels are deep, so stains and paint become relief too. Normals and ambient
-occlusion are computed from height. Roughness is a guess. A map set keeps its own height or normals,
-and the other maps are computed from these.\
-"""
-
-_EXAMPLES = """\
-examples:
-  weftex estimate photo.png -o material/
-  weftex estimate bricks.png -o material/ --relief 12 --invert      light joints between dark bricks
-  weftex estimate photos/ -o materials/ --maps height,normal_dx     a folder of photos
-  weftex estimate normal.png -o material/ --maps height             height from normals
-"""
-
 
 def run(argv: list[str]) -> None:
     """Run the command; `argv` is what follows its name."""
-    parser = Parser("estimate", _ABOUT, _EXAMPLES)
+    parser = Parser("estimate", __doc__)
     add = parser.add_argument
     text = "images, folders of maps or of separate images, or sample:NAME"
     add("photos", metavar="PHOTO", nargs="+", help=text)

@@ -14,7 +14,7 @@ _LINE = "{:16}{:37}{:13}{:17}{}"
 
 def run(argv: list[str]) -> None:
     """Run `weftex methods`; `argv` is what follows its name."""
-    parser = Parser("methods", "List the methods, or the parameters of one.", "")
+    parser = Parser("methods", "List the methods, or the parameters of one.")
     parser.add_argument("method", metavar="NAME", nargs="?", help="method whose parameters to list")
     name = parser.parse(argv).method
     if name is None:
@@ -34,7 +34,7 @@ def run(argv: list[str]) -> None:
 
 def run_samples(argv: list[str]) -> None:
     """Run `weftex samples`."""
-    Parser("samples", "List the samples that ship with weftex.", "").parse(argv)
+    Parser("samples", "List the samples that ship with weftex.").parse(argv)
     for name in sample_names():
         folder = "  (a folder of aligned maps)" if is_folder(f"sample:{name}") else ""
         print(f"sample:{name}{folder}")

@@ -1,4 +1,13 @@
-"""weftex pack and unpack: map sets as an engine or a program wants them, and back."""
+"""Write a map set for an engine or a program.
+
+A preset names files, packs channels, inverts values, and sets bits and formats. Other commands,
+such as 'weftex synth', have the same --preset. 'weftex unpack' is the reverse.
+
+examples:
+  weftex pack stone_wall/ -o stones/ --preset godot
+  weftex pack stone_wall/ -o stones/ --preset unity-hdrp
+  weftex pack stone_wall/ -o stones/ --preset mine.toml     a preset of your own
+"""
 
 from __future__ import annotations
 
@@ -17,37 +26,12 @@ from weftex.io.presets import presets, read_preset
 from weftex.recipe import MATERIAL
 from weftex.recipe.command_line import described_material
 
-_ABOUT = """\
-Write a map set for an engine or a program: name files, pack channels, invert values, and set bits
-and formats. Other commands, such as 'weftex synth', have the same --preset. 'weftex unpack' is the
-reverse.\
-"""
-
-_EXAMPLES = """\
-examples:
-  weftex pack stone_wall/ -o stones/ --preset godot
-  weftex pack stone_wall/ -o stones/ --preset unity-hdrp
-  weftex pack stone_wall/ -o stones/ --preset mine.toml     a preset of your own
-"""
-
-
-_ABOUT_UNPACK = """\
-Separate the packed maps of an engine into a map set with one file for each map. Smoothness becomes
-roughness, and y of normals points up (OpenGL). This is the reverse of 'weftex pack'.\
-"""
-
-_EXAMPLES_UNPACK = """\
-examples:
-  weftex unpack stones/ -o maps/ --preset unity-hdrp
-  weftex unpack T_stones_ORM.png T_stones_Normal.png -o maps/ --preset unreal
-"""
-
 
 def run(argv: list[str]) -> None:
     """Run `weftex pack`; `argv` is what follows its name."""
     width = max(map(len, presets()))
     listed = "".join(f"  {name:{width}}  {about}\n" for name, about in presets().items())
-    parser = Parser("pack", _ABOUT, f"{_EXAMPLES}\npresets:\n{listed}")
+    parser = Parser("pack", f"{__doc__}\npresets:\n{listed}")
     parser.add_argument("sample", metavar="FOLDER", help="folder of maps, or sample:NAME")
     parser.share("--output", "--preset", "--quiet", "--allow-huge")
     parser.take(MATERIAL["maps"])
@@ -66,8 +50,16 @@ def run(argv: list[str]) -> None:
 
 
 def run_unpack(argv: list[str]) -> None:
-    """Run `weftex unpack`; `argv` is what follows its name."""
-    parser = Parser("unpack", _ABOUT_UNPACK, _EXAMPLES_UNPACK)
+    """Separate the packed maps of an engine into a map set with one file for each map.
+
+    Smoothness becomes roughness, and y of normals points up (OpenGL). This is the reverse of
+    'weftex pack'.
+
+    examples:
+      weftex unpack stones/ -o maps/ --preset unity-hdrp
+      weftex unpack T_stones_ORM.png T_stones_Normal.png -o maps/ --preset unreal
+    """
+    parser = Parser("unpack", run_unpack.__doc__)
     text = "a folder, or files, named as the preset names them"
     parser.add_argument("files", metavar="FILE", nargs="+", help=text)
     parser.share("--output", "--preset", "--quiet", "--allow-huge")

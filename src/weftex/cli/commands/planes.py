@@ -35,17 +35,6 @@ from weftex.recipe import Recipe
 
 #: Options of synth that need the whole image.
 _NOT_BY_BLOCKS = ("guide", "sample_guide", "debug", "save_source")
-_ABOUT = """\
-Check that an image written block by block is complete, and list the parts that are missing. The
-exit code is 2 if anything is missing or damaged.\
-"""
-
-_EXAMPLES = """\
-examples:
-  weftex check plane.tif
-  weftex check plane.tif --read
-  weftex check plane.tif --repair
-"""
 
 
 def check_options(args: argparse.Namespace) -> None:
@@ -153,8 +142,16 @@ def _write(args: argparse.Namespace, definition: Definition, bar: Bar) -> str:
 
 
 def run_check(argv: list[str]) -> None:
-    """Run `weftex check`; `argv` is what follows its name."""
-    parser = Parser("check", _ABOUT, _EXAMPLES)
+    """Check that an image written block by block is complete, and list the parts that are missing.
+
+    The exit code is 2 if anything is missing or damaged.
+
+    examples:
+      weftex check plane.tif
+      weftex check plane.tif --read
+      weftex check plane.tif --repair
+    """
+    parser = Parser("check", run_check.__doc__)
     parser.add_argument(
         "plane", metavar="PLANE", help="image that 'weftex synth' wrote block by block"
     )

@@ -1,4 +1,15 @@
-"""weftex prepare: straighten a photo, even its lighting, and remove its landmarks."""
+"""Straighten a photo, remove uneven light, and remove landmarks (conspicuous features).
+
+The output is a sample for any other command. 'weftex synth' has the same options.
+
+examples:
+  weftex prepare photo.jpg                            say what the photo needs
+  weftex prepare photo.jpg -o brick.png --straighten --even-light
+  weftex prepare photo.jpg -o brick.png --straighten 12,40,801,95,790,620,20,700   by four corners
+  weftex prepare photo.jpg -o brick.png --straighten 99,3,49,36.7                  by a lattice
+  weftex prepare leaves.jpg -o plain.png --landmarks remove
+  weftex prepare stone_wall/ -o straight/ --straighten                            a folder of maps
+"""
 
 from __future__ import annotations
 
@@ -17,21 +28,6 @@ from weftex.recipe.opening import prepare_material
 from weftex.tasks.auto import Auto, AutoModel, Findings
 from weftex.tasks.landmarks import remove_landmarks
 
-_ABOUT = """\
-Straighten a photo, remove uneven light, and remove landmarks (conspicuous features). The output is
-a sample for any other command. 'weftex synth' has the same options.\
-"""
-
-_EXAMPLES = """\
-examples:
-  weftex prepare photo.jpg                            say what the photo needs
-  weftex prepare photo.jpg -o brick.png --straighten --even-light
-  weftex prepare photo.jpg -o brick.png --straighten 12,40,801,95,790,620,20,700   by four corners
-  weftex prepare photo.jpg -o brick.png --straighten 99,3,49,36.7                  by a lattice
-  weftex prepare leaves.jpg -o plain.png --landmarks remove
-  weftex prepare stone_wall/ -o straight/ --straighten                            a folder of maps
-"""
-
 _LANDMARKS = LANDMARKS._replace(
     default="keep",
     choices=("keep", "remove"),
@@ -42,7 +38,7 @@ _LANDMARKS = LANDMARKS._replace(
 
 def run(argv: list[str]) -> None:
     """Run the command; `argv` is what follows its name."""
-    parser = Parser("prepare", _ABOUT, _EXAMPLES)
+    parser = Parser("prepare", __doc__)
     parser.add_argument("sample", metavar="PHOTO", help="image, folder of maps, or sample:NAME")
     parser.add_argument(
         "-o", "--output", metavar="OUT", help="file to write; a folder for a map set"

@@ -1,4 +1,11 @@
-"""weftex replay: render a saved result with another map of its sample."""
+"""Render a saved result with other maps of its sample.
+
+examples:
+  weftex replay wall.npz normal_16bit.png -o wall_normal.png
+  weftex replay wall.npz stone_wall/ -o wall/          a folder of maps
+  weftex replay filled.npz height.exr -o filled_height.exr --background photo_height.exr
+  weftex replay field.npz clover_height.png grape_height.png plum_height.png -o field_height.png
+"""
 
 from __future__ import annotations
 
@@ -15,18 +22,10 @@ from weftex.raster.levels import scale_between
 from weftex.results.synthesis import Synthesis
 from weftex.roles import role_of
 
-_EXAMPLES = """\
-examples:
-  weftex replay wall.npz normal_16bit.png -o wall_normal.png
-  weftex replay wall.npz stone_wall/ -o wall/          a folder of maps
-  weftex replay filled.npz height.exr -o filled_height.exr --background photo_height.exr
-  weftex replay field.npz clover_height.png grape_height.png plum_height.png -o field_height.png
-"""
-
 
 def run(argv: list[str]) -> None:
     """Run the command; `argv` is what follows its name."""
-    parser = Parser("replay", "Render a saved result with other maps of its sample.", _EXAMPLES)
+    parser = Parser("replay", __doc__)
     add = parser.add_argument
     add("source", metavar="F.npz", help="file from --save-source")
     text = "image of the sample's size, or 2, 3, ... times as large or small; or a folder of such "

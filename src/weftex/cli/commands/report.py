@@ -1,4 +1,14 @@
-"""weftex report: measure how good a result is."""
+"""Measure how well a result matches its sample.
+
+Prints a line for each measure, or writes a page with images, pictures of the flaws, and all
+measures.
+
+examples:
+  weftex report brick.png wall.png -o report.html
+  weftex report brick.png wall.png --source wall.npz -o report.html
+  weftex report brick.png tile.png --tileable --json
+  weftex report stone_wall/ big/ -o report.html      a folder of maps and the result from it
+"""
 
 from __future__ import annotations
 
@@ -11,23 +21,10 @@ from weftex.pages.reports import Report, report
 from weftex.recipe import MATERIAL
 from weftex.recipe.declared import TILEABLE
 
-_ABOUT = """\
-Measure how well a result matches its sample. Prints a line for each measure, or writes a page with
-images, pictures of the flaws, and all measures.\
-"""
-
-_EXAMPLES = """\
-examples:
-  weftex report brick.png wall.png -o report.html
-  weftex report brick.png wall.png --source wall.npz -o report.html
-  weftex report brick.png tile.png --tileable --json
-  weftex report stone_wall/ big/ -o report.html      a folder of maps and the result from it
-"""
-
 
 def run(argv: list[str]) -> None:
     """Run the command; `argv` is what follows its name."""
-    parser = Parser("report", _ABOUT, _EXAMPLES)
+    parser = Parser("report", __doc__)
     add = parser.add_argument
     add("sample", metavar="SAMPLE", help="image, folder of maps, or sample:NAME")
     parser.take(MATERIAL["maps"])

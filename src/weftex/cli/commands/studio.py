@@ -1,4 +1,13 @@
-"""weftex studio: open the studio in the browser."""
+"""Open the studio in the browser: make textures from a photo, paint, compare and export.
+
+Everything stays on this machine. The address contains a secret token; requests without it are
+refused.
+
+examples:
+  weftex studio
+  weftex studio brick.png
+  weftex studio sample:bricks --no-browser
+"""
 
 from __future__ import annotations
 
@@ -14,24 +23,13 @@ from weftex.errors import InvalidInputError, missing_packages
 if TYPE_CHECKING:
     from weftex.studio.studio import Studio
 
-_ABOUT = """\
-Open the studio in the browser: make textures from a photo, paint, compare and export. Everything
-stays on this machine. The address contains a secret token; requests without it are refused.\
-"""
-
-_EXAMPLES = """\
-examples:
-  weftex studio
-  weftex studio brick.png
-  weftex studio sample:bricks --no-browser
-"""
 
 _PATIENCE = 60  # seconds for the browser to load the page
 
 
 def run(argv: list[str]) -> None:
     """Run the command; `argv` is what follows its name."""
-    parser = Parser("studio", _ABOUT, _EXAMPLES)
+    parser = Parser("studio", __doc__)
     add = parser.add_argument
     text = "image, folder of maps, or sample:NAME to open"
     add("sample", metavar="SAMPLE", nargs="?", help=text)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import argparse
-from typing import NamedTuple
+from functools import partial
 
 from weftex.cli.arguments import is_plane, parse_task
 from weftex.cli.files import open_job, pixels_of, report, write_debug
@@ -17,130 +17,122 @@ from weftex.recipe.opening import OpenedRecipe
 from weftex.results.synthesis import Synthesis
 
 
-class _Help(NamedTuple):
-    """What the help of a command says."""
+def run_synth(argv: list[str]) -> None:
+    """Make an image of any size from a sample of a material.
 
-    about: str
-    examples: str
-    metavar: str  # of its materials
-    materials: str
-    usual: str  # the method where none is named
-
-
-_HELP = {
-    "synth": _Help(
-        """\
-Make an image of any size from a sample of a material.\
-""",
-        """\
-examples:
-  weftex synth brick.png -o wall.png --size 1024x768 --save-source wall.npz
-  weftex synth brick.png -o tile.png --size 512 --tileable --seed 7
-  weftex synth near.jpg far.jpg -o wall.png           several photos of one material
-  weftex synth stone_wall/ -o big/ --size 2k          a folder of aligned maps
-  weftex synth brick.png -o wall.png --method quilting --patch-size 48
-  weftex synth brick.png -o wall.png --best-of 8      the best of eight seeds
-  weftex synth photo.jpg -o wall.png --straighten --even-light
-  weftex synth brick.png -o part.png --window 10000,-500,512,512 --seed 7    endless texture
-  weftex synth brick.png -o wall.tif --size 100000x100000 --workers 4
-  weftex synth moss.png -o face.png --method ashikhmin --guide face.png
-  weftex synth photo.png -o new.png --method refinement --sample-guide painted.png --guide other.png
-""",
-        "SAMPLE",
-        "image, folder of maps, or sample:NAME; several must show the same material",
-        "chosen for the sample",
-    ),
-    "fill": _Help(
-        """\
-Fill the holes in a photo. All other pixels stay unchanged unless --overlap is given. Without
---method, weftex chooses graphcut for photos with a lattice, and for photos up to 512x512 with rows
-or large features. With --sample or a method parameter, and for all others, it uses patch-sampling.\
-""",
-        """\
-examples:
-  weftex fill photo.png --mask hole.png -o whole.png
-  weftex fill erased.png -o whole.png                 fill the transparent pixels
-  weftex fill photo.png --mask hole.png -o whole.png --sample grass.png
-  weftex fill stone_wall/ --mask hole.png -o whole/   a folder of aligned maps
-""",
-        "PHOTO",
-        "image, folder of maps, or sample:NAME",
-        "chosen for the photo",
-    ),
-    "tile": _Help(
-        """\
-Make photos tileable at their own size. Only a border changes; all other pixels stay unchanged.
---check checks images instead; --pad and --crop add and remove pixels around tileable images.\
-""",
-        """\
-examples:
-  weftex tile photo.jpg -o tile.png
-  weftex tile photo.jpg -o strip.png --tileable x --border 40
-  weftex tile stone_wall/ -o tile/                    a folder of aligned maps
-  weftex tile photos/ -o tiles/                       a folder of photos and map sets
-  weftex tile --check tiles/ --picture border.png     exit code 1 if one is not tileable
-  weftex tile --pad 32 tile.png -o padded.png         before an upscaler
-""",
-        "PHOTO",
-        "images, folders of maps or of separate images, or sample:NAME",
-        "chosen for the photo",
-    ),
-    "fuse": _Help(
-        """\
-Make one image of several materials. A label map has one color for each sample, and says where each
-goes. --colors lists the colors. Without it, the color at the top left belongs to the first sample,
-and the next new color, row by row, to the second. --map gradient needs no image.\
-""",
-        """\
-examples:
-  weftex fuse clover.png grape.png plum.png --map map.png -o field.png
-  weftex fuse clover.png grape.png --map map.png --colors '#ff0000,#0000ff' -o field.png
-  weftex fuse purple.png yellow.png --map gradient --size 400x400 -o beans.png
-  weftex fuse stone_wall/ bark/ --map map.png --missing metallic=0 -o both/      folders of maps
-  weftex fuse sand.png grass.png rock.png --map gradient --direction 0 --size 400 -o shore.png
-""",
-        "SAMPLE",
-        "two or more images, folders of maps, or sample:NAME",
-        "refinement",
-    ),
-}
-
-
-def run_task(task: str, argv: list[str]) -> None:
-    """Run the command of a task; `argv` is what follows its name."""
-    said = _HELP[task]
-    parser = Parser(task, said.about, said.examples)
-    count = "+" if task in ("synth", "fuse", "tile") else None
-    if task == "tile":
-        if {word.split("=")[0] for word in argv} & {*TOOLS}:
-            run_tool(argv)
-            return
-        add_tools(parser)
-    parser.add_argument("materials", metavar=said.metavar, nargs=count, help=said.materials)
-    if task == "fill":
-        text = "image to fill the holes from, in place of the photo"
-        parser.add_argument("--sample", metavar="FILE", help=text)
-    if task == "synth":
-        text = "folder for images that show how the result was composed: sources, patches, seams"
-        parser.under["output"].add_argument("--debug", metavar="DIR", help=text)
-        parser.share(*BLOCKS)
-    parser.share("--output", "--preset", "--verbose", "--save-source")
-    args, recipe = parse_task(task, parser, argv, options_of(task), usual=said.usual)
-    if task == "synth" and is_plane(recipe, args):
+    examples:
+      weftex synth brick.png -o wall.png --size 1024x768 --save-source wall.npz
+      weftex synth brick.png -o tile.png --size 512 --tileable --seed 7
+      weftex synth near.jpg far.jpg -o wall.png           several photos of one material
+      weftex synth stone_wall/ -o big/ --size 2k          a folder of aligned maps
+      weftex synth brick.png -o wall.png --method quilting --patch-size 48
+      weftex synth brick.png -o wall.png --best-of 8      the best of eight seeds
+      weftex synth photo.jpg -o wall.png --straighten --even-light
+      weftex synth brick.png -o part.png --window 10000,-500,512,512 --seed 7    endless texture
+      weftex synth brick.png -o wall.tif --size 100000x100000 --workers 4
+      weftex synth moss.png -o face.png --method ashikhmin --guide face.png
+      weftex synth a.png -o new.png --method refinement --sample-guide painted.png --guide b.png
+    """
+    parser = Parser("synth", run_synth.__doc__)
+    text = "image, folder of maps, or sample:NAME; several must show the same material"
+    parser.add_argument("materials", metavar="SAMPLE", nargs="+", help=text)
+    text = "folder for images that show how the result was composed: sources, patches, seams"
+    parser.under["output"].add_argument("--debug", metavar="DIR", help=text)
+    parser.share(*BLOCKS)
+    args, recipe = _parsed(parser, argv, "chosen for the sample")
+    if is_plane(recipe, args):
         from weftex.cli.commands.planes import synthesize
 
         synthesize(recipe, args)
+    else:
+        _do(recipe, args)
+
+
+def run_fill(argv: list[str]) -> None:
+    """Fill the holes in a photo.
+
+    All other pixels stay unchanged unless --overlap is given. Without --method, weftex chooses
+    graphcut for photos with a lattice, and for photos up to 512x512 with rows or large features.
+    With --sample or a method parameter, and for all others, it uses patch-sampling.
+
+    examples:
+      weftex fill photo.png --mask hole.png -o whole.png
+      weftex fill erased.png -o whole.png                 fill the transparent pixels
+      weftex fill photo.png --mask hole.png -o whole.png --sample grass.png
+      weftex fill stone_wall/ --mask hole.png -o whole/   a folder of aligned maps
+    """
+    parser = Parser("fill", run_fill.__doc__)
+    text = "image, folder of maps, or sample:NAME"
+    parser.add_argument("materials", metavar="PHOTO", help=text)
+    text = "image to fill the holes from, in place of the photo"
+    parser.add_argument("--sample", metavar="FILE", help=text)
+    args, recipe = _parsed(parser, argv, "chosen for the photo")
+    _do(recipe, args)
+
+
+def run_tile(argv: list[str]) -> None:
+    """Make photos tileable at their own size.
+
+    Only a border changes; all other pixels stay unchanged. --check checks images instead; --pad and
+    --crop add and remove pixels around tileable images.
+
+    examples:
+      weftex tile photo.jpg -o tile.png
+      weftex tile photo.jpg -o strip.png --tileable x --border 40
+      weftex tile stone_wall/ -o tile/                    a folder of aligned maps
+      weftex tile photos/ -o tiles/                       a folder of photos and map sets
+      weftex tile --check tiles/ --picture border.png     exit code 1 if one is not tileable
+      weftex tile --pad 32 tile.png -o padded.png         before an upscaler
+    """
+    if {word.split("=")[0] for word in argv} & {*TOOLS}:
+        run_tool(argv)
         return
-    if task == "tile" and args.picture is not None:
+    parser = Parser("tile", run_tile.__doc__)
+    text = "images, folders of maps or of separate images, or sample:NAME"
+    parser.add_argument("materials", metavar="PHOTO", nargs="+", help=text)
+    add_tools(parser)
+    args, recipe = _parsed(parser, argv, "chosen for the photo")
+    if args.picture is not None:
         raise InvalidInputError("--picture has no effect without --check")
 
     def work(bar: Bar, outputs: Outputs) -> str:
-        if task != "tile":
-            return _make(recipe, args, bar, outputs)
         jobs = each_job(recipe, args, outputs)
         return "\n".join(_make(one, own, bar, outputs) for one, own in jobs)
 
     finish(work, args.quiet, verbose=args.verbose)
+
+
+def run_fuse(argv: list[str]) -> None:
+    """Make one image of several materials.
+
+    A label map has one color for each sample, and says where each goes. --colors lists the colors.
+    Without it, the color at the top left belongs to the first sample, and the next new color, row
+    by row, to the second. --map gradient needs no image.
+
+    examples:
+      weftex fuse clover.png grape.png plum.png --map map.png -o field.png
+      weftex fuse clover.png grape.png --map map.png --colors '#ff0000,#0000ff' -o field.png
+      weftex fuse purple.png yellow.png --map gradient --size 400x400 -o beans.png
+      weftex fuse stone_wall/ bark/ --map map.png --missing metallic=0 -o both/      folders of maps
+      weftex fuse sand.png grass.png rock.png --map gradient --direction 0 --size 400 -o shore.png
+    """
+    parser = Parser("fuse", run_fuse.__doc__)
+    text = "two or more images, folders of maps, or sample:NAME"
+    parser.add_argument("materials", metavar="SAMPLE", nargs="+", help=text)
+    args, recipe = _parsed(parser, argv, "refinement")
+    _do(recipe, args)
+
+
+def _parsed(parser: Parser, argv: list[str], usual: str) -> tuple[argparse.Namespace, Recipe]:
+    """Add what all tasks take, and parse; see `parse_task`."""
+    parser.share("--output", "--preset", "--verbose", "--save-source")
+    task = parser.command
+    return parse_task(task, parser, argv, options_of(task), usual=usual)
+
+
+def _do(recipe: Recipe, args: argparse.Namespace) -> None:
+    """Do a task; its output appears when it has ended well."""
+    finish(partial(_make, recipe, args), args.quiet, verbose=args.verbose)
 
 
 def _make(recipe: Recipe, args: argparse.Namespace, bar: Bar, outputs: Outputs) -> str:
