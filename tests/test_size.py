@@ -15,12 +15,12 @@ TESTS = Path(__file__).parent
 READ = ("methods", "repeats", "search", "seams")
 #: Lower a ceiling when the code has become smaller; a feature that needs room removes something.
 CEILINGS = {
-    "lines of Python in src": 44_917,
-    "of these code": 31_275,
-    "modules": 262,
+    "lines of Python in src": 44_383,
+    "of these code": 30_736,
+    "modules": 259,
     "kernel classes": 23,
     "names that several kernel classes have": 0,
-    "lines of tests": 24_221,
+    "lines of tests": 24_214,
     "quilting: files to read": 11,
     "quilting: lines to read": 2_499,
     "graphcut: files to read": 18,

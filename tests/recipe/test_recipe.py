@@ -77,7 +77,7 @@ def parsed(words):
 
     found = []
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(tasks, "finish", lambda *_, **__: None)
+        patch.setattr(tasks, "run_and_report", lambda *_, **__: None)
         real = tasks.parse_task
         patch.setattr(tasks, "parse_task", lambda *a, **k: found.append(real(*a, **k)) or found[0])
         patch.setattr(tasks, "is_plane", lambda *_: False)

@@ -76,7 +76,7 @@ def parse_task(
     recipe = Recipe.from_json(json_of(task, paths, given, chosen, parameters), local=True)
     size = recipe.options.get("size")
     if size is not None:
-        check_size(size, args)
+        refuse_huge(size, args)
     return args, recipe
 
 
@@ -178,7 +178,7 @@ def parameters_of(method: type[Method], hole: bool = False) -> Iterator[tuple[An
         yield field, f"{values}; default: {default}"
 
 
-def check_size(size: tuple[int, int], args: argparse.Namespace) -> None:
+def refuse_huge(size: tuple[int, int], args: argparse.Namespace) -> None:
     """Raise `InvalidInputError` for an output that is large by mistake."""
     height, width = size
     any_size = args.allow_huge or suffix_of(args.output or "") in TIFF

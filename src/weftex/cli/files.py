@@ -18,7 +18,6 @@ from weftex.io.outputs import OutputSet, fitted_file, kept_file
 from weftex.io.packing import pack_set
 from weftex.io.pictures import (
     MAX_PIXELS,
-    Picture,
     check_output,
     is_folder,
     read_image,
@@ -29,6 +28,7 @@ from weftex.recipe import Recipe
 from weftex.recipe.command_line import described_material, path_of
 from weftex.recipe.opening import (
     OpenedRecipe,
+    OpenPicture,
     PreparedMaterial,
     open_recipe,
     pictures_like,
@@ -37,7 +37,6 @@ from weftex.recipe.opening import (
 from weftex.results.synthesis import Synthesis
 
 OpenMaterial = Callable[[dict[str, Any]], PreparedMaterial]
-OpenPicture = Callable[[str], Picture]
 
 
 def read_input(path: str, args: argparse.Namespace, maps: dict[str, str] | None = None) -> Material:

@@ -227,7 +227,9 @@ def run(work: Callable[[Bar, Outputs], Result], quiet: bool) -> tuple[Result, Ba
     return result, bar  # type: ignore[return-value]
 
 
-def finish(work: Callable[[Bar, Outputs], str], quiet: bool, *, verbose: bool = False) -> None:
+def run_and_report(
+    work: Callable[[Bar, Outputs], str], quiet: bool, *, verbose: bool = False
+) -> None:
     """`run`, and what `work` returns is said unless `quiet`; what stages took, if `verbose`."""
     message, bar = run(work, quiet)
     if verbose:

@@ -8,7 +8,7 @@ from collections.abc import Iterator, Sequence
 
 from weftex.cli.files import plan, read_input
 from weftex.cli.parser import Parser
-from weftex.cli.terminal import Bar, Outputs, finish, run
+from weftex.cli.terminal import Bar, Outputs, run, run_and_report
 from weftex.errors import InvalidInputError
 from weftex.exemplar.material import has_several, with_border
 from weftex.io.formats import written_as
@@ -157,4 +157,4 @@ def _resize(args: argparse.Namespace, axes: tuple[int, ...], option: Option) -> 
         did = "padded" if option is PAD else "cropped"
         return f"{did} {count} image{'s'[: count > 1]} in {args.output}, in {bar.took:.2f} s"
 
-    finish(work, args.quiet)
+    run_and_report(work, args.quiet)

@@ -88,24 +88,28 @@ class TiffStore:
         return True
 
     def write(self, place: Place, pixels: NDArray[Any]) -> None:
-        """Write the tiles of a block, a row at a time; when this returns they are on the disk."""
-        level, tile = place[0], self.layout.tile
-        top, left, height, width = self.layout.window(place)
-        across = -(-width // tile)
+        """Write a block; when this returns it is on the disk."""
         try:
-            with open(self.path, "r+b") as file:
-                for line in range(0, height, tile):
-                    rows = min(tile, height - line)
-                    strip = np.zeros((tile, across * tile, self._bands), self._dtype)
-                    strip[:rows, :width] = pixels[line : line + rows].reshape(rows, width, -1)
-                    tiles = strip.reshape(tile, across, tile, -1).swapaxes(0, 1)
-                    file.seek(self._offset(level, top + line, left))
-                    file.write(np.ascontiguousarray(tiles).data)
-                file.flush()
-                os.fsync(file.fileno())
+            self.put(place, pixels)
         except OSError as error:
             why = error.strerror or error
             raise FileError(f"{self.path}: cannot write: {why}; {KEPT}") from None
+
+    def put(self, place: Place, pixels: NDArray[Any]) -> None:
+        """Write the tiles of a block, a row of them at a time."""
+        level, tile = place[0], self.layout.tile
+        top, left, height, width = self.layout.window(place)
+        across = -(-width // tile)
+        with open(self.path, "r+b") as file:
+            for line in range(0, height, tile):
+                rows = min(tile, height - line)
+                strip = np.zeros((tile, across * tile, self._bands), self._dtype)
+                strip[:rows, :width] = pixels[line : line + rows].reshape(rows, width, -1)
+                tiles = strip.reshape(tile, across, tile, -1).swapaxes(0, 1)
+                file.seek(self._offset(level, top + line, left))
+                file.write(np.ascontiguousarray(tiles).data)
+            file.flush()
+            os.fsync(file.fileno())
 
     def read(self, level: int, window: Window) -> NDArray[Any]:
         """Return the pixels of a window, read a row of tiles at a time; `FileError` if damaged."""

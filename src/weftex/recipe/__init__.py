@@ -80,7 +80,7 @@ FIELDS = frozenset({*_ALL, "sample", "path", "name", *MATERIAL, *GRADIENT}.union
     *(task.options for task in TASKS.values())
 ))  # fmt: skip
 #: Options that windows of an endless texture do not take.
-_WHOLE_IMAGE_OPTIONS = ("guide", "sample_guide", "tileable", "fit", "best_of", "landmarks")
+_NOT_WITH_WINDOW = ("guide", "sample_guide", "tileable", "fit", "best_of", "landmarks")
 #: The most materials of a recipe that is not local, and the most results it makes to keep one.
 _MOST_MATERIALS, _MOST_OF_BEST = 8, 16
 
@@ -164,7 +164,7 @@ class Recipe:
 
         if self.task == "synth":
             if options["window"] is not None:
-                for name in (*_WHOLE_IMAGE_OPTIONS, "size"):
+                for name in (*_NOT_WITH_WINDOW, "size"):
                     if options[name] != declared[name].default:
                         raise InvalidInputError(f"give {named(name)} or --window, not both")
             elif options["period"] is not None:

@@ -18,7 +18,7 @@ from weftex.io.pictures import Picture, mask_of, read_image
 from weftex.method import Model
 from weftex.progress import ProgressCallback
 from weftex.recipe import Recipe, gradient
-from weftex.results.scales import check_size
+from weftex.results.scales import check_map_scales
 from weftex.results.synthesis import Synthesis
 from weftex.roles import COLOR, Role, role_of
 from weftex.tasks.synthesize import synthesize_on
@@ -279,7 +279,7 @@ class OpenedRecipe:
         Whoever keeps models of synth gives `get_model`, which returns the model of its sample.
         """
         if self.recipe.task in ("synth", "fuse"):
-            check_size(self.like, self.shape)
+            check_map_scales(self.like, self.shape)
         how: dict[str, Any] = {"seed": self.recipe.seed if seed is None else seed}
         how |= {"threads": threads, "progress": progress}
         if self.recipe.task == "synth":
@@ -316,10 +316,10 @@ class OpenedRecipe:
         return synthesize_on(canvas, self.sample, self.recipe.method, get_model, **how)
 
 
-def pictures_like(materials: Sequence[Material], made: Exemplar) -> dict[str, Picture]:
+def pictures_like(materials: Sequence[Material], template: Exemplar) -> dict[str, Picture]:
     """Return pictures with the pixels of a sample and its maps, each as the first that has it."""
     pictures = {}
-    for name, pixels in {materials[0].main: made.pixels, **made.maps}.items():
+    for name, pixels in {materials[0].main: template.pixels, **template.maps}.items():
         like = next(one.pictures[name] for one in materials if name in one.pictures)
         pictures[name] = replace(like, pixels=pixels)
     return pictures

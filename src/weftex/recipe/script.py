@@ -18,6 +18,12 @@ __all__ = ["python_of"]
 Names = Mapping[str, str]
 
 _PACKAGE = "weftex"
+#: Functions that are not at the top of weftex, and their modules.
+_IMPORTED = {
+    "hole_of": "tasks.fill",
+    "read_mask": "io.pictures",
+    "read_material": "exemplar.material",
+}
 #: Beside the picture, of a set of maps.
 _MAPS = """\
 for name, pixels in made.maps.items():
@@ -47,12 +53,9 @@ def python_of(recipe: Recipe, output: str = "out.png", names: Names | None = Non
     if output.endswith("/"):
         lines.append(_MAPS)
     imports = ["import weftex", ""]
-    if any("hole_of(" in line for line in lines):
-        imports.insert(0, "from weftex.tasks.fill import hole_of")
-    if any("read_mask(" in line for line in lines):
-        imports.insert(0, "from weftex.io.pictures import read_mask")
-    if any("read_material(" in line for line in lines):
-        imports.insert(0, "from weftex.exemplar.material import read_material")
+    for name, module in _IMPORTED.items():
+        if any(f"{name}(" in line for line in lines):
+            imports.insert(0, f"from weftex.{module} import {name}")
     return "\n".join([*imports, *lines]) + "\n"
 
 

@@ -6,28 +6,12 @@ from cython.cimports.libc.math import rint
 from cython.cimports.weftex.results.paste_kernels import value
 
 
-@cython.cfunc
-@cython.inline
-@cython.nogil
-@cython.exceptval(check=False)
-def difference(one: value, other: value) -> cython.double:
+def difference(one, other):
     """How much more the one is."""
     return cython.cast(cython.double, one) - cython.cast(cython.double, other)
 
 
-@cython.cfunc
-@cython.nogil
-@cython.exceptval(check=False)
-def led(
-    sample: cython.const[value][:, :, ::1],
-    coordinates: cython.const[cython.int][:, :, :, ::1],
-    shares: cython.const[cython.float][:, :, ::1],
-    v: cython.Py_ssize_t,
-    u: cython.Py_ssize_t,
-    axis: cython.int,
-    way: cython.int,
-    slope: cython.pointer(cython.double),
-) -> cython.double:
+def led(sample, coordinates, shares, v, u, axis, way, slope):
     """Add the slopes from a pixel's sources (way 1) or to them (-1); return the sum of shares."""
     cython.declare(k=cython.Py_ssize_t, c=cython.Py_ssize_t, sure=cython.double)
     cython.declare(y=cython.Py_ssize_t, x=cython.Py_ssize_t)

@@ -43,7 +43,7 @@ class RenderedMaps(Mapping[str, NDArray[Any]]):
         return f"<maps: {', '.join(self._names) or 'none'}>"
 
 
-def check_size(exemplar: Exemplar, shape: tuple[int, int]) -> None:
+def check_map_scales(exemplar: Exemplar, shape: tuple[int, int]) -> None:
     """Raise if a side is no multiple of the pixels that one pixel of a coarser map covers."""
     for name in exemplar.maps:
         check_window((0, 0, *shape), exemplar.scale_of(name), name)
@@ -110,7 +110,7 @@ def background_of(
 
 
 def check_window(window: Window, scale: Fraction | int, name: str) -> None:
-    """`check_size` for a part of the output."""
+    """`check_map_scales` for a part of the output."""
     if any(side * scale % 1 for side in window):
         raise InvalidInputError(
             f"map '{name}' has a pixel for {scale.denominator}x{scale.denominator} of the sample, "

@@ -27,16 +27,11 @@ class SourceMap(ABC):
     #: Arrays that only some results have; None without them.
     OPTIONAL: ClassVar[Mapping[str, type]] = {}
 
-    def __init__(
-        self,
-        canvas: Canvas,
-        sample_shape: tuple[int, int],
-        known_from: tuple[int, int] | None,
-        turn: str | None,
-        copy_shape: tuple[int, int] | None,
-    ) -> None:
-        self.canvas, self.sample_shape, self.known_from = canvas, sample_shape, known_from
-        self.turn, self.copy_shape = turn, copy_shape
+    canvas: Canvas
+    sample_shape: tuple[int, int]
+    known_from: tuple[int, int] | None
+    turn: str | None
+    copy_shape: tuple[int, int] | None
 
     @abstractmethod
     def _layers(self, window: Window) -> tuple[NDArray[np.int32], NDArray[np.float32]]:

@@ -75,7 +75,8 @@ class Synthesis(Displayable, SourceMap):
     ) -> None:
         if isinstance(exemplar, Exemplar) and exemplar.turn is not None:
             turn, copy_shape = exemplar.turn, exemplar.copy_shape
-        super().__init__(canvas, sample_shape, known_from, turn, copy_shape)
+        self.canvas, self.sample_shape, self.known_from = canvas, sample_shape, known_from
+        self.turn, self.copy_shape = turn, copy_shape
         self.exemplar, self.threads = exemplar, threads
         self.provenance, self.tone_reach = provenance or {}, tone_reach
         self._picture, self.match_tone, self.is_window = picture, match_tone, is_window

@@ -24,7 +24,7 @@ from weftex.atlas import Atlas, atlas
 from weftex.cli.arguments import parse_task
 from weftex.cli.files import open_job
 from weftex.cli.parser import Parser
-from weftex.cli.terminal import Bar, Outputs, finish
+from weftex.cli.terminal import Bar, Outputs, run_and_report
 from weftex.io.formats import suffix_of, written_as
 from weftex.io.outputs import OutputSet
 from weftex.io.pictures import is_folder, write_image, write_text
@@ -41,8 +41,8 @@ def run(argv: list[str]) -> None:
     parser.set_defaults(save_source=None)
     options = [*ATLAS.values(), *MATERIAL.values(), SEED]
     args, recipe = parse_task("synth", parser, argv, options, usual="graphcut, entire samples")
-    given = {option: value_of(option, vars(args)) for option in ATLAS.values()}
-    own = {o.name: o.checked(value, o.flag) for o, value in given.items() if value is not None}
+    given = {name: value_of(option, vars(args)) for name, option in ATLAS.items()}
+    own = {name: value for name, value in given.items() if value is not None}
 
     def work(bar: Bar, outputs: Outputs) -> str:
         folder = _folder_of_tiles(args, outputs)
@@ -58,7 +58,7 @@ def run(argv: list[str]) -> None:
             f"in {bar.took:.2f} s"
         )
 
-    finish(work, args.quiet)
+    run_and_report(work, args.quiet)
 
 
 def _folder_of_tiles(args: argparse.Namespace, outputs: Outputs) -> str | None:

@@ -24,7 +24,7 @@ from urllib.parse import quote
 from weftex.cli.arguments import parse_task
 from weftex.cli.files import open_materials, pixels_of, plan
 from weftex.cli.parser import Parser
-from weftex.cli.terminal import Bar, Outputs, finish, say
+from weftex.cli.terminal import Bar, Outputs, run_and_report, say
 from weftex.errors import CancelledError, FileError, InvalidInputError, WeftexError, shown
 from weftex.exemplar.material import has_several
 from weftex.io.formats import READABLE, suffix_of, written_as
@@ -100,7 +100,7 @@ def run(argv: list[str]) -> None:
         done = f"did {len(left)} jobs of {len(entries)} samples{skipped}, in {bar.took:.2f} s"
         return f"{done}; {os.path.join(args.output, _SHEET)} shows all outputs{stray}"
 
-    finish(work, args.quiet)
+    run_and_report(work, args.quiet)
 
 
 def _stray(folder: str, entries: Sequence[Entry], output: str) -> str:
@@ -373,13 +373,13 @@ class Maker:
     def _write(self, result: Synthesis, record: dict[str, Any]) -> str:
         """Write an output under another name, and return that."""
         target, job = os.path.join(self.args.output, record["output"]), self._opened
-        with unfinished(target) as path, Outputs() as outputs:
+        with unfinished(target) as path:
             options = argparse.Namespace(**vars(self.args) | {"output": path})
             if job.materials[0].folder:
-                outputs.make_folder(path)
+                os.mkdir(path)
             files, _ = plan(job.materials, job.like, options)
             try:
-                files.write(outputs.reserve, pixels_of(result, files.main), self.args.threads)
+                files.write(str, pixels_of(result, files.main), self.args.threads)
             except WeftexError as error:
                 raise type(error)(str(error).replace(path, target)) from None
         return path

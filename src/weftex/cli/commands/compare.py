@@ -10,10 +10,10 @@ examples:
 
 from __future__ import annotations
 
-from weftex.cli.arguments import check_numbers, check_size
+from weftex.cli.arguments import check_numbers, refuse_huge
 from weftex.cli.files import load_sample
 from weftex.cli.parser import Parser
-from weftex.cli.terminal import Bar, Outputs, finish, print_json
+from weftex.cli.terminal import Bar, Outputs, print_json, run_and_report
 from weftex.io.pictures import check_output
 from weftex.pages.comparisons import compare
 from weftex.recipe import MATERIAL, SEED
@@ -40,7 +40,7 @@ def run(argv: list[str]) -> None:
     args = parser.parse(argv)
     values = {one.name: value_of(one, vars(args)) for one in (size, seed, TILEABLE)}
     if values["size"] is not None:
-        check_size(values["size"], args)
+        refuse_huge(values["size"], args)
     names = None if args.methods is None else [word.strip() for word in args.methods.split(",")]
     check_numbers(args)
     how = {"seed": 1 if values["seed"] is None else values["seed"], "threads": args.threads}
@@ -62,4 +62,4 @@ def run(argv: list[str]) -> None:
         lines = [f"{entry.method} {entry.rank:.2f}" for entry in entries]
         return "\n".join([*lines, *filter(None, [found.contradiction]), said])
 
-    finish(work, args.quiet)
+    run_and_report(work, args.quiet)

@@ -17,7 +17,7 @@ from dataclasses import replace
 
 from weftex.cli.files import plan, read_input
 from weftex.cli.parser import Parser
-from weftex.cli.terminal import Bar, Outputs, finish
+from weftex.cli.terminal import Bar, Outputs, run_and_report
 from weftex.cli.tiling import each_output
 from weftex.exemplar import Exemplar
 from weftex.exemplar.material import Material
@@ -71,7 +71,7 @@ def run(argv: list[str]) -> None:
             lines.append(f"estimated {listed} of {path}, in {own.output}, in {bar.took:.2f} s")
         return "\n".join(lines)
 
-    finish(work, args.quiet)
+    run_and_report(work, args.quiet)
 
 
 def _with_maps(material: Material, made: Exemplar) -> tuple[Material, list[str]]:

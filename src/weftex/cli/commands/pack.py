@@ -16,7 +16,7 @@ from dataclasses import replace
 
 from weftex.cli.files import plan, read_input
 from weftex.cli.parser import Parser
-from weftex.cli.terminal import Bar, Outputs, finish
+from weftex.cli.terminal import Bar, Outputs, run_and_report
 from weftex.errors import FileError, InvalidInputError
 from weftex.io.map_files import map_files
 from weftex.io.outputs import OutputSet, kept_file
@@ -46,7 +46,7 @@ def run(argv: list[str]) -> None:
         files.write(outputs.reserve)
         return f"{told}packed {args.output} for {args.preset} in {bar.took:.2f} s"
 
-    finish(work, args.quiet)
+    run_and_report(work, args.quiet)
 
 
 def run_unpack(argv: list[str]) -> None:
@@ -87,7 +87,7 @@ def run_unpack(argv: list[str]) -> None:
         found = ", ".join(maps)
         return f"{told}unpacked {found} of {args.preset} to {args.output} in {bar.took:.2f} s"
 
-    finish(work, args.quiet)
+    run_and_report(work, args.quiet)
 
 
 def _check_preset(preset: str | None) -> None:

@@ -11,7 +11,7 @@ from typing import Any
 from weftex import planes
 from weftex.cli.files import open_materials
 from weftex.cli.parser import Parser
-from weftex.cli.terminal import Bar, Outputs, finish, say
+from weftex.cli.terminal import Bar, Outputs, run_and_report, say
 from weftex.errors import InvalidInputError
 from weftex.exemplar.material import Material
 from weftex.io.formats import TIFF
@@ -107,7 +107,7 @@ def synthesize(recipe: Recipe, args: argparse.Namespace) -> None:
         plane = define(job.sample, job.shape, recipe.method, {}, **how)
         return _write(args, plane, bar)
 
-    finish(work, args.quiet, verbose=args.verbose)
+    run_and_report(work, args.quiet, verbose=args.verbose)
 
 
 def _write(args: argparse.Namespace, definition: Definition, bar: Bar) -> str:

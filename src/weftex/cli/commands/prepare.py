@@ -18,7 +18,7 @@ import argparse
 from weftex.analysis.overlay import is_tilted
 from weftex.cli.files import load_sample, make_room, plan, read_input
 from weftex.cli.parser import Parser
-from weftex.cli.terminal import Bar, Outputs, finish
+from weftex.cli.terminal import Bar, Outputs, run_and_report
 from weftex.cli.terminal import run as run_work
 from weftex.errors import InvalidInputError
 from weftex.io.pictures import read_image
@@ -71,7 +71,7 @@ def run(argv: list[str]) -> None:
         height, width = made.shape
         return f"{told}prepared {width}x{height} {args.output} in {bar.took:.2f} s"
 
-    finish(work, args.quiet)
+    run_and_report(work, args.quiet)
 
 
 def _advice(args: argparse.Namespace) -> list[str]:

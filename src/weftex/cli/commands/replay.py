@@ -14,7 +14,7 @@ from dataclasses import replace
 
 from weftex.cli.files import make_room, plan, read_input
 from weftex.cli.parser import Parser
-from weftex.cli.terminal import Bar, Outputs, finish
+from weftex.cli.terminal import Bar, Outputs, run_and_report
 from weftex.exemplar import Exemplar
 from weftex.exemplar.material import Material
 from weftex.prepare.combining import combined, of_one_kind, paired
@@ -56,7 +56,7 @@ def run(argv: list[str]) -> None:
         size = f"{result.shape[1]}x{result.shape[0]}"
         return f"{told}made {size} {args.output} in {bar.took:.2f} s"
 
-    finish(work, args.quiet)
+    run_and_report(work, args.quiet)
 
 
 def _as_map(material: Material) -> Material:

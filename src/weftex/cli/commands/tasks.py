@@ -8,7 +8,7 @@ from functools import partial
 from weftex.cli.arguments import is_plane, parse_task
 from weftex.cli.files import open_job, pixels_of, report, write_debug
 from weftex.cli.parser import BLOCKS, Parser
-from weftex.cli.terminal import Bar, Outputs, finish
+from weftex.cli.terminal import Bar, Outputs, run_and_report
 from weftex.cli.tiling import TOOLS, add_tools, each_job, run_tool
 from weftex.errors import InvalidInputError
 from weftex.recipe import Recipe
@@ -99,7 +99,7 @@ def run_tile(argv: list[str]) -> None:
         jobs = each_job(recipe, args, outputs)
         return "\n".join(_make(one, own, bar, outputs) for one, own in jobs)
 
-    finish(work, args.quiet, verbose=args.verbose)
+    run_and_report(work, args.quiet, verbose=args.verbose)
 
 
 def run_fuse(argv: list[str]) -> None:
@@ -132,7 +132,7 @@ def _parsed(parser: Parser, argv: list[str], usual: str) -> tuple[argparse.Names
 
 def _do(recipe: Recipe, args: argparse.Namespace) -> None:
     """Do a task; its output appears when it has ended well."""
-    finish(partial(_make, recipe, args), args.quiet, verbose=args.verbose)
+    run_and_report(partial(_make, recipe, args), args.quiet, verbose=args.verbose)
 
 
 def _make(recipe: Recipe, args: argparse.Namespace, bar: Bar, outputs: Outputs) -> str:
