@@ -117,7 +117,7 @@ def crowd(folder: Path) -> Iterator[Row]:
     run = Process(folder / "crowd", "--port", "0")
     tabs = [Page(run.client, run.token) for _ in range(5)]
     for tab in tabs[:2]:
-        tab.post("jobs", {"recipe": LONG, "leave": "keep"})
+        tab.post("jobs", {"recipe": LONG, "keep": True})
     seconds, codes = [], []
 
     def ask(k: int) -> None:

@@ -82,7 +82,7 @@ class Page:
     @property
     def session(self):
         """The session as the server has it."""
-        return self.client.studio.sessions.get(self.start["session"])
+        return self.client.studio.session(self.start["session"])
 
     def ask(self, method, path, **more):
         headers = self.headers | {"origin": self.client.origin} | more.pop("headers", {})

@@ -70,11 +70,11 @@ def test_two_headers_are_none(client):
 @pytest.mark.parametrize(("method", "path"), CHANGING)
 def test_what_changes_anything_needs_an_origin_and_is_no_get(client, page, method, path):
     assert page.ask(method, path[1:], headers={"origin": None}).status_code == 403
-    before = (len(client.studio.sessions._known), client.studio.store.bytes)
+    before = (len(client.studio.sessions), client.studio.store.bytes)
     answer = page.ask("GET", path[1:], content=b"{}")
     assert answer.status_code in (400, 404, 405, 410) or ("GET", path) in [r[:2] for r in ROUTES]
-    assert (len(client.studio.sessions._known), client.studio.store.bytes) == before
-    assert client.studio.jobs.of(client.studio.sessions.get(page.start["session"])) == []
+    assert (len(client.studio.sessions), client.studio.store.bytes) == before
+    assert client.studio.jobs.of(client.studio.session(page.start["session"])) == []
 
 
 @pytest.mark.parametrize("method", ["PUT", "PATCH", "OPTIONS", "TRACE", "HEAD"])

@@ -136,7 +136,7 @@ def short(tmp_path_factory):
 def test_a_page_that_goes_takes_its_work_with_it_or_not(short):
     page, other = short.page(), short.page()
     gone = page.post("jobs", {"recipe": LONG})["id"]
-    stays = other.post("jobs", {"recipe": {**LONG, "seed": 2}, "leave": "keep"})["id"]
+    stays = other.post("jobs", {"recipe": {**LONG, "seed": 2}, "keep": True})["id"]
     time.sleep(2)
     assert page.get(f"jobs/{gone}")["state"] == "cancelled"
     other.post("leave")

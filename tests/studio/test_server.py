@@ -19,7 +19,7 @@ from weftex.io.pictures import write_image
 from weftex.studio import server
 from weftex.studio.limits import Limits, LruCache
 from weftex.studio.refusals import Refusal
-from weftex.studio.sessions import DAY, Sessions, Store, key_of
+from weftex.studio.sessions import DAY, Store, key_of
 from weftex.studio.studio import Studio
 
 
@@ -114,7 +114,7 @@ def test_permissions_of_a_data_folder(tmp_path, capsys):
         assert (stat.S_IMODE(shared.stat().st_mode), list(shared.iterdir())) == (mode, [])
     for folder, mode in ((new, 0o700), (old, 0o755)):
         opened = Studio(folder, Limits())
-        session, _ = opened.sessions.open(None)
+        session, _ = opened.open_session(None)
         session.add_steps([{"id": "a"}])
         assert stat.S_IMODE(folder.stat().st_mode) == mode
         for inner in folder.iterdir():
@@ -203,18 +203,19 @@ def test_the_oldest_work_that_nobody_uses_gives_way(tmp_path):
 
 
 def test_pages_that_are_open_are_bounded(tmp_path):
-    limits = Limits(sessions=2)
-    sessions = Sessions(Store(tmp_path, limits), LruCache(1), ended := [].append)
-    one, two = (sessions.open(None)[0] for _ in range(2))
+    studio = Studio(tmp_path, Limits(sessions=2))
+    one, two = (studio.open_session(None)[0] for _ in range(2))
     with pytest.raises(Refusal, match="2 pages are open; close one of them"):
-        sessions.open(None)
+        studio.open_session(None)
     one.seen -= 100  # a tab that was closed long ago
-    three, resumed = sessions.open(None)
-    assert (ended.__self__, resumed) == ([one], False)
+    one.remember("made", 4, "result")
+    three, resumed = studio.open_session(None)
+    assert (one.recall("result"), resumed) == (None, False)
     with pytest.raises(Refusal):
-        sessions.get(one.id)
-    assert sessions.open(two.id) == (two, True)
-    assert sessions.get(three.id) is three
+        studio.session(one.id)
+    assert studio.open_session(two.id) == (two, True)
+    assert studio.session(three.id) is three
+    studio.close()
 
 
 def test_what_is_remembered_is_bounded():

@@ -9,7 +9,6 @@ from __future__ import annotations
 import json
 import re
 import threading
-from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -85,11 +84,7 @@ def _checked_step(step: Any, before: int) -> dict[str, Any]:
     else:
         source = found["estimate"] = checked_material(step["estimate"])
         found["invert"] = bool(step.get("invert"))
-    _check_source(source, before)
-    return found
-
-
-def _check_source(spec: Mapping[str, Any], before: int) -> None:
-    known = _SOURCE.fullmatch(spec.get("maps", {}).get("color", ""))
+    known = _SOURCE.fullmatch(source.get("maps", {}).get("color", ""))
     if known is None or int(known[1] or 0) > before:
         raise InvalidInputError("materials of a step must begin with the photo or an earlier step")
+    return found

@@ -32,20 +32,20 @@ ENDED = ("done", "failed", "cancelled")
 class Job:
     """One piece of work of a session; it ends the one before it in its `lane`.
 
-    `work` takes the job, which is the progress callback; `leave` says what becomes of it when its
-    page goes: "cancel" or "keep".
+    `work` takes the job, which is the progress callback; `keep` says that it goes on when its page
+    goes. A lane is any value of JSON.
     """
 
     def __init__(
         self,
         session: Session,
         work: Work,
-        lane: str | None,
+        lane: Any = None,
         recipe: Recipe | None = None,
-        leave: str = "cancel",
+        keep: bool = False,
     ) -> None:
         self.id, self.session = os.urandom(12).hex(), session
-        self.work, self.lane, self.recipe, self.leave = work, lane, recipe, leave
+        self.work, self.lane, self.recipe, self.keep = work, lane, recipe, keep
         self.state, self.version = "waiting", 1
         self.done, self.total, self.stage = 0, 0, ""
         self.results: list[dict[str, Any]] = []
@@ -127,7 +127,7 @@ class Job:
             "id": self.id,
             "version": self.version,
             "state": self.state,
-            "leave": self.leave,
+            "keep": self.keep,
             "done": self.done,
             "total": self.total,
             "stage": self.stage,
@@ -189,14 +189,14 @@ class Jobs:
     def end(self, session: Session, *, kept: bool = True) -> None:
         """Cancel the jobs of a session; if not `kept`, those alone that end with their page."""
         for job in self.of(session):
-            if kept or job.leave == "cancel":
+            if kept or not job.keep:
                 job.cancel()
 
     def sweep(self) -> None:
         """Cancel jobs that nobody has asked about for a while."""
         now = time.monotonic()
         for job in list(self._jobs.values()):
-            if now - job.asked > self.limits.away_seconds and job.leave == "cancel":
+            if now - job.asked > self.limits.away_seconds and not job.keep:
                 job.cancel()
 
     def close(self) -> None:

@@ -44,7 +44,7 @@ class Call:
     @property
     def session(self) -> Session:
         """The session that the page says it is; it alone knows its secret."""
-        return self.studio.sessions.get(self.request.headers.get(SESSION))
+        return self.studio.session(self.request.headers.get(SESSION))
 
     @property
     def id(self) -> str:

@@ -25,6 +25,7 @@ from weftex.studio.pictures import Bytes, shown_smaller, smaller, times_smaller,
 from weftex.studio.refusals import Refusal, answer_of
 from weftex.studio.requests import Call, route
 from weftex.studio.results import Result
+from weftex.studio.sessions import path_of
 from weftex.studio.synthesis import (
     begin_plane,
     compare,
@@ -41,14 +42,11 @@ async def session(call: Call) -> Any:
     """Begin, or go on with the session that the page names."""
     given = await call.object("session")
     studio, limits = call.studio, call.studio.limits
-    found, resumed = await call.work(studio.sessions.open, given.get("session"))
-    opened = None
-    if studio.opened is not None:
-        opened = await call.work(studio.opened.give, found)
+    found, resumed = await call.work(studio.open_session, given.get("session"))
     return {
         "session": found.id,
         "resumed": resumed,
-        "opened": opened,
+        "opened": studio.opened and await call.work(studio.opened.give, found),
         "steps": found.steps,
         "limits": {"upload_bytes": limits.upload_bytes},
     }
@@ -113,7 +111,7 @@ async def _drain(body: AsyncIterator[bytes], most: int) -> None:
 async def one_upload(call: Call) -> Any:
     """Send the bytes of an upload."""
     about = call.session.upload(call.id)
-    path = call.session.path(about)
+    path = path_of(call.session.folder, about)
     return FileResponse(path, media_type="application/octet-stream", filename=about["name"])
 
 
@@ -182,26 +180,20 @@ async def show_window(call: Call) -> Any:
 
 _TICK = 0.02  # seconds between two looks at a job that somebody waits for
 _LONGEST_WAIT = 20
-_LONGEST_TEXT = 200
 
 
 @route("POST", "/jobs")
 async def add_job(call: Call) -> Any:
     """Queue a job that makes something."""
-    given = await call.object("recipe", "count", "methods", "lane", "leave")
+    given = await call.object("recipe", "count", "methods", "lane", "keep")
     recipe = Recipe.from_json(given.get("recipe"))
     recipes = several(recipe, given.get("count"), given.get("methods"))
     await call.work(open_job, recipe, call.session)  # what is too large never waits
     work = make_each(recipes) if given.get("methods") is None else compare(recipes)
-    lane, leave = given.get("lane"), given.get("leave") or "cancel"
-    if lane is not None and not (isinstance(lane, str) and 0 < len(lane) <= _LONGEST_TEXT):
-        raise InvalidInputError(f"lane is {shown(lane)}; it must be a short text")
-    if leave not in ("cancel", "keep"):
-        raise InvalidInputError(f"leave is {shown(leave)}; it must be 'cancel' or 'keep'")
-    return await queued(call, work, lane, recipe=recipe, leave=leave)
+    return await queued(call, work, given.get("lane"), recipe=recipe, keep=bool(given.get("keep")))
 
 
-async def queued(call: Call, work: Work, lane: str | None = None, **how: Any) -> Any:
+async def queued(call: Call, work: Work, lane: Any, **how: Any) -> Any:
     """Queue a `Job`, wait for its end up to `within` milliseconds, and return its state."""
     within = whole_number(call.query, "within", 0, 0, 1000)
     job = Job(call.session, work, lane, **how)
@@ -346,18 +338,18 @@ async def all_works(call: Call) -> Any:
 @route("POST", "/works/{id}/open")
 async def continue_work(call: Call) -> Any:
     """Continue the work of another tab in this one."""
-    session, sessions = call.session, call.studio.sessions
-    in_use = sessions.in_use(call.id) or call.id == session.key
-    steps = await call.work(works.continue_work, call.id, call.studio.store, session, in_use)
+    session, studio = call.session, call.studio
+    in_use = studio.in_use(call.id) or call.id == session.key
+    steps = await call.work(works.continue_work, call.id, studio.store, session, in_use)
     if not in_use:
-        sessions.forget(call.id)
+        studio.forget(call.id)
     return {"steps": steps}
 
 
 @route("DELETE", "/works/{id}")
 async def remove_work(call: Call) -> Any:
     """Remove the work of another tab."""
-    in_use = call.studio.sessions.in_use(call.id)
+    in_use = call.studio.in_use(call.id)
     await call.work(works.remove_work, call.id, call.studio.store, in_use)
-    call.studio.sessions.forget(call.id)
+    call.studio.forget(call.id)
     return {}

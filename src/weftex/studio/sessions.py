@@ -6,7 +6,6 @@ import hashlib
 import json
 import os
 import re
-import secrets
 import shutil
 import stat
 import sys
@@ -151,7 +150,6 @@ def _check_private(folder: Path) -> None:
         raise FileError(f"{line}; name another with --data, or chmod go-w {parent}")
 
 
-_SECRET = re.compile(r"[A-Za-z0-9_-]{43}")
 _MOST_STEPS = 300
 # Fields that files on disk must have; another version may have written them.
 _OF_UPLOAD = {"id": str, "suffix": str, "name": str, "bytes": int}
@@ -228,10 +226,6 @@ class Session:
             self.remember(found, size(found), *key)
         return found
 
-    def path(self, about: Mapping[str, Any]) -> Path:
-        """Return where the bytes of an upload are."""
-        return path_of(self.folder, about)
-
     def new_file(self) -> Path:
         """Return a path to which an upload is written while it comes in."""
         self.folder.mkdir(mode=0o700, exist_ok=True)
@@ -240,7 +234,7 @@ class Session:
     def upload(self, name: Any) -> dict[str, Any]:
         """Return the description of an upload, or raise `Refusal` if its file is not there."""
         about = self.uploads.get(name) if isinstance(name, str) else None
-        if about is None or not self.path(about).is_file():
+        if about is None or not path_of(self.folder, about).is_file():
             raise Refusal(404, "a picture of this material is missing; drop it again")
         return about
 
@@ -259,7 +253,7 @@ class Session:
             if about["id"] in self.uploads:
                 return False
             self.check_room()
-            path = self.path(about)
+            path = path_of(self.folder, about)
             file.replace(path)
             try:
                 write_text(path.with_suffix(".json"), json.dumps(about))
@@ -280,80 +274,6 @@ class Session:
             self.folder.mkdir(mode=0o700, exist_ok=True)
             write_text(self.folder / STEPS, json.dumps(kept))
             self.steps = kept
-
-
-class Sessions:
-    """All sessions of a server; `ended` is called with a session that is closed for another."""
-
-    def __init__(self, store: Store, memory: LruCache, ended: Callable[[Session], None]) -> None:
-        self._store, self._memory, self._ended = store, memory, ended
-        self._lock = threading.Lock()
-        self._known: dict[str, Session] = {}
-        self.began = threading.Event()  # once there has been a session
-
-    def open(self, old: Any) -> tuple[Session, bool]:
-        """Return a new session, or the one with the secret `old`, and whether it is the old one.
-
-        That may be a session of a server that was killed.
-        """
-        known = isinstance(old, str) and _SECRET.fullmatch(old) is not None
-        with self._lock:
-            if known and old in self._known:
-                self._known[old].left = False
-                return self._known[old], True
-            session = Session(self._store, self._memory, old) if known else None
-            if session is None or not session.existed:  # nothing of it is left
-                session = Session(self._store, self._memory, secrets.token_urlsafe(32))
-            self._make_room()
-            self._known[session.id] = session
-            self.began.set()
-            return session, session.existed
-
-    def get(self, name: str | None) -> Session:
-        """Return the session of a request, or raise `Refusal`."""
-        session = self._known.get(name or "")
-        if session is None:
-            raise Refusal(401, "this session is not known; load the page again", "session")
-        session.seen, session.left = time.monotonic(), False
-        return session
-
-    def in_use(self, key: str) -> bool:
-        """Return whether a tab of this server, or of another one, may use a session's folder."""
-        with self._lock:
-            for session in self._known.values():
-                if session.key == key:
-                    return not session.left
-        with suppress(OSError):
-            return time.time() - (self._store.folder / key).stat().st_mtime < IN_USE
-        return False
-
-    def forget(self, key: str) -> None:
-        """Forget a session whose page has been left; its folder went to another one."""
-        with self._lock:
-            for session in [one for one in self._known.values() if one.key == key]:
-                del self._known[session.id]
-                self._ended(session)
-
-    def mark_used(self) -> None:
-        """Mark the folders of all open sessions as used, for servers that share the folder."""
-        for session in list(self._known.values()):
-            if not session.left:
-                session.mark_used()
-
-    def close(self) -> None:
-        """Mark all folders as no longer in use, so that the next server may move them."""
-        for session in self._known.values():
-            with suppress(OSError):
-                os.utime(session.folder, (time.time() - IN_USE,) * 2)
-
-    def _make_room(self) -> None:
-        most = self._store.limits.sessions
-        if len(self._known) >= most:
-            oldest = min(self._known.values(), key=lambda session: session.seen)
-            if time.monotonic() - oldest.seen < 60:
-                raise Refusal(429, f"{most} pages are open; close one of them")
-            del self._known[oldest.id]
-            self._ended(oldest)
 
 
 def key_of(secret: str) -> str:

@@ -17,7 +17,7 @@ from weftex.io.pictures import Picture, read_image
 from weftex.recipe import checked_material
 from weftex.studio.limits import Limits
 from weftex.studio.refusals import Refusal
-from weftex.studio.sessions import Session
+from weftex.studio.sessions import Session, path_of
 
 #: By what the first bytes say; readers go by suffixes.
 _SUFFIXES = {
@@ -108,7 +108,7 @@ class IncomingUpload:
 def picture_of(upload: str, session: Session) -> Picture:
     """Return the picture of an upload, under the name that its owner gave it."""
     about = session.upload(upload)
-    found = _read(session.path(about), about["name"], session)
+    found = _read(path_of(session.folder, about), about["name"], session)
     return replace(found, path=about["name"])
 
 

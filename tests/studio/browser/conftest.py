@@ -101,9 +101,13 @@ def browser(request: pytest.FixtureRequest) -> Any:
 
 
 class Tab:
-    """A page with nothing of an earlier one; `faults` is what its console complains of."""
+    """A page with nothing of an earlier one.
 
-    def __init__(self, browser: Any, **options: Any) -> None:
+    `faults` is what its console complains of; the test fails unless all of it is `expected`.
+    """
+
+    def __init__(self, browser: Any, expected: str = "$^", **options: Any) -> None:
+        self.expected = expected  # a pattern
         self.context = browser.new_context(accept_downloads=True, **options)
         self.page = self.context.new_page()
         self.page.set_default_timeout(30_000)
@@ -116,6 +120,17 @@ class Tab:
         self.page.goto(address)
         self.page.wait_for_selector("[data-ready]")
         return self.page
+
+    def begin(self, address: str, photo: Path | str, screen: str = "sample") -> Any:
+        """Open a photo, or a sample by its name, and go to a screen."""
+        page = self.open(address)
+        if isinstance(photo, Path):
+            page.set_input_files("input[type=file]", photo)
+        else:
+            page.click(f".samples button:has-text('{photo}')")
+        page.wait_for_selector(".facts")
+        page.click(f"[data-screen={screen}]")
+        return page
 
     def probe(self, name: str) -> Any:
         """What a probe finds; by the debugger, because the page's own policy forbids eval."""
@@ -139,14 +154,23 @@ class Tab:
         """Wait until no work is under way."""
         self.page.wait_for_selector(".stage:not(.busy)")
 
-    def make(self, method: str, side: int) -> None:
-        """Make a square image by a method, from the screen Make."""
+    def size(self, width: int, height: int) -> None:
+        """Write the size of what is to be made."""
+        self.write("Width", str(width))
+        self.write("Height", str(height))
+
+    def make(self, method: str, width: int, height: int) -> None:
+        """Make an image by a method, from the screen Make."""
         self.page.click("[data-screen=make]")
         self.page.select_option("select", method)
-        for name in ("Width", "Height"):
-            self.write(name, str(side))
+        self.size(width, height)
+        self.press_make()
+
+    def press_make(self) -> None:
+        """Make what the screen Make says; a preview of the same picture would be "Changed"."""
         self.page.click("text=Make it")
-        self.page.wait_for_selector(f".panel >> text=Made by {method}")
+        made = ".strip [aria-current] .what > span:text-is('Made')"
+        self.page.wait_for_selector(f"body:has({made}):has(.panel .hint:has-text('Made by'))")
 
     def stroke(self, *places: tuple[float, float]) -> None:
         """Draw through places, in shares of the view."""
@@ -171,6 +195,7 @@ def tab(browser: Any) -> Iterator[Any]:
     yield make
     for one in tabs:
         one.context.close()
+        assert [line for line in one.faults if not re.search(one.expected, line)] == []
 
 
 @pytest.fixture(scope="session")

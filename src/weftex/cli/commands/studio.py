@@ -83,5 +83,5 @@ def _open(address: str, studio: Studio) -> None:
     with redirect_file(address, studio.downloads) as file:
         if not webbrowser.open(file.resolve().as_uri()):
             say("no browser was found; open this address")
-        elif not studio.sessions.began.wait(_PATIENCE):
+        elif not studio.began.wait(_PATIENCE):
             say("if the page stays empty, open this address")

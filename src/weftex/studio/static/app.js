@@ -62,7 +62,7 @@ export class App extends Shelf {
 
   /** Take up work that went on while the page was away; false where there is none. */
   async resume() {
-    const jobs = (await this.api.get("jobs")).filter((job) => job.leave === "keep" && job.state !== "failed" && job.state !== "cancelled");
+    const jobs = (await this.api.get("jobs")).filter((job) => job.keep && job.state !== "failed" && job.state !== "cancelled");
     const job = jobs.at(-1);
     const recipe = job?.recipe;
     const known = recipe && this.history.entries.findLast((one) => sameJson(one.state, recipe));
@@ -303,7 +303,7 @@ export class App extends Shelf {
   /** Make the picture of a recipe, and a step of it. */
   async make(recipe, label) {
     const begun = this.recipe;
-    const job = await this.run({ recipe, leave: this.goOn ? "keep" : "cancel" });
+    const job = await this.run({ recipe, keep: this.goOn });
     if (!job) return null;
     const [result] = job.results;
     if (result.error) throw new StudioError(result.error, { parameter: result.parameter });
@@ -324,7 +324,7 @@ export class App extends Shelf {
     } catch (error) {
       if (error.status !== 410) throw error;
     }
-    const job = await this.run({ recipe: result.recipe, leave: "cancel" });
+    const job = await this.run({ recipe: result.recipe });
     if (!job) throw new DOMException("cancelled", "AbortError");
     result.id = job.results[0].id;
     return question(result.id);
@@ -366,7 +366,7 @@ export class App extends Shelf {
   async tryOut() {
     const [asked, entry] = [this.recipe, this.history.present];
     const recipe = this.smaller(asked);
-    const job = await this.run({ recipe, lane: "preview", leave: "cancel" }, { quiet: true });
+    const job = await this.run({ recipe, lane: "preview" }, { quiet: true });
     const result = job?.results[0];
     if (!result) return null;
     if (result.error) throw new StudioError(result.error, { parameter: result.parameter });

@@ -93,6 +93,11 @@ export function iconButton(name, label, onclick, props = {}) {
   return h("button", { class: "icon-button", type: "button", "aria-label": label, title: label, onclick, ...props }, icon(name));
 }
 
+/** What went wrong, in one line. */
+export function fault(message) {
+  return h("div", { class: "note error", role: "alert" }, icon("warn"), h("div", {}, message));
+}
+
 let made = 0;
 
 /** A label above a control, and below it one line of help if there is one. */

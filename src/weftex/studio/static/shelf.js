@@ -12,6 +12,13 @@ export class Shelf extends EventTarget {
     this.dispatchEvent(new CustomEvent(type, { detail }));
   }
 
+  /** Call functions at events, by their types; returns what ends that. */
+  listen(listeners) {
+    const control = new AbortController();
+    for (const [type, listener] of Object.entries(listeners)) this.addEventListener(type, listener, { signal: control.signal });
+    return () => control.abort();
+  }
+
   /** Do something that may fail; its one line is then shown. */
   async guard(action) {
     try {

@@ -1,4 +1,4 @@
-import { fill, h, icon, tick } from "../dom.js";
+import { fault, fill, h, tick } from "../dom.js";
 import { sameJson } from "../shelf.js";
 import { duration, number, said, t } from "../strings.js";
 
@@ -60,11 +60,11 @@ export class CompareScreen {
     try {
       if (!methods.length) throw new Error(t("compare.none"));
       this.order = methods.map((slug) => [Math.random(), slug]).sort().map(([, slug]) => slug);
-      const job = await app.run({ recipe: { ...recipe, size }, methods, leave: "cancel" }, { onresults: (now) => this.take(now) });
+      const job = await app.run({ recipe: { ...recipe, size }, methods }, { onresults: (now) => this.take(now) });
       if (job) await this.take(job);
     } catch (error) {
       if (!error.message) return;
-      this.error = h("div", { class: "note error", role: "alert" }, icon("warn"), h("div", {}, error.message));
+      this.error = fault(error.message);
       if (this.panel) this.draw();
     }
   }

@@ -1,4 +1,4 @@
-import { field, fill, h, icon, iconButton, segments, tick } from "../dom.js";
+import { fault, field, fill, h, icon, iconButton, segments, tick } from "../dom.js";
 import { controls, parameterForm } from "../form.js";
 import { sameJson } from "../shelf.js";
 import { duration, number, said, t } from "../strings.js";
@@ -16,24 +16,20 @@ export class MakeScreen {
     this.brightIsDeep = false; // for estimates
     this.took = 0; // milliseconds of the last preview
     this.usual = new Map(); // the values of parameters that are not set, by sample and method
-    this.update = (event) => this.panel && this.refresh(event.detail?.passing);
-    this.tell = () => this.panel && (this.learn(this.app.preview?.result) ? this.refresh() : fill(this.toldBox, this.told() ?? []));
   }
 
   enter(panel, { now = false } = {}) {
     this.panel = panel;
     this.stage.setSubject("result");
-    this.app.addEventListener("result", this.update);
-    this.app.addEventListener("look", this.update);
-    for (const type of ["preview", "recipe", "job"]) this.app.addEventListener(type, this.tell);
+    const update = (event) => this.refresh(event.detail?.passing);
+    const tell = () => (this.learn(this.app.preview?.result) ? this.refresh() : fill(this.toldBox, this.told() ?? []));
+    this.stop = this.app.listen({ result: update, look: update, preview: tell, recipe: tell, job: tell });
     this.draw();
     if (now) this.make();
   }
 
   leave() {
-    this.app.removeEventListener("result", this.update);
-    this.app.removeEventListener("look", this.update);
-    for (const type of ["preview", "recipe", "job"]) this.app.removeEventListener(type, this.tell);
+    this.stop();
     this.stopTrying();
     if (this.stage.custom === "sheet") this.closeSheet();
     this.panel = null;
@@ -86,7 +82,7 @@ export class MakeScreen {
       h("h2", {}, t("make.title")),
       taskButtons(present, (one) => this.changeTask(one)),
       present === "maps" ? this.matching() : null,
-      this.fault && !beside && !atSlider && !atSize ? h("div", { class: "note error", role: "alert" }, icon("warn"), h("div", {}, this.fault.message)) : null,
+      this.fault && !beside && !atSlider && !atSize ? fault(this.fault.message) : null,
       task === "tile" ? this.tiling() : null,
       !free ? null : segments(t("make.tileable"), [["no", t("tileable.no")], ["x", t("tileable.x")], ["y", t("tileable.y")], ["xy", t("tileable.xy")]], recipe.tileable === true ? "xy" : recipe.tileable || "no", (one) =>
         this.change({ tileable: one === "xy" ? true : one === "no" ? false : one }, true),
@@ -277,7 +273,7 @@ export class MakeScreen {
       }
     };
     await this.attempt(async () => {
-      const job = await app.run({ recipe, count: 9, leave: "cancel" }, { onresults: add });
+      const job = await app.run({ recipe, count: 9 }, { onresults: add });
       if (job) await add(job);
       else if (!shown && stage.custom === "sheet") this.closeSheet();
     });

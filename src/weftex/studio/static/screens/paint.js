@@ -1,4 +1,4 @@
-import { drawSquare, field, fill, h, icon, segments, tick } from "../dom.js";
+import { drawSquare, fault, field, fill, h, icon, segments, tick } from "../dom.js";
 import { parameterForm } from "../form.js";
 import { Mask } from "../paint/mask.js";
 import { Painter } from "../paint/tools.js";
@@ -25,7 +25,6 @@ export class PaintScreen {
     this.masks = new Map();
     this.told = {}; // what was chosen for each task
     this.onSample = true; // of a guide: what is what in the sample, or where it is to be
-    this.update = () => this.begin();
   }
 
   enter(panel, { purpose = null, onResult = null } = {}) {
@@ -35,12 +34,12 @@ export class PaintScreen {
     this.stage.custom = "paint";
     this.stage.single();
     this.stage.closeExtras(null);
-    this.app.addEventListener("material", this.update);
+    this.stop = this.app.listen({ material: () => this.begin() });
     this.begin();
   }
 
   leave() {
-    this.app.removeEventListener("material", this.update);
+    this.stop();
     this.painter?.close();
     this.painter = null;
     this.stage.main.element.classList.remove("painting");
@@ -278,7 +277,7 @@ export class PaintScreen {
     try {
       await run();
     } catch (error) {
-      this.error = error.message ? h("div", { class: "note error", role: "alert" }, icon("warn"), h("div", {}, error.message)) : null;
+      this.error = error.message ? fault(error.message) : null;
       if (this.panel) this.draw();
     }
   }

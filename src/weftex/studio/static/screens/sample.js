@@ -2,6 +2,7 @@ import { drawSquare, field, fill, h, icon, segments, tick } from "../dom.js";
 import { sameJson } from "../shelf.js";
 import { number, progressOf, said, t } from "../strings.js";
 import { LatticeLayer } from "../view/lattice.js";
+import { makeButton } from "./tasks.js";
 
 /** What the sample is: its scale, its lattice drawn over it, light and slant, what auto would do. */
 export class SampleScreen {
@@ -13,19 +14,15 @@ export class SampleScreen {
       onmove: (vectors) => this.tellVectors(vectors),
     });
     this.shown = true;
-    this.update = () => this.draw();
-    this.tell = () => this.tellLook?.();
-    this.begin = () => {
-      this.chosen = null; // a lattice of another sample
-      this.draw();
-    };
   }
 
   enter(panel) {
     this.panel = panel;
-    this.app.addEventListener("look", this.update);
-    this.app.addEventListener("looking", this.tell);
-    this.app.addEventListener("material", this.begin);
+    const begin = () => {
+      this.chosen = null; // a lattice of another sample
+      this.draw();
+    };
+    this.stop = this.app.listen({ look: () => this.draw(), looking: () => this.tellLook?.(), material: begin });
     this.stage.mode = "picture";
     this.stage.setSubject("sample");
     this.stage.main.layers.push(this.lattice.paint);
@@ -35,9 +32,7 @@ export class SampleScreen {
 
   leave() {
     const { main } = this.stage;
-    this.app.removeEventListener("look", this.update);
-    this.app.removeEventListener("looking", this.tell);
-    this.app.removeEventListener("material", this.begin);
+    this.stop();
     main.layers = main.layers.filter((one) => one !== this.lattice.paint);
     main.tools = main.tools.filter((one) => one !== this.lattice);
   }
@@ -115,7 +110,7 @@ export class SampleScreen {
         h("h3", {}, t("sample.auto")),
         h("p", {}, this.chosen ? t("lattice.used", { words: said(this.chosen.words) }) : said(look.auto.reason)),
         look.auto.warnings.map((line) => h("p", { class: "note" }, said(line))),
-        h("button", { type: "button", class: "main large", onclick: () => app.tell("go", { screen: "make", now: true }) }, t("make.go")),
+        makeButton(app),
       ),
       this.latticeSection(look),
       h(

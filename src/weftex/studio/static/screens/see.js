@@ -2,6 +2,7 @@ import { field, fill, h, icon } from "../dom.js";
 import { has, number, said, t } from "../strings.js";
 import { resultButtons } from "./make.js";
 import { meter } from "./sample.js";
+import { makeButton } from "./tasks.js";
 
 /** Overlays, figures, what lies under the pointer and where it comes from; the light's own controls. */
 export class SeeScreen {
@@ -10,22 +11,18 @@ export class SeeScreen {
     this.stage = stage;
     this.overlay = "";
     this.opacity = 0.8;
-    this.update = () => this.draw();
-    this.light = () => this.drawLight();
   }
 
   enter(panel) {
     this.panel = panel;
     this.stage.setSubject("result");
-    this.app.addEventListener("result", this.update);
-    this.app.addEventListener("light", this.light);
+    this.stop = this.app.listen({ result: () => this.draw(), light: () => this.drawLight() });
     this.stage.main.onhover = (place) => this.hover(place);
     this.draw();
   }
 
   leave() {
-    this.app.removeEventListener("result", this.update);
-    this.app.removeEventListener("light", this.light);
+    this.stop();
     this.stage.main.onhover = null;
     this.stage.main.show({ overlay: null });
     this.overlay = "";
@@ -38,7 +35,7 @@ export class SeeScreen {
     const { result } = app;
     if (!result || app.preview?.result) {
       const busy = app.job && !app.job.quiet;
-      fill(this.panel, h("h2", {}, t("see.title")), h("p", {}, t(busy ? "see.making" : result ? "see.preview" : "see.nothing")), busy ? null : this.goMake());
+      fill(this.panel, h("h2", {}, t("see.title")), h("p", {}, t(busy ? "see.making" : result ? "see.preview" : "see.nothing")), busy ? null : makeButton(app));
       return;
     }
     this.spot = h("dl", { class: "facts" }, h("dd", { class: "hint wide" }, t("see.hover")));
@@ -71,10 +68,6 @@ export class SeeScreen {
     if (this.overlay) this.lay(this.overlay);
     this.measure(result);
     this.drawLight();
-  }
-
-  goMake() {
-    return h("button", { type: "button", class: "main large", onclick: () => this.app.tell("go", { screen: "make", now: true }) }, t("make.go"));
   }
 
   async lay(key) {

@@ -1,6 +1,7 @@
-import { download, field, fill, h, icon, iconButton, tick } from "../dom.js";
+import { download, fault, field, fill, h, icon, iconButton, tick } from "../dom.js";
 import { t } from "../strings.js";
 import { AtlasGroup, BordersGroup, SizeGroup, wrapGroup } from "./take_groups.js";
+import { makeButton } from "./tasks.js";
 
 /** Files in any format, the command and the Python that make the same, the state to share. */
 export class TakeScreen {
@@ -12,19 +13,19 @@ export class TakeScreen {
     this.size = new SizeGroup(this);
     this.borders = new BordersGroup(this);
     this.atlas = new AtlasGroup(this);
-    this.update = () => this.draw();
   }
 
   enter(panel) {
     this.panel = panel;
     if (this.stage.mode === "plane") this.stage.setMode("picture"); // it is no part of the result
     this.stage.setSubject("result");
-    for (const type of ["result", "material"]) this.app.addEventListener(type, this.update);
+    const update = () => this.draw();
+    this.stop = this.app.listen({ result: update, material: update });
     this.draw();
   }
 
   leave() {
-    for (const type of ["result", "material"]) this.app.removeEventListener(type, this.update);
+    this.stop();
     this.panel = null;
   }
 
@@ -52,7 +53,7 @@ export class TakeScreen {
     const { app, wanted, source } = this;
     const { result } = app;
     if (app.preview?.result) {
-      fill(this.panel, h("h2", {}, t("take.title")), h("p", {}, t("see.preview")), this.goMake("main large"));
+      fill(this.panel, h("h2", {}, t("take.title")), h("p", {}, t("see.preview")), makeButton(app));
       return;
     }
     if (this.of !== source.id) {
@@ -74,7 +75,7 @@ export class TakeScreen {
     fill(
       this.panel,
       h("div", {}, h("h2", {}, t("take.title")), h("p", { class: "hint" }, [t("stage.size", { width: source.width, height: source.height }), result?.method ?? source.name].join(" · "))),
-      result ? null : h("div", { class: "note" }, icon("picture"), h("div", {}, h("span", {}, t("take.photo")), this.goMake())),
+      result ? null : h("div", { class: "note" }, icon("picture"), h("div", {}, h("span", {}, t("take.photo")), makeButton(app, ""))),
       field(t("take.name"), name),
       field(t("take.preset"), preset),
       wanted.preset ? null : field(t("take.format"), format),
@@ -95,10 +96,6 @@ export class TakeScreen {
       result ? this.share(result) : null,
       result ? h("section", { class: "section" }, h("h3", {}, t("take.command")), copyable(result.command, t("take.copy.command")), h("h3", {}, "Python"), copyable(result.python, t("take.copy.python"))) : null,
     );
-  }
-
-  goMake(kind = "") {
-    return h("button", { type: "button", class: kind, onclick: () => this.app.tell("go", { screen: "make", now: true }) }, t("make.go"));
   }
 
   /** A preset, or a format; both are null where nothing was chosen. */
@@ -146,7 +143,7 @@ export class TakeScreen {
       await action();
     } catch (error) {
       this.errorIn = group;
-      this.error = error.message && error.name !== "AbortError" ? h("div", { class: "note error", role: "alert" }, icon("warn"), h("div", {}, error.message)) : null;
+      this.error = error.message && error.name !== "AbortError" ? fault(error.message) : null;
       this.draw();
     }
   }

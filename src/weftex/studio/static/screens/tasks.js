@@ -15,6 +15,11 @@ export function taskButtons(chosen, onchoose) {
   );
 }
 
+/** A button that makes the picture as the recipe stands. */
+export function makeButton(app, kind = "main large") {
+  return h("button", { type: "button", class: kind, onclick: () => app.tell("go", { screen: "make", now: true }) }, t("make.go"));
+}
+
 /** Go where a task is done. */
 export function beginTask(app, task) {
   const { materials, seed } = app.recipe;
