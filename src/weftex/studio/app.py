@@ -56,11 +56,9 @@ def make_app(studio: Studio, hosts: Collection[str]) -> ASGIApp:
         place, kind = static_files()[name]
         return Response(place.read_bytes(), media_type=kind)
 
-    async def nothing(request: Request, error: Exception) -> Response:
-        status = error.status_code if isinstance(error, HTTPException) else 404
-        return JSONResponse(
-            {"error": "there is nothing at this address", "parameter": None}, status
-        )
+    async def nothing(request: Request, error: HTTPException) -> Response:
+        line = {"error": "there is nothing at this address", "parameter": None}
+        return JSONResponse(line, error.status_code)
 
     loading: list[asyncio.Task[Router]] = []  # what begins with the server
 

@@ -183,8 +183,11 @@ class Jobs:
 
     def ahead(self, job: Job) -> int:
         """How many wait before it."""
-        waiting = [one for one in list(self._jobs.values()) if one.state == "waiting"]
+        waiting = self._waiting()
         return waiting.index(job) if job in waiting else 0
+
+    def _waiting(self) -> list[Job]:
+        return [one for one in list(self._jobs.values()) if one.state == "waiting"]
 
     def end(self, session: Session, *, kept: bool = True) -> None:
         """Cancel the jobs of a session; if not `kept`, those alone that end with their page."""
@@ -216,8 +219,7 @@ class Jobs:
 
     def _next(self, quick: bool) -> Job | None:
         """The job that is to run: of the session that has fewest running, the first."""
-        waiting = [job for job in self._jobs.values() if job.state == "waiting"]
-        waiting = [job for job in waiting if job.lane is not None or not quick]
+        waiting = [job for job in self._waiting() if job.lane is not None or not quick]
         running = [job.session.key for job in self._jobs.values() if job.state == "running"]
         return min(waiting, key=lambda job: running.count(job.session.key), default=None)
 

@@ -11,7 +11,6 @@ from typing import Any
 import weftex
 from weftex import Exemplar
 from weftex.analysis.overlay import Lattice, LatticeRating, Rated, draw, is_tilted
-from weftex.errors import InvalidInputError
 from weftex.io.pictures import Picture
 from weftex.recipe import checked_material, pictures_of
 from weftex.recipe.opening import PreparedMaterial, prepare_material, read_described
@@ -172,8 +171,6 @@ def _analysis(loaded: PreparedMaterial) -> dict[str, Any]:
 
 def rate_lattice(loaded: PreparedMaterial, vectors: str, session: Session) -> dict[str, Any]:
     """Return how good a lattice is that somebody drew, or raise `InvalidInputError`."""
-    if not vectors:
-        raise InvalidInputError("lattice is missing; give x1,y1,x2,y2")
     exemplar = loaded.exemplar
     if exemplar.shape[0] * exemplar.shape[1] > _LARGEST:
         raise Refusal(413, "lattice: this sample is too large to rate lattices while you wait")

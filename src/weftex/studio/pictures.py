@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Mapping
 from typing import Any
 
@@ -23,16 +24,10 @@ _QUICK = 1  # zlib's level: on one machine sending costs less than packing
 
 def whole_number(query: Mapping[str, str], name: str, default: int, low: int, high: int) -> int:
     """Return a number of a query, or raise `Refusal`."""
-    text = query.get(name)
-    if text is None or text == "":
-        return default
-    try:
-        value = int(text) if len(text) < 20 else None
-    except ValueError:
-        value = None
-    if value is None or not low <= value <= high:
+    text = query.get(name) or str(default)
+    if not re.fullmatch(r"-?\d{1,19}", text) or not low <= int(text) <= high:
         raise Refusal(400, f"{name} is not a whole number from {low} to {high}", name)
-    return value
+    return int(text)
 
 
 def times_smaller(query: Mapping[str, str], shape: tuple[int, ...]) -> int:

@@ -57,12 +57,10 @@ class Store:
         try:
             for path in reversed([folder, *folder.parents]):
                 path.mkdir(mode=0o700, exist_ok=True)
-            _check_private(folder)
-            self._sweep()
-        except FileError:
-            raise
         except OSError as error:
             raise FileError(f"{folder}: cannot use this folder: {error.strerror}") from None
+        _check_private(folder)
+        self._sweep()
         self.downloads = Downloads(folder)
         self.bytes = sum(map(_bytes_in, self.sessions()))
 
