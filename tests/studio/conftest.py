@@ -40,7 +40,7 @@ def serving(folder, **limits):
     thread.start()
     yield Client(listener.getsockname()[1], studio)
     server.should_exit = True
-    thread.join(20)
+    thread.join(60)
     assert not thread.is_alive()
 
 

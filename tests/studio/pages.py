@@ -120,7 +120,7 @@ class Page:
         """A job that has ended."""
         return self.wait(self.post(path, {"recipe": recipe, **more}))
 
-    def wait(self, job, states=ENDED, seconds=60):
+    def wait(self, job, states=ENDED, seconds=300):
         end = time.monotonic() + seconds
         while job["state"] not in states:
             assert time.monotonic() < end, job
@@ -167,4 +167,4 @@ class Process:
     def end(self, number):
         self.run.send_signal(number)
         with self.run.stderr:
-            return self.run.wait(10)
+            return self.run.wait(60)

@@ -146,7 +146,7 @@ def test_the_token_is_in_no_command_line(tmp_path, monkeypatch):
     browser.chmod(0o755)
     monkeypatch.setenv("BROWSER", f"{browser} %s &")
     studio = Process(tmp_path / "data", "--port", "0", browser=True)
-    end = time.monotonic() + 20
+    end = time.monotonic() + 60
     while not said.exists() and time.monotonic() < end:
         time.sleep(0.02)
     address = said.read_text().strip()

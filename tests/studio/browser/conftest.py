@@ -8,6 +8,7 @@ import shutil
 import signal
 import subprocess
 import sys
+import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -110,7 +111,7 @@ class Tab:
         self.expected = expected  # a pattern
         self.context = browser.new_context(accept_downloads=True, **options)
         self.page = self.context.new_page()
-        self.page.set_default_timeout(30_000)
+        self.page.set_default_timeout(120_000)
         self.faults: list[str] = []
         self.page.on("console", lambda one: self.faults.append(one.text))
         self.page.on("pageerror", lambda one: self.faults.append(str(one)))
@@ -171,6 +172,15 @@ class Tab:
         self.page.click("text=Make it")
         made = ".strip [aria-current] .what > span:text-is('Made')"
         self.page.wait_for_selector(f"body:has({made}):has(.panel .hint:has-text('Made by'))")
+
+    def shot(self, before: bytes | None = None, at: str = ".viewer") -> bytes:
+        """What is drawn left of the controls, once it is another picture than the one before."""
+        box = self.page.locator(at).first.bounding_box()
+        assert box
+        end = time.monotonic() + 60
+        while (found := self.page.screenshot(clip={**box, "width": box["width"] - 260})) == before:
+            assert time.monotonic() < end, "nothing has changed"
+        return bytes(found)
 
     def stroke(self, *places: tuple[float, float]) -> None:
         """Draw through places, in shares of the view."""

@@ -155,7 +155,7 @@ def test_keys_alone(tab: Any, address: str) -> None:
 
 
 def test_a_wrong_value_is_told_beside_its_control(tab: Any, address: str) -> None:
-    one = tab()
+    one = tab(expected="422")
     page = one.begin(address, "grass", "make")
     page.select_option("select", "quilting")
     page.click("summary")

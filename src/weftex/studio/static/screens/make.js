@@ -23,6 +23,7 @@ export class MakeScreen {
     this.stage.setSubject("result");
     const update = (event) => this.refresh(event.detail?.passing);
     const tell = () => (this.learn(this.app.preview?.result) ? this.refresh() : fill(this.toldBox, this.told() ?? []));
+    this.stop?.(); // it may be entered twice
     this.stop = this.app.listen({ result: update, look: update, preview: tell, recipe: tell, job: tell });
     this.draw();
     if (now) this.make();

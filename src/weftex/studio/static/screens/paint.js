@@ -34,6 +34,7 @@ export class PaintScreen {
     this.stage.custom = "paint";
     this.stage.single();
     this.stage.closeExtras(null);
+    this.stop?.(); // it may be entered twice
     this.stop = this.app.listen({ material: () => this.begin() });
     this.begin();
   }

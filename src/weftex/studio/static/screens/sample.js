@@ -22,6 +22,7 @@ export class SampleScreen {
       this.chosen = null; // a lattice of another sample
       this.draw();
     };
+    this.stop?.(); // it may be entered twice
     this.stop = this.app.listen({ look: () => this.draw(), looking: () => this.tellLook?.(), material: begin });
     this.stage.mode = "picture";
     this.stage.setSubject("sample");

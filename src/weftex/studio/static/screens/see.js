@@ -16,6 +16,7 @@ export class SeeScreen {
   enter(panel) {
     this.panel = panel;
     this.stage.setSubject("result");
+    this.stop?.(); // it may be entered twice
     this.stop = this.app.listen({ result: () => this.draw(), light: () => this.drawLight() });
     this.stage.main.onhover = (place) => this.hover(place);
     this.draw();

@@ -20,6 +20,7 @@ export class TakeScreen {
     if (this.stage.mode === "plane") this.stage.setMode("picture"); // it is no part of the result
     this.stage.setSubject("result");
     const update = () => this.draw();
+    this.stop?.(); // it may be entered twice
     this.stop = this.app.listen({ result: update, material: update });
     this.draw();
   }
