@@ -76,21 +76,24 @@ def test_waiting_for_news_takes_no_longer_than_asked(client, page):
 
 
 def test_nine_seeds(page):
-    job = page.job(QUICK, count=9)
+    job = page.job(QUICK, each=[{"seed": seed} for seed in range(1, 10)])
     seeds = [result["recipe"]["seed"] for result in job["results"]]
     assert seeds == list(range(1, 10))
     assert len({page.get(f"results/{one['id']}/picture") for one in job["results"]}) == 9
-    assert page.refused("jobs", {"recipe": QUICK, "count": 99})["error"].startswith("count is 99")
+    for wrong in ([{}] * 17, ["seed"], 9):
+        assert page.refused("jobs", {"recipe": QUICK, "each": wrong})["parameter"] == "each"
 
 
 def test_methods_side_by_side(page):
     guide = page.upload(png_bytes(read_image("sample:bricks").pixels[:64, :64]))["id"]
     plain = {"materials": [BRICKS], "size": [64, 64], "seed": 1}
-    found = page.job({**plain, "guide": guide}, methods=["quilting", "ashikhmin"])["results"]
+    each = [{"method": "quilting"}, {"method": "ashikhmin"}]
+    found = page.job({**plain, "guide": guide}, each=each, compare=True)["results"]
     assert "does not support following a guide" in found[0]["error"]
     assert [one["method"] for one in found] == ["quilting", "ashikhmin"]
     assert found[1]["figures"]["score"] > 0 and found[1]["seconds"] > 0
-    assert page.refused("jobs", {"recipe": plain, "methods": ["no"]})["error"].startswith("unknown")
+    line = page.refused("jobs", {"recipe": plain, "each": [{"method": "no"}]})["error"]
+    assert line.startswith("unknown")
 
 
 def test_a_job_ends_the_one_before_it_in_its_lane(client, page):

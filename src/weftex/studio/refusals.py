@@ -11,7 +11,7 @@ from weftex.errors import WeftexError
 from weftex.recipe import ATLAS, FIELDS
 
 #: Fields of requests beside recipes, and of `auto`.
-_OWN = {"height", "width", "effort", "recipe", "count", "methods"}
+_OWN = {"height", "width", "effort", "recipe", "each"}
 _OWN |= {"format", "preset", "pad", "crop", *ATLAS}
 #: What the library calls what a recipe calls otherwise.
 _ALIASES = {"degree": "even_light"}

@@ -26,14 +26,7 @@ from weftex.studio.refusals import Refusal, answer_of
 from weftex.studio.requests import Call, route
 from weftex.studio.results import Result
 from weftex.studio.sessions import path_of
-from weftex.studio.synthesis import (
-    begin_plane,
-    compare,
-    make_each,
-    open_job,
-    plane_window,
-    several,
-)
+from weftex.studio.synthesis import begin_plane, make_each, open_job, plane_window
 from weftex.studio.uploads import IncomingUpload, label_of
 
 
@@ -180,17 +173,21 @@ async def show_window(call: Call) -> Any:
 
 _TICK = 0.02  # seconds between two looks at a job that somebody waits for
 _LONGEST_WAIT = 20
+_MOST = 16  # recipes of a job
 
 
 @route("POST", "/jobs")
 async def add_job(call: Call) -> Any:
     """Queue a job that makes something."""
-    given = await call.object("recipe", "count", "methods", "lane", "keep")
-    recipe = Recipe.from_json(given.get("recipe"))
-    recipes = several(recipe, given.get("count"), given.get("methods"))
+    given = await call.object("recipe", "each", "compare", "lane", "keep")
+    recipe, each = Recipe.from_json(given.get("recipe")), given.get("each") or [{}]
+    are_changes = isinstance(each, list) and all(isinstance(one, dict) for one in each)
+    if not are_changes or len(each) > _MOST:
+        raise InvalidInputError(f"each is {shown(each)}; it must list at most {_MOST} changes")
+    recipes = [Recipe.from_json({**recipe.as_json(), **changes}) for changes in each]
     await call.work(open_job, recipe, call.session)  # what is too large never waits
-    work = make_each(recipes) if given.get("methods") is None else compare(recipes)
-    return await queued(call, work, given.get("lane"), recipe=recipe, keep=bool(given.get("keep")))
+    work, keep = make_each(recipes, bool(given.get("compare"))), bool(given.get("keep"))
+    return await queued(call, work, given.get("lane"), recipe=recipe, keep=keep)
 
 
 async def queued(call: Call, work: Work, lane: Any, **how: Any) -> Any:

@@ -10,7 +10,7 @@ from time import perf_counter
 from typing import Any
 
 from weftex import Exemplar, Synthesis
-from weftex.errors import CancelledError, InvalidInputError, WeftexError, is_whole, shown
+from weftex.errors import CancelledError, WeftexError
 from weftex.method import Model
 from weftex.recipe import Recipe
 from weftex.recipe.opening import OpenedRecipe, open_recipe
@@ -23,50 +23,23 @@ from weftex.studio.results import Result
 from weftex.studio.sessions import Session
 from weftex.studio.uploads import picture_of
 
-MOST_SEEDS = 16
 
-
-def several(recipe: Recipe, count: Any, methods: Any) -> list[Recipe]:
-    """Return the recipes of a job: seeds from the recipe's on, or each with another method."""
-    if count is not None and not is_whole(count, 1, MOST_SEEDS):
-        raise InvalidInputError(f"count is {shown(count)}; it must be from 1 to {MOST_SEEDS}")
-    if methods is None:
-        seeds = ((recipe.seed + k) % 2**64 for k in range(count or 1))
-        return [recipe.changed(seed=seed) for seed in seeds]
-    if count is not None:
-        raise InvalidInputError("count has no effect beside methods; leave one of them out")
-    if not isinstance(methods, list) or not 0 < len(methods) <= MOST_SEEDS:
-        raise InvalidInputError(f"methods is {shown(methods)}; it must be a list of names")
-    return [recipe.changed(method=name, parameters={}) for name in map(str, methods)]
-
-
-def make_each(recipes: list[Recipe]) -> Callable[[Job], None]:
-    """Make one recipe after the other; the first that fails ends it."""
+def make_each(recipes: list[Recipe], compared: bool) -> Callable[[Job], None]:
+    """Make one recipe after the other; to be `compared`, each has its figures, or says why not."""
 
     def work(job: Job) -> None:
         for recipe in recipes:
             job.check()
-            job.add(results.described(made_of(recipe, job), job.session))
-
-    return work
-
-
-def compare(recipes: list[Recipe]) -> Callable[[Job], None]:
-    """Make what several methods make, each with its figures; one that cannot says why."""
-
-    def work(job: Job) -> None:
-        for recipe in recipes:
             start = perf_counter()
             try:
                 made = made_of(recipe, job)
-                figures = results.figures_of(made, job.session)
-                job.add(results.described(made, job.session) | {"figures": figures})
-            except CancelledError:
-                raise
+                more = {"figures": results.figures_of(made, job.session)} if compared else {}
+                job.add(results.described(made, job.session) | more)
             except WeftexError as error:
-                _, answer = answer_of(error)
+                if not compared or isinstance(error, CancelledError):
+                    raise
                 took = round(perf_counter() - start, 3)
-                job.add(answer | {"method": recipe.method.slug, "seconds": took})
+                job.add(answer_of(error)[1] | {"method": recipe.method.slug, "seconds": took})
 
     return work
 

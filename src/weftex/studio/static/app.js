@@ -248,7 +248,7 @@ export class App extends Shelf {
     const control = new AbortController();
     const within = quiet ? "?within=250" : ""; // what is quick is told at once
     const posted = this.api.post(`${path}${within}`, body, { signal: control.signal });
-    const many = body.count ?? body.methods?.length ?? 1; // pictures
+    const many = body.each?.length ?? 1; // pictures
     return this.watch(posted, many === 1 ? body.recipe : null, control, { quiet, many, onresults });
   }
 

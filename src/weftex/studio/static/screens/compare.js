@@ -60,7 +60,7 @@ export class CompareScreen {
     try {
       if (!methods.length) throw new Error(t("compare.none"));
       this.order = methods.map((slug) => [Math.random(), slug]).sort().map(([, slug]) => slug);
-      const job = await app.run({ recipe: { ...recipe, size }, methods }, { onresults: (now) => this.take(now) });
+      const job = await app.run({ recipe: { ...recipe, size }, each: methods.map((one) => ({ method: one })), compare: true }, { onresults: (now) => this.take(now) });
       if (job) await this.take(job);
     } catch (error) {
       if (!error.message) return;

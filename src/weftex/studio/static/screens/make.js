@@ -274,7 +274,7 @@ export class MakeScreen {
       }
     };
     await this.attempt(async () => {
-      const job = await app.run({ recipe, count: 9 }, { onresults: add });
+      const job = await app.run({ recipe, each: items.map((_, k) => ({ seed: recipe.seed + k })) }, { onresults: add });
       if (job) await add(job);
       else if (!shown && stage.custom === "sheet") this.closeSheet();
     });
