@@ -7,7 +7,11 @@ import subprocess
 import sys
 import time
 from dataclasses import dataclass
+from io import BytesIO
 from urllib.parse import quote
+
+import numpy as np
+from PIL import Image
 
 from weftex.io.pictures import write_image
 
@@ -113,8 +117,9 @@ class Page:
         return answer.json()
 
     def upload_pixels(self, pixels, folder, name="photo.png", **how):
-        write_image(folder / "upload.png", pixels, **how)
-        return self.upload((folder / "upload.png").read_bytes(), name)["id"]
+        file = folder / f"upload{name[-4:]}"
+        write_image(file, pixels, **how)
+        return self.upload(file.read_bytes(), name)["id"]
 
     def job(self, recipe, path="jobs", **more):
         """A job that has ended."""
@@ -144,9 +149,13 @@ class Page:
         (result,) = job["results"]
         return result
 
-    def taken(self, result, **wanted):
+    def pixels(self, path):
+        """The picture that a path answers with."""
+        return np.array(Image.open(BytesIO(self.get(path))))
+
+    def taken(self, path, **wanted):
         """The bytes of what is exported, and its name."""
-        ticket = self.post(f"results/{result['id']}/exports", wanted)
+        ticket = self.post(f"{path}/exports", wanted)
         answer = self.client.get(f"/api/downloads/{ticket['ticket']}")
         assert answer.status_code == 200
         assert len(answer.content) == ticket["bytes"]

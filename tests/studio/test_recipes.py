@@ -55,7 +55,7 @@ def recipes(photo):
 @pytest.mark.parametrize("name", ["mended", "set", "guide", "fill", "fuse"])
 def test_page_command_and_python_make_the_same(page, photo, name):
     result = page.made({"seed": 7, **recipes(photo)[name]})
-    content, file = page.taken(result, name="mine")
+    content, file = page.taken(f"results/{result['id']}", name="mine")
     Path(file).write_bytes(content)
     if len(result["maps"]) > 1:
         zipfile.ZipFile(file).extractall()

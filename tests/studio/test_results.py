@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 import weftex
-from weftex.io.pictures import read_image, write_image
+from weftex.io.pictures import read_image
 from weftex.io.png import SIGNATURE
 from weftex.parameters import parameter
 from weftex.roles import ROLES
@@ -30,17 +30,11 @@ def wall(client, tmp_path_factory):
     small = {name: pixels[:80, :80] for name, pixels in maps.items()}
     small["height"] = small["height"].astype(np.uint16) * 257
     small["roughness"] = small["roughness"].astype(np.float32) / 255
-    files = {name: "w.tif" if name == "roughness" else "w.png" for name in small}
     ids = {}
-    for name, file in files.items():
-        write_image(folder / file, small[name])
-        ids[name] = page.upload((folder / file).read_bytes(), f"stone_{name}{file[1:]}")["id"]
+    for name, pixels in small.items():
+        file = f"stone_{name}.{'tif' if name == 'roughness' else 'png'}"
+        ids[name] = page.upload_pixels(pixels, folder, file)
     return page, page.made({**QUICK, "materials": [{"name": "stone", "maps": ids}]})
-
-
-def pixels_of(content, folder):
-    (folder / "p.png").write_bytes(content)
-    return read_image(folder / "p.png").pixels
 
 
 def test_a_new_method_is_there_by_itself(page, monkeypatch):
@@ -88,11 +82,11 @@ def test_what_can_be_mended_has_a_button(page, tmp_path):
     assert [one for one in seen["mending"] if one["what"] == "even_light"] == []
 
 
-def test_pictures_of_all_kinds(wall, tmp_path):
+def test_pictures_of_all_kinds(wall):
     page, result = wall
     assert {one["name"]: one["dtype"] for one in result["maps"]}["height"] == "uint16"
     for one in result["maps"]:
-        picture = pixels_of(page.get(f"results/{result['id']}/picture?map={one['name']}"), tmp_path)
+        picture = page.pixels(f"results/{result['id']}/picture?map={one['name']}")
         assert picture.shape[:2] == (72, 64) and picture.dtype == np.uint8
     assert page.ask("GET", f"results/{result['id']}/picture?map=x").status_code == 404
     for what in ("sources", "seams", "patches"):
@@ -100,8 +94,8 @@ def test_pictures_of_all_kinds(wall, tmp_path):
     assert page.ask("GET", f"results/{result['id']}/picture?draw=/etc").status_code == 404
     answer = page.ask("GET", f"results/{result['id']}/picture?most=20")
     assert (answer.headers["x-weftex-width"], answer.headers["x-weftex-height"]) == ("64", "72")
-    whole = pixels_of(page.get(f"results/{result['id']}/picture"), tmp_path)
-    assert (pixels_of(answer.content, tmp_path) == smaller(whole, 4)).all()
+    whole = page.pixels(f"results/{result['id']}/picture")
+    assert (page.pixels(f"results/{result['id']}/picture?most=20") == smaller(whole, 4)).all()
     for wrong in ("most=-1", "most=x", "most=" + "9" * 4000):
         assert page.ask("GET", f"results/{result['id']}/picture?{wrong}").status_code == 400
 
@@ -146,7 +140,8 @@ def test_a_large_sample_is_shown_in_bands(rng, monkeypatch):
 
 def test_any_format_that_holds_it(wall, tmp_path):
     page, result = wall
-    content, name = page.taken(result, preset="ambientcg", name="../My Wall", source=True,
+    path = f"results/{result['id']}"
+    content, name = page.taken(path, preset="ambientcg", name="../My Wall", source=True,
                                report=True, recipe=True)  # fmt: skip
     assert name == "My Wall.zip"
     packed = zipfile.ZipFile(BytesIO(content))
@@ -165,28 +160,28 @@ def test_any_format_that_holds_it(wall, tmp_path):
     assert result["formats"]["roughness"] == [".tif", ".exr"]
     for map_, suffixes in result["formats"].items():
         for suffix in suffixes:
-            _, name = page.taken(result, maps=[map_], format=suffix)
+            _, name = page.taken(path, maps=[map_], format=suffix)
             assert name == f"stone_64x72_{map_}{suffix}"
-    path = f"results/{result['id']}/exports"
-    assert page.refused(path, {"maps": ["height"], "format": ".jpg"})["parameter"] == "format"
-    assert page.refused(path, {"maps": ["../x"]})["parameter"] == "maps"
-    assert page.refused(path, {"preset": "mine"})["parameter"] == "preset"
-    assert page.refused(path, {"preset": "unreal", "format": ".png"})["parameter"] == "format"
-    content, name = page.taken(result, preset="unreal", name="rock")
+    ask = f"{path}/exports"
+    assert page.refused(ask, {"maps": ["height"], "format": ".jpg"})["parameter"] == "format"
+    assert page.refused(ask, {"maps": ["../x"]})["parameter"] == "maps"
+    assert page.refused(ask, {"preset": "mine"})["parameter"] == "preset"
+    assert page.refused(ask, {"preset": "unreal", "format": ".png"})["parameter"] == "format"
+    content, name = page.taken(path, preset="unreal", name="rock")
     packed = set(zipfile.ZipFile(BytesIO(content)).namelist())
     assert {"T_rock_ORM.png", "T_rock_Normal.png"} <= packed and name == "rock.zip"
-    assert page.refused(path, {"path": "/tmp"}, 400)
+    assert page.refused(ask, {"path": "/tmp"}, 400)
     waiting = [one for one in page.client.studio.downloads.folder.rglob("*") if one.is_file()]
     assert len(waiting) <= 40
 
 
-def test_the_endless_plane(page, tmp_path):
+def test_the_endless_plane(page):
     recipe = {"materials": [{"sample": "weave"}], "method": "best-tile", "seed": 4}
     plane = page.post("planes", recipe)
     ask = f"planes/{plane['id']}/window?top=-{10**9}&left=7"
-    one = pixels_of(page.get(f"{ask}&height=60&width=50"), tmp_path)
+    one = page.pixels(f"{ask}&height=60&width=50")
     assert one.shape == (60, 50, 3)
-    two = pixels_of(page.get(f"{ask.replace('=7', '=27')}&height=60&width=50"), tmp_path)
+    two = page.pixels(f"{ask.replace('=7', '=27')}&height=60&width=50")
     assert (one[:, 20:] == two[:, :30]).all()
     for wrong in ("width=2000", "top=x", f"left={2**41}"):
         assert page.ask("GET", f"planes/{plane['id']}/window?{wrong}").status_code == 400
@@ -206,10 +201,9 @@ def test_alpha_and_masks_come_through(page, tmp_path, rng):
     pixels = rng.integers(0, 255, (48, 48, 4)).astype(np.uint8)
     pixels[..., 3] = 255
     pixels[10:20, 12:30, 3] = 0
-    write_image(tmp_path / "cut.png", pixels, alpha=True)
-    upload = page.upload((tmp_path / "cut.png").read_bytes(), "cut.png")["id"]
+    upload = page.upload_pixels(pixels, tmp_path, alpha=True)
     whole = page.made({"task": "fill", "materials": [{"maps": {"color": upload}}], "mask": "alpha"})
-    picture = pixels_of(page.get(f"results/{whole['id']}/picture"), tmp_path)
+    picture = page.pixels(f"results/{whole['id']}/picture")
     assert picture.shape == (48, 48, 4) and (picture[..., 3] == 255).all()
     part = page.made({**QUICK, "materials": [{"maps": {"color": upload}, "mask": "alpha"}]})
-    assert (pixels_of(page.get(f"results/{part['id']}/picture"), tmp_path)[..., 3] == 255).all()
+    assert (page.pixels(f"results/{part['id']}/picture")[..., 3] == 255).all()
