@@ -32,7 +32,7 @@ _LANDMARKS = LANDMARKS._replace(
     default="keep",
     choices=("keep", "remove"),
     metavar="keep|remove",
-    help="remove: replace conspicuous features by other parts of the photo; no effect on lattices",
+    help="remove: replace conspicuous features by other parts; no effect on samples with a lattice",
 )
 
 

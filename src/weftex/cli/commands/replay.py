@@ -31,7 +31,7 @@ def run(argv: list[str]) -> None:
     text = "image of the sample's size, or 2, 3, ... times as large or small; or a folder of such "
     text += "images; for a result of 'weftex fuse', one for each sample"
     add("maps", metavar="MAP", nargs="+", help=text)
-    text = "the same map of the photo, if it was filled from another sample"
+    text = "the same map of the photo, if its hole was filled from another sample"
     add("--background", metavar="PHOTO", help=text)
     parser.share("--output", "--preset", "--quiet", "--allow-huge")
     args = parser.parse(argv)

@@ -42,8 +42,8 @@ class BestTile(Method):
     slug: ClassVar[str] = "best-tile"
     title: ClassVar[str] = "Best tile repetition"
     paper: ClassVar[str] = (
-        "Near-regular texture synthesis by constrained random sampling and gap filling, a thesis: "
-        "section 4.1"
+        "D. López Recas: Constrained random sampling and gap filling technique for near-regular "
+        "texture synthesis. Diploma thesis, TU Berlin, 2011, section 4.1"
     )
     supports: ClassVar[frozenset[str]] = frozenset({"wrap", "random_access", "many"})
 

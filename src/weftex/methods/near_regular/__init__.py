@@ -40,8 +40,8 @@ class NearRegular(Method):
     slug: ClassVar[str] = "near-regular"
     title: ClassVar[str] = "Near-regular synthesis"
     paper: ClassVar[str] = (
-        "Near-regular texture synthesis by constrained random sampling and gap filling, a thesis: "
-        "chapter 4"
+        "D. López Recas: Constrained random sampling and gap filling technique for near-regular "
+        "texture synthesis. Diploma thesis, TU Berlin, 2011, section 4.2"
     )
     supports: ClassVar[frozenset[str]] = frozenset({"wrap", "random_access"})
 

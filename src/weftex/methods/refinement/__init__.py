@@ -50,8 +50,8 @@ class Refinement(WindowedMethod):
     slug: ClassVar[str] = "refinement"
     title: ClassVar[str] = "Iterative refinement"
     paper: ClassVar[str] = (
-        "Iterative texture refinement and texture fusion: window size estimation, seed point "
-        "planting, iterative refinement"
+        "S. Shin, T. Nishita, S. Y. Shin: On pixel-based texture synthesis by non-parametric "
+        "sampling. Computers & Graphics 30(5), 2006"
     )
     supports: ClassVar[frozenset[str]] = frozenset({"wrap", "known", "guide", "many"})
     belt_parameters: ClassVar[frozenset[str]] = frozenset({"seed_scale", "seed_density", "matches"})
