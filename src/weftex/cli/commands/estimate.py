@@ -37,7 +37,7 @@ def run(argv: list[str]) -> None:
     text = "maps to estimate: height, normal_gl (y up), normal_dx (y down), ao, roughness; "
     text += "default: all missing maps, with normal_gl"
     add("--maps", metavar="NAME,...", help=text)
-    text = "height from the lowest to the highest point, in pixels; higher makes normals steeper and crevices darker; "
+    text = "height from the lowest to the highest point, in pixels; higher makes normals steeper; "
     add("--relief", type=float, default=6.0, metavar="PX", help=text + "default: 6")
     add(
         "--invert",
