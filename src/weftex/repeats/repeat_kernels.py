@@ -1,5 +1,6 @@
 # mypy: ignore-errors
-"""Kernels of repetition penalties; compiled by Cython, see setup.py.
+# cython: infer_types=True
+"""Kernels of repetition penalties; compiled by Cython, see setup.py and the .pxd.
 
 A patch whose corner has the offset (top, left) in the sample repeats what the canvas shows at some
 distance for a box of offsets, for each pixel of the canvas. Boxes are summed up as differences at
@@ -11,20 +12,14 @@ import cython
 from cython.cimports.libc.string import memset
 
 
-@cython.cfunc
-@cython.nogil
-@cython.exceptval(check=False)
-def mark(
-    marks: cython.int[:, ::1], halvings: cython.int, top: cython.int, bottom: cython.int,
-    left: cython.int, right: cython.int,
-) -> cython.void:  # fmt: skip
+def mark(marks, halvings, top, bottom, left, right):
     """Add 1 to the offsets of a box, bottom and right included; `marks` has a line more of both."""
     if bottom < 0 or right < 0 or top > bottom or left > right:
         return
     top = ((max(top, 0) - 1) >> halvings) + 1
     left = ((max(left, 0) - 1) >> halvings) + 1
-    bottom = min((bottom >> halvings) + 1, cython.cast(cython.int, marks.shape[0]) - 1)
-    right = min((right >> halvings) + 1, cython.cast(cython.int, marks.shape[1]) - 1)
+    bottom = min((bottom >> halvings) + 1, marks.shape[0] - 1)
+    right = min((right >> halvings) + 1, marks.shape[1] - 1)
     if top >= bottom or left >= right:
         return
     marks[top, left] += 1
@@ -48,18 +43,10 @@ def mark_repeats(
     patch, distances that count as nearby, and distances that count as in line. `marks` gets what is
     nearby (both distances are) and what is in line (each distance that is).
     """
-    cython.declare(i=cython.Py_ssize_t, j=cython.Py_ssize_t, label=cython.int, v=cython.int)
-    cython.declare(y=cython.int, x=cython.int, u=cython.int, at_y=cython.int, at_x=cython.int)
-    cython.declare(top=cython.int, left=cython.int)
-    near: cython.int[:, ::1] = marks[0]
-    line: cython.int[:, ::1] = marks[1]
-    height: cython.int = sample[0]
-    width: cython.int = sample[1]
-    around: cython.int = 1 if sample[2] else 0
-    near_y: cython.int = reach[1, 0]
-    near_x: cython.int = reach[1, 1]
-    line_y: cython.int = reach[2, 0]
-    line_x: cython.int = reach[2, 1]
+    near, line = marks[0], marks[1]
+    height, width, around = sample[0], sample[1], 1 if sample[2] else 0
+    near_y, near_x = reach[1, 0], reach[1, 1]
+    line_y, line_x = reach[2, 0], reach[2, 1]
     for i in range(rows.shape[1]):
         for j in range(columns.shape[1]):
             label = source[rows[0, i], columns[0, j]]
@@ -67,13 +54,11 @@ def mark_repeats(
                 continue
             for v in range(-around, around + 1):
                 for u in range(-around, around + 1):
-                    y = label // width + v * height
-                    x = label % width + u * width
+                    y, x = label // width + v * height, label % width + u * width
                     # An offset (top, left) repeats (y, x) this far from where it is shown.
                     top = y - reach[0, 0] + 1
                     left = x - reach[0, 1] + 1
-                    at_y = y - rows[1, i]
-                    at_x = x - columns[1, j]
+                    at_y, at_x = y - rows[1, i], x - columns[1, j]
                     mark(
                         near, halvings, max(top, at_y - near_y), min(y, at_y + near_y),
                         max(left, at_x - near_x), min(x, at_x + near_x),
@@ -89,7 +74,6 @@ def count_squares(
     counts: cython.longlong[:, ::1],
 ):
     """Count the pixels by the square of 2**halvings a side of the sample that they come from."""
-    cython.declare(i=cython.Py_ssize_t, j=cython.Py_ssize_t, label=cython.int)
     for i in range(source.shape[0]):
         for j in range(source.shape[1]):
             label = source[i, j]
@@ -97,23 +81,9 @@ def count_squares(
                 counts[label // width >> halvings, label % width >> halvings] += 1
 
 
-@cython.cfunc
-@cython.nogil
-@cython.exceptval(check=False)
-def weigh_cell(
-    pixels: cython.const[cython.int][:, ::1],
-    weights: cython.const[cython.int][:, ::1],
-    spans: cython.const[cython.int][:, ::1],
-    missing: cython.const[cython.longlong][:, ::1],
-    holes: cython.const[cython.int][:, ::1],
-    plane: cython.int[:, ::1],
-) -> cython.void:
+def weigh_cell(pixels, weights, spans, missing, holes, plane):
     """Fill in what the pixels that show a cell weigh, seen from each missing pixel."""
-    cython.declare(v=cython.Py_ssize_t, u=cython.int, k=cython.Py_ssize_t, row=cython.Py_ssize_t)
-    cython.declare(shift=cython.int, begin=cython.int)
-    cython.declare(to=cython.p_int, weight=cython.p_const_int)
-    down: cython.Py_ssize_t = weights.shape[0] // 2
-    along: cython.int = cython.cast(cython.int, weights.shape[1] // 2)
+    down, along = weights.shape[0] // 2, weights.shape[1] // 2
     for v in range(plane.shape[0]):
         to = cython.address(plane[v, 0])
         if holes[v, 0] == holes[v, 1]:
@@ -129,25 +99,13 @@ def weigh_cell(
             for u in range(begin, min(holes[v, 1], spans[row, 1] - shift)):
                 to[u] += weight[u]
         for u in range(holes[v, 0], holes[v, 1]):
-            to[u] &= cython.cast(cython.int, missing[v, u])
+            to[u] &= missing[v, u]
 
 
-@cython.cfunc
-@cython.nogil
-@cython.exceptval(check=False)
-def count_beside(
-    pixels: cython.const[cython.int][:, ::1],
-    near: cython.const[cython.int][::1],
-    mirrored: cython.const[cython.int][::1],
-    own: cython.const[cython.int][::1],
-    missing: cython.const[cython.longlong][:, ::1],
-    sums: cython.longlong[:, :, ::1],
-) -> cython.void:
+def count_beside(pixels, near, mirrored, own, missing, sums):
     """Count the offsets at which a cell of one copy lies beside pixels of other copies of it."""
-    cython.declare(k=cython.Py_ssize_t, y=cython.Py_ssize_t, x=cython.Py_ssize_t)
-    cython.declare(down=cython.Py_ssize_t, along=cython.Py_ssize_t)
-    cython.declare(away=cython.Py_ssize_t)
-    reach: cython.Py_ssize_t = near[2]
+    cython.declare(down=cython.Py_ssize_t, along=cython.Py_ssize_t, reach=cython.Py_ssize_t)
+    reach = near[2]
     for k in range(pixels.shape[0]):
         if pixels[k, 2] == own[0]:
             continue
@@ -187,20 +145,12 @@ def sum_copies(
     The sums: salience times weight, salience, pixels, cells beside another copy, cells, and cells
     close to a mirrored copy, these whether missing or not, as a cut may run there.
     """
-    cython.declare(cell=cython.Py_ssize_t, k=cython.Py_ssize_t, y=cython.Py_ssize_t)
-    cython.declare(
-        x=cython.Py_ssize_t,
-        total=cython.p_longlong,
-        new=cython.pointer(cython.const[cython.longlong]),
-    )
-    cython.declare(weight=cython.p_const_int, used=cython.longlong, salience=cython.int)
-    area: cython.Py_ssize_t = sums.shape[2] * sums.shape[3]
-    pixels: cython.const[cython.int][:, ::1]
+    cython.declare(used=cython.longlong, pixels=cython.const[cython.int][:, ::1])
+    area = sums.shape[2] * sums.shape[3]
     with cython.nogil:  # beside other threads
         for cell in range(cells.shape[1] - 1):
             pixels = where[cells[0, cell] : cells[0, cell + 1]]
-            used = cells[2, cell]
-            salience = cells[3, cell]
+            used, salience = cells[2, cell], cells[3, cell]
             weigh_cell(pixels, weights, spans, missing, holes, plane)
             for k in range(cells[1, cell], cells[1, cell + 1]):
                 count_beside(pixels, near, mirrored, own[k], missing, sums[own[k, 0]])

@@ -81,7 +81,7 @@ class SaliencePenalty:
         """Factors for the costs of a patch at the offsets of each copy, 1 or more if allowed."""
         places = np.concatenate([np.argwhere(each) for each in allowed]) << halvings
         first, last = places.min(axis=0) // self.cell, places.max(axis=0) // self.cell
-        sums = self._sums(pixel, len(allowed), first, last - first + 1)
+        sums = self.sums(pixel, len(allowed), first, last - first + 1)
         repeats, salience, used, beside, area, mirrored = np.moveaxis(sums, 1, 0)
         strength = self.policy.strength
         factors = self.policy.factors(
@@ -98,7 +98,7 @@ class SaliencePenalty:
             found.append(own)
         return found
 
-    def _sums(
+    def sums(
         self, pixel: tuple[int, int], copies: int, first: NDArray[np.intp], size: NDArray[np.intp]
     ) -> NDArray[np.int64]:
         """See `repeat_kernels.sum_copies`, for the offsets of a box of cells."""

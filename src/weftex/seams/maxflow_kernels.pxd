@@ -31,4 +31,14 @@ cdef class Grid:
     cdef Py_ssize_t[4] steps
     cdef int now
 
+cdef Node* beside(Grid grid, Node* node, int d) noexcept nogil
+cdef void put(int[::1] ring, Py_ssize_t i) noexcept nogil
+cdef Py_ssize_t take(int[::1] ring) noexcept nogil
+cdef void wake(Grid grid, Node* node) noexcept nogil
+cdef void lose(Grid grid, Node* node) noexcept nogil
+cdef int grow(Grid grid, Node* node) noexcept nogil
+cdef int augment(Grid grid, Node* node, int d) noexcept nogil
+cdef int distance_to_root(Grid grid, Node* node) noexcept nogil
+cdef void adopt(Grid grid, Node* node) noexcept nogil
+cdef long long plant(Grid grid) noexcept nogil
 cdef long long max_flow(Grid grid, unsigned char[:, ::1] side, long long most) noexcept nogil

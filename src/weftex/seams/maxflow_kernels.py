@@ -1,10 +1,11 @@
 # mypy: ignore-errors
+# cython: infer_types=True
 """The minimum cut of a grid, by augmenting paths in two search trees that are kept.
 
 Boykov and Kolmogorov, An experimental comparison of min-cut/max-flow algorithms for energy
 minimization in vision (2004), section 3; distances and time stamps as in its section 3.2. The grid
 has a border of nodes without capacity, so no neighbor is missing.
-Compiled by Cython, see setup.py.
+Compiled by Cython, see setup.py and the .pxd.
 """
 
 import cython
@@ -14,7 +15,6 @@ from cython.cimports.libc.string import memset
 # A direction is right, down, left or up; the opposite of d is d ^ 2. A Node: see the .pxd.
 
 
-@cython.cclass
 class Grid:
     """Capacities of arcs (right, down, left, up) and of the terminals' arcs, and two search trees.
 
@@ -29,35 +29,22 @@ class Grid:
         self.height, self.width = source.shape
 
 
-@cython.cfunc
-@cython.inline
-@cython.nogil
-@cython.exceptval(check=False)
-def beside(grid: Grid, node: cython.pointer(Node), d: cython.int) -> cython.pointer(Node):
+def beside(grid, node, d):
     """The neighbor of a node in direction d."""
     return node + grid.steps[d]
 
 
-@cython.cfunc
-@cython.inline
-@cython.nogil
-@cython.exceptval(check=False)
-def put(ring: cython.int[::1], i: cython.Py_ssize_t) -> cython.void:
+def put(ring, i):
     """Add a node to a ring."""
-    room: cython.Py_ssize_t = ring.shape[0] - 2
-    at: cython.Py_ssize_t = cython.cast(cython.Py_ssize_t, ring[room]) + ring[room + 1]
-    ring[at if at < room else at - room] = cython.cast(cython.int, i)
+    room = ring.shape[0] - 2
+    at = cython.cast(cython.Py_ssize_t, ring[room]) + ring[room + 1]
+    ring[at if at < room else at - room] = i
     ring[room + 1] += 1
 
 
-@cython.cfunc
-@cython.inline
-@cython.nogil
-@cython.exceptval(check=False)
-def take(ring: cython.int[::1]) -> cython.Py_ssize_t:
+def take(ring):
     """Remove a ring's first node; -1 if there is none."""
-    cython.declare(i=cython.Py_ssize_t)
-    room: cython.Py_ssize_t = ring.shape[0] - 2
+    room = ring.shape[0] - 2
     if ring[room + 1] == 0:
         return -1
     i = ring[ring[room]]
@@ -68,34 +55,22 @@ def take(ring: cython.int[::1]) -> cython.Py_ssize_t:
     return i
 
 
-@cython.cfunc
-@cython.inline
-@cython.nogil
-@cython.exceptval(check=False)
-def wake(grid: Grid, node: cython.pointer(Node)) -> cython.void:
+def wake(grid, node):
     """Let a node's tree grow from it."""
     if not node.waits:
         node.waits = 1
         put(grid.active, node - cython.address(grid.nodes[0]))
 
 
-@cython.cfunc
-@cython.inline
-@cython.nogil
-@cython.exceptval(check=False)
-def lose(grid: Grid, node: cython.pointer(Node)) -> cython.void:
+def lose(grid, node):
     """Make a node an orphan."""
     node.parent = LOST
     put(grid.orphans, node - cython.address(grid.nodes[0]))
 
 
-@cython.cfunc
-@cython.nogil
-@cython.exceptval(check=False)
-def grow(grid: Grid, node: cython.pointer(Node)) -> cython.int:
+def grow(grid, node):
     """Grow a tree from a node; return the direction in which it meets the other tree, or -1."""
-    cython.declare(d=cython.int, left=cython.int, near=cython.pointer(Node))
-    tree: cython.int = node.tree
+    tree = node.tree
     for d in range(4):
         near = beside(grid, node, d)
         left = node.arcs[d] if tree == SOURCE else near.arcs[d ^ 2]
@@ -116,14 +91,10 @@ def grow(grid: Grid, node: cython.pointer(Node)) -> cython.int:
     return -1
 
 
-@cython.cfunc
-@cython.nogil
-@cython.exceptval(check=False)
-def augment(grid: Grid, node: cython.pointer(Node), d: cython.int) -> cython.int:
+def augment(grid, node, d):
     """Push the largest flow through a node and its neighbor in direction d; full arcs orphan."""
-    cython.declare(k=cython.pointer(Node), up=cython.pointer(Node), p=cython.int, flow=cython.int)
-    start: cython.pointer(Node) = node  # in the tree of the source
-    end: cython.pointer(Node) = beside(grid, node, d)
+    start = node  # in the tree of the source
+    end = beside(grid, node, d)
     if node.tree == SINK:
         start = end
         end = node
@@ -170,21 +141,16 @@ def augment(grid: Grid, node: cython.pointer(Node), d: cython.int) -> cython.int
     return flow
 
 
-@cython.cfunc
-@cython.nogil
-@cython.exceptval(check=False)
-def distance_to_root(grid: Grid, node: cython.pointer(Node)) -> cython.int:
+def distance_to_root(grid, node):
     """The number of arcs from a node to its terminal; -1 if an orphan is on the way."""
-    cython.declare(left=cython.int)
-    now: cython.int = grid.now
-    k: cython.pointer(Node) = node
+    k = node
     away: cython.int = 0
-    while k.stamp != now:
+    while k.stamp != grid.now:
         if k.parent == LOST:
             return -1
         away += 1
         if k.parent == ROOT:
-            k.stamp = now
+            k.stamp = grid.now
             k.distance = 1
             break
         k = beside(grid, k, k.parent)
@@ -192,21 +158,17 @@ def distance_to_root(grid: Grid, node: cython.pointer(Node)) -> cython.int:
         away += k.distance
     left = away
     k = node
-    while k.stamp != now:
-        k.stamp = now
+    while k.stamp != grid.now:
+        k.stamp = grid.now
         k.distance = left
         left -= 1
         k = beside(grid, k, k.parent)
     return away
 
 
-@cython.cfunc
-@cython.nogil
-@cython.exceptval(check=False)
-def adopt(grid: Grid, node: cython.pointer(Node)) -> cython.void:
+def adopt(grid, node):
     """Find an orphan the parent that is nearest to the terminal, or let it and its children go."""
-    cython.declare(away=cython.int, left=cython.int, d=cython.int, near=cython.pointer(Node))
-    tree: cython.int = node.tree
+    tree = node.tree
     best: cython.int = NOBODY
     least: cython.int = 0
     for d in range(4):
@@ -236,16 +198,10 @@ def adopt(grid: Grid, node: cython.pointer(Node)) -> cython.void:
             lose(grid, near)
 
 
-@cython.cfunc
-@cython.nogil
-@cython.exceptval(check=False)
-def plant(grid: Grid) -> cython.longlong:
+def plant(grid):
     """Fill in the nodes, those with a terminal as roots; return the flow through single nodes."""
-    cython.declare(y=cython.Py_ssize_t, x=cython.Py_ssize_t, d=cython.int)
-    cython.declare(arcs=cython.p_const_int, source=cython.int, sink=cython.int)
-    node: cython.pointer(Node) = cython.address(grid.nodes[0])
-    height: cython.Py_ssize_t = grid.height
-    width: cython.Py_ssize_t = grid.width
+    node = cython.address(grid.nodes[0])
+    height, width = grid.height, grid.width
     flow: cython.longlong = 0
     grid.steps[0] = 1
     grid.steps[1] = width + 2
@@ -275,18 +231,13 @@ def plant(grid: Grid) -> cython.longlong:
     return flow
 
 
-@cython.cfunc
-@cython.nogil
-@cython.exceptval(check=False)
-def max_flow(grid: Grid, side: cython.uchar[:, ::1], most: cython.longlong) -> cython.longlong:
+def max_flow(grid, side, most):
     """Mark in `side` the nodes that residual capacities reach from the source; return the flow.
 
     Once the flow exceeds `most`, stop and leave `side` as it is.
     """
-    cython.declare(y=cython.Py_ssize_t, x=cython.Py_ssize_t, i=cython.Py_ssize_t, d=cython.int)
-    cython.declare(node=cython.pointer(Node))
-    first: cython.pointer(Node) = cython.address(grid.nodes[0])
-    flow: cython.longlong = plant(grid)
+    first = cython.address(grid.nodes[0])
+    flow = plant(grid)
     while True:
         i = take(grid.active)
         if i < 0:
@@ -313,7 +264,6 @@ def max_flow(grid: Grid, side: cython.uchar[:, ::1], most: cython.longlong) -> c
 
 def cut_grid(grid: Grid, side: cython.uchar[:, ::1]):
     """Call `max_flow`, beside other threads."""
-    cython.declare(flow=cython.longlong)
     with cython.nogil:
         flow = max_flow(grid, side, LLONG_MAX)
     return flow

@@ -18,3 +18,6 @@ cdef void all_distances(const short[:, ::1] coordinates, const short[::1] query,
 cpdef Py_ssize_t nearest_by_coordinates(const short[:, ::1] coordinates, const int[::1] at,
                                        const short[::1] query, Py_ssize_t wanted,
                                        long long[::1] distances, int[::1] corners) noexcept nogil
+
+cdef void some_distances(const short[:, ::1] coordinates, const short[::1] query, Py_ssize_t start,
+                         Py_ssize_t n, int* total) noexcept nogil

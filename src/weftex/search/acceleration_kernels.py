@@ -118,13 +118,7 @@ def project(basis, offset, shift, query, coordinates):
         coordinates[d] = cython.cast(cython.short, min(max(total, -FARTHEST), FARTHEST))
 
 
-@cython.cfunc
-@cython.nogil
-@cython.exceptval(check=False)
-def some_distances(
-    coordinates: cython.const[cython.short][:, ::1], query: cython.const[cython.short][::1],
-    start: cython.Py_ssize_t, n: cython.Py_ssize_t, total: cython.p_int,
-) -> cython.void:  # fmt: skip
+def some_distances(coordinates, query, start, n, total):
     """Squared distances of n windows in coordinates, of which one component is one row."""
     cython.declare(q=cython.short, next_q=cython.short, diff=cython.short, next_diff=cython.short)
     for j in range(n):

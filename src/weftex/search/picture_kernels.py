@@ -53,14 +53,11 @@ def known_runs(done, y, x, wrap_y, wrap_x, reach, runs):
         cx = (x - left + width) % width
         for dx in range(-left, right + 1):
             known = done[cy, cx] != 0 and (dy != 0 or dx != 0)
-            if known:
-                if running:
-                    runs[n - 1, 2] += 1
-                else:
-                    runs[n, 0] = cython.cast(cython.int, dy)
-                    runs[n, 1] = cython.cast(cython.int, dx)
-                    runs[n, 2] = 1
-                    n += 1
+            if known and running:
+                runs[n - 1, 2] += 1
+            elif known:
+                runs[n, 0], runs[n, 1], runs[n, 2] = dy, dx, 1
+                n += 1
             running = known
             cx = cx + 1 if cx + 1 < width else 0
         cy = cy + 1 if cy + 1 < height else 0
@@ -89,27 +86,17 @@ def coherent_places(picture, sample, y, x, query, places, count):
     once for all unusable ones. Runs reach no further along x than windows, so a step never crosses
     into another row.
     """
-    cython.declare(before=cython.Py_ssize_t, cy=cython.Py_ssize_t, cx=cython.Py_ssize_t)
-    cython.declare(own=cython.Py_ssize_t, at=cython.Py_ssize_t)
+    cython.declare(own=cython.Py_ssize_t, at=cython.Py_ssize_t, before=cython.Py_ssize_t)
     height, width = picture.source.shape[0], picture.source.shape[1]
     across = sample.usable.shape[1]
     size = sample.usable.shape[0] * across
     may = cython.address(sample.usable[0, 0])
     before = -1 - size
     for r in range(query.count - 1, -1, -1):
-        cy = y + query.runs[r, 0]
-        if cy < 0:
-            cy += height
-        elif cy >= height:
-            cy -= height
+        cy = around(y + query.runs[r, 0], height)
         for i in range(query.runs[r, 2] - 1, -1, -1):
             dx = query.runs[r, 1] + i
-            cx = x + dx
-            if cx < 0:
-                cx += width
-            elif cx >= width:
-                cx -= width
-            own = picture.source[cy, cx]
+            own = picture.source[cy, around(x + dx, width)]
             at = own - query.runs[r, 0] * across - dx
             if own < 0 or at == before:
                 continue
@@ -127,6 +114,6 @@ def coherent_places(picture, sample, y, x, query, places, count):
             while k < count and places[k] != at:
                 k += 1
             if k == count:
-                places[count] = cython.cast(cython.int, at)
+                places[count] = at
                 count += 1
     return count

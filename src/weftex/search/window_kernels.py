@@ -1,15 +1,16 @@
 # mypy: ignore-errors
 # cython: infer_types=True
-"""Kernels that compare the windows around two pixels; compiled by Cython, see setup.py.
+"""Kernels that compare the windows around two pixels.
 
 A window is a list of runs (dy, dx, length): stretches of a row, seen from its center. All
 distances are sums of squared differences of bytes, so any order of summation gives the same.
-Types are declared in window_kernels.pxd.
+Compiled by Cython, see setup.py and the .pxd.
 """
 
 import cython
 from cython.cimports.libc.string import memcpy
 from cython.cimports.weftex.raster.difference_kernels import squared
+from cython.cimports.weftex.search.picture_kernels import around
 
 
 def causal_runs(y, x, height, width, wrap_x, up, left, right, runs):
@@ -32,9 +33,7 @@ def causal_runs(y, x, height, width, wrap_x, up, left, right, runs):
             if last > width - 1 - x:
                 last = width - 1 - x
         if first <= last:
-            runs[n, 0] = cython.cast(cython.int, dy)
-            runs[n, 1] = cython.cast(cython.int, first)
-            runs[n, 2] = cython.cast(cython.int, last - first + 1)
+            runs[n, 0], runs[n, 1], runs[n, 2] = dy, first, last - first + 1
             n += 1
     if wrap_x:
         first = width - x
@@ -42,9 +41,7 @@ def causal_runs(y, x, height, width, wrap_x, up, left, right, runs):
         if last > right:
             last = right
         if x > 0 and first <= last:
-            runs[n, 0] = 0
-            runs[n, 1] = cython.cast(cython.int, first)
-            runs[n, 2] = cython.cast(cython.int, last - first + 1)
+            runs[n, 0], runs[n, 1], runs[n, 2] = 0, first, last - first + 1
             n += 1
     return n
 
@@ -53,35 +50,23 @@ def turn_runs(runs, n):
     """Put the last run first, so that comparisons begin beside the pixel and end sooner."""
     for i in range(n // 2):
         for k in range(3):
-            swapped = runs[i, k]
-            runs[i, k] = runs[n - 1 - i, k]
-            runs[n - 1 - i, k] = swapped
+            runs[i, k], runs[n - 1 - i, k] = runs[n - 1 - i, k], runs[i, k]
 
 
 def gather_runs(levels, y, x, runs, n, query):
     """Copy the bytes of a window of the canvas, around its borders; return their number."""
-    cython.declare(cy=cython.Py_ssize_t, cx=cython.Py_ssize_t)
-    cython.declare(left=cython.Py_ssize_t, part=cython.Py_ssize_t, at=cython.Py_ssize_t)
+    cython.declare(left=cython.Py_ssize_t, at=cython.Py_ssize_t, cx=cython.Py_ssize_t)
     height, width, channels = levels.shape[0], levels.shape[1], levels.shape[2]
     at = 0
     for r in range(n):
-        cy = y + runs[r, 0]
-        if cy < 0:
-            cy += height
-        elif cy >= height:
-            cy -= height
-        cx = x + runs[r, 1]
-        if cx < 0:
-            cx += width
-        elif cx >= width:
-            cx -= width
+        cy, cx = around(y + runs[r, 0], height), around(x + runs[r, 1], width)
         left = runs[r, 2]
         while left > 0:
-            part = left if left < width - cx else width - cx
+            part = min(left, width - cx)
             memcpy(
                 cython.address(query[at]),
                 cython.address(levels[cy, cx, 0]),
-                cython.cast(cython.size_t, part * channels),
+                part * channels,
             )
             at += part * channels
             left -= part
@@ -117,7 +102,7 @@ def run_distance(pixels, y, x, runs, n, query, bound):
 def copy_pixel(sample, place, pixels, source, y, x):
     """Copy the sample's pixel at a flat index to the pixel (y, x) of a canvas."""
     v, u = place // sample.shape[1], place % sample.shape[1]
-    source[y, x] = cython.cast(cython.int, place)
+    source[y, x] = place
     for k in range(sample.shape[2]):
         pixels[y, x, k] = sample[v, u, k]
 

@@ -1,5 +1,6 @@
 # mypy: ignore-errors
-"""The kernels of `ashikhmin`; compiled by Cython, see setup.py.
+# cython: infer_types=True
+"""The kernels of `ashikhmin`; compiled by Cython, see setup.py and the .pxd.
 
 Places are flat indices into the pixels of the sample's windows.
 """
@@ -8,7 +9,6 @@ import cython
 from cython.cimports.weftex.raster.difference_kernels import squared
 from cython.cimports.weftex.search.picture_kernels import (
     Picture,
-    Query,
     Sample,
     coherent_places,
     known_runs,
@@ -18,21 +18,8 @@ from cython.cimports.weftex.search.window_kernels import copy_pixel, gather_runs
 ONE = cython.declare(cython.longlong, 256)  # a weight of 1; distances are integers
 
 
-@cython.cclass
 class PixelChoice:
     """The choice of one pixel, and the guides: the canvas's and the sample's for its windows."""
-
-    half: cython.Py_ssize_t  # of a window's width
-    jumps: cython.Py_ssize_t  # random places that are always tried
-    query: Query
-    places: cython.int[::1]  # of the candidates
-    followed: cython.const[cython.uchar][:, :, ::1]
-    guide: cython.const[cython.uchar][:, :, ::1]
-    guide_weight: cython.longlong  # in 1/256
-    y: cython.Py_ssize_t
-    x: cython.Py_ssize_t
-    wrap_y: cython.bint
-    again: cython.bint  # the pixel was chosen before
 
     def __init__(self, half, jumps, query, places, followed, guide, guide_weight):
         self.half, self.jumps, self.query, self.places = half, jumps, query, places
@@ -53,8 +40,6 @@ def choose(
     `random_places` has a row for each pixel. `around` wraps windows along y, and `again` is for the
     passes after the first.
     """
-    cython.declare(i=cython.Py_ssize_t, count=cython.Py_ssize_t, width=cython.Py_ssize_t)
-    cython.declare(place=cython.Py_ssize_t)
     width = picture.source.shape[1]
     choice.wrap_y, choice.again = picture.wrap_y or around, again
     with cython.nogil:
@@ -70,24 +55,13 @@ def choose(
             picture.done[choice.y, choice.x] = 1
 
 
-@cython.cfunc
-@cython.nogil
-@cython.exceptval(check=False)
-def gather_candidates(
-    sample: Sample,
-    picture: Picture,
-    choice: PixelChoice,
-    random_places: cython.const[cython.int][:, ::1],
-    row: cython.Py_ssize_t,
-) -> cython.Py_ssize_t:
+def gather_candidates(sample, picture, choice, random_places, row):
     """List the own source, the neighbors' shifted ones and random ones; return the number listed.
 
     There are `jumps` random ones, or a whole row where a neighbor is missing or its source cannot
     continue.
     """
-    cython.declare(count=cython.Py_ssize_t, found=cython.Py_ssize_t, k=cython.Py_ssize_t)
-    cython.declare(tried=cython.Py_ssize_t)
-    count = 0
+    count: cython.Py_ssize_t = 0
     tried = choice.jumps
     if choice.again:
         choice.places[0] = picture.source[choice.y, choice.x]
@@ -107,34 +81,22 @@ def gather_candidates(
     return count
 
 
-@cython.cfunc
-@cython.nogil
-@cython.exceptval(check=False)
-def best_candidate(
-    sample: Sample, picture: Picture, choice: PixelChoice, count: cython.Py_ssize_t
-) -> cython.Py_ssize_t:
+def best_candidate(sample, picture, choice, count):
     """The candidate whose window is most like the pixel's; the first of equal ones."""
-    cython.declare(k=cython.Py_ssize_t, best=cython.Py_ssize_t, columns=cython.Py_ssize_t)
     cython.declare(distance=cython.longlong, least=cython.longlong)
     columns = sample.pixels.shape[1]
     best = choice.places[0]
     if count == 1:
         return best
     gather_runs(
-        picture.pixels,
-        choice.y,
-        choice.x,
-        choice.query.runs,
-        choice.query.count,
+        picture.pixels, choice.y, choice.x, choice.query.runs, choice.query.count,
         choice.query.values,
-    )
+    )  # fmt: skip
     least = -1
     for k in range(count):
         distance = 0
         if choice.guide_weight:
-            distance = choice.guide_weight * guide_distance(
-                sample, picture, choice, choice.places[k]
-            )
+            distance = choice.guide_weight * guide_distance(picture, choice, choice.places[k])
         if least < 0 or distance < least:
             distance += ONE * run_distance(
                 sample.pixels, choice.places[k] // columns, choice.places[k] % columns,
@@ -147,20 +109,12 @@ def best_candidate(
     return best
 
 
-@cython.cfunc
-@cython.nogil
-@cython.exceptval(check=False)
-def guide_distance(
-    sample: Sample, picture: Picture, choice: PixelChoice, place: cython.Py_ssize_t
-) -> cython.longlong:
+def guide_distance(picture, choice, place):
     """Return the sum of squared differences between the guides around `place` and the pixel.
 
     The first pass compares the pixel and the unmade part of its window, later ones the whole
     window.
     """
-    cython.declare(height=cython.Py_ssize_t, width=cython.Py_ssize_t, half=cython.Py_ssize_t)
-    cython.declare(sy=cython.Py_ssize_t, sx=cython.Py_ssize_t)
-    cython.declare(dy=cython.Py_ssize_t, dx=cython.Py_ssize_t)
     cython.declare(cy=cython.Py_ssize_t, cx=cython.Py_ssize_t, total=cython.longlong)
     height, width, half = choice.followed.shape[0], choice.followed.shape[1], choice.half
     sy, sx = place // choice.guide.shape[1], place % choice.guide.shape[1]

@@ -1,8 +1,9 @@
 # mypy: ignore-errors
+# cython: infer_types=True
 """Kernels that order the pixels of a layer; compiled by Cython, see setup.py."""
 
 import cython
-from cython.cimports.weftex.search.picture_kernels import known_runs
+from cython.cimports.weftex.search.picture_kernels import around, known_runs
 
 
 def count_known(
@@ -18,14 +19,11 @@ def count_known(
 
     `runs` is scratch.
     """
-    cython.declare(i=cython.Py_ssize_t, r=cython.Py_ssize_t, width=cython.Py_ssize_t)
-    cython.declare(y=cython.Py_ssize_t, x=cython.Py_ssize_t)
     width = done.shape[1]
     with cython.nogil:
         for i in range(pixels.shape[0]):
             counts[i] = 0
-            y = pixels[i] // width
-            x = pixels[i] % width
+            y, x = pixels[i] // width, pixels[i] % width
             for r in range(known_runs(done, y, x, wrap_y, wrap_x, reach, runs)):
                 counts[i] += runs[r, 2]
 
@@ -44,25 +42,18 @@ def wave_numbers(
 
     `listed`, all 0 before and after, and `numbers` are scratch of the canvas's size.
     """
-    cython.declare(i=cython.Py_ssize_t, j=cython.Py_ssize_t, r=cython.Py_ssize_t)
-    cython.declare(y=cython.Py_ssize_t, x=cython.Py_ssize_t, wave=cython.int)
-    cython.declare(cy=cython.Py_ssize_t, cx=cython.Py_ssize_t)
-    cython.declare(height=cython.Py_ssize_t, width=cython.Py_ssize_t)
-    height = listed.shape[0]
-    width = listed.shape[1]
+    wave: cython.int
+    height, width = listed.shape[0], listed.shape[1]
     with cython.nogil:
         for i in range(pixels.shape[0]):
-            y = pixels[i] // width
-            x = pixels[i] % width
+            y, x = pixels[i] // width, pixels[i] % width
             wave = 0
             for r in range(known_runs(listed, y, x, wrap_y, wrap_x, reach, runs)):
-                cy = (y + runs[r, 0] + height) % height
-                cx = (x + runs[r, 1] + width) % width
+                cy, cx = around(y + runs[r, 0], height), around(x + runs[r, 1], width)
                 for j in range(runs[r, 2]):
                     wave = max(wave, numbers[cy, cx] + 1)
                     cx = cx + 1 if cx + 1 < width else 0
-            waves[i] = wave
-            numbers[y, x] = wave
+            waves[i] = numbers[y, x] = wave
             listed[y, x] = 1
         for i in range(pixels.shape[0]):
             listed[pixels[i] // width, pixels[i] % width] = 0

@@ -1,9 +1,10 @@
 # mypy: ignore-errors
+# cython: infer_types=True
 """Kernels that compare the known pixels around a pixel with every window of a sample, with weights.
 
 The distance is a sum of w d**2 over known pixels, w from 1 to 127, in integers. The template has
 rows as long as the window, with the weight 0 where nothing is known, so that no loop has holes.
-Compiled by Cython, see setup.py.
+Compiled by Cython, see setup.py and the .pxd.
 """
 
 import cython
@@ -11,10 +12,11 @@ from cython.cimports.libc.string import memset
 from cython.cimports.weftex.raster.difference_kernels import weighted_squares
 from cython.cimports.weftex.search.picture_kernels import (
     Picture,
-    Query,
     Sample,
+    around,
     coherent_places,
     known_runs,
+    portion,
 )
 
 #: For Python, the constants of the .pxd.
@@ -22,20 +24,8 @@ block_windows = int(BLOCK_WINDOWS)
 step_terms = int(STEP_TERMS)
 
 
-@cython.cclass
 class WeightedWindows:
     """The windows of a sample and the weights of their pixels."""
-
-    flat: cython.const[cython.uchar][::1]  # the pixels row by row, and a stride more
-    weights: cython.const[cython.short][:, ::1]
-    stride: cython.Py_ssize_t  # bytes of a row of a window, filled up to whole vectors
-    width: cython.Py_ssize_t  # of the sample
-    channels: cython.Py_ssize_t
-    reach: cython.Py_ssize_t
-    planes: cython.const[cython.uchar][:, ::1]  # of one channel each, with a margin
-    starts: cython.const[cython.int][::1]  # of blocks of flat indices that hold all windows
-    allowed: cython.const[cython.uchar][::1]  # `usable` row by row, and a block more
-    order: cython.const[cython.int][:, ::1]  # places in a window, the heaviest first
 
     def __init__(self, flat, weights, stride, shape, planes, starts, allowed, order):
         self.flat, self.weights, self.stride = flat, weights, stride
@@ -43,22 +33,8 @@ class WeightedWindows:
         self.planes, self.starts, self.allowed, self.order = planes, starts, allowed, order
 
 
-@cython.cclass
 class Template:
     """Scratch: the known part of a window, the bytes that bounds are made of, and the search."""
-
-    query: Query
-    values: cython.uchar[::1]  # a row of the window is a stride
-    weights: cython.short[::1]  # of each value; 0 where nothing is known
-    rows: cython.int[::1]  # their number, then the rows with anything known, the nearest first
-    at: cython.Py_ssize_t[::1]  # where the bytes of a term begin in the planes
-    value: cython.short[::1]  # of a term
-    weight: cython.ushort[::1]
-    cap: cython.ushort[::1]  # of the squared difference
-    lower: cython.ushort[:, ::1]  # bounds of each block's windows
-    least: cython.ushort[::1]  # of a block
-    places: cython.int[::1]  # windows that were compared; -1 for none
-    distances: cython.longlong[::1]
 
     def __init__(self, query, values, weights, rows, terms, lower, least, places, distances):
         self.query, self.values, self.weights, self.rows = query, values, weights, rows
@@ -67,30 +43,15 @@ class Template:
         self.places, self.distances = places, distances
 
 
-@cython.cfunc
-@cython.nogil
-@cython.exceptval(check=False)
-def copy_known(
-    picture: Picture,
-    windows: WeightedWindows,
-    y: cython.Py_ssize_t,
-    x: cython.Py_ssize_t,
-    template: Template,
-) -> cython.longlong:
+def copy_known(picture, windows, y, x, template):
     """Copy the known pixels around a pixel, with their weights; return the sum of the weights."""
-    cython.declare(height=cython.Py_ssize_t, width=cython.Py_ssize_t, reach=cython.Py_ssize_t)
-    cython.declare(n=cython.Py_ssize_t, r=cython.Py_ssize_t, i=cython.Py_ssize_t)
-    cython.declare(k=cython.Py_ssize_t, cy=cython.Py_ssize_t, cx=cython.Py_ssize_t)
-    cython.declare(row=cython.Py_ssize_t, column=cython.Py_ssize_t, at=cython.Py_ssize_t)
-    cython.declare(total=cython.longlong, weight=cython.short, count=cython.int)
-    height = picture.done.shape[0]
-    width = picture.done.shape[1]
-    reach = windows.reach
+    cython.declare(at=cython.Py_ssize_t, row=cython.Py_ssize_t, total=cython.longlong)
+    total = 0
+    height, width, reach = picture.done.shape[0], picture.done.shape[1], windows.reach
     n = known_runs(
         picture.done, y, x, picture.wrap_y, picture.wrap_x, reach,
         template.query.runs,
     )  # fmt: skip
-    total = 0
     memset(
         cython.address(template.weights[0]), 0,
         cython.cast(cython.size_t, template.weights.shape[0]) * 2,
@@ -98,10 +59,8 @@ def copy_known(
     for r in range(n):
         row = template.query.runs[r, 0] + reach
         column = template.query.runs[r, 1] + reach
-        cy = y + template.query.runs[r, 0]
-        cy = cy + height if cy < 0 else (cy - height if cy >= height else cy)
-        cx = x + template.query.runs[r, 1]
-        cx = cx + width if cx < 0 else (cx - width if cx >= width else cx)
+        cy = around(y + template.query.runs[r, 0], height)
+        cx = around(x + template.query.runs[r, 1], width)
         at = row * windows.stride + column * windows.channels
         for i in range(template.query.runs[r, 2]):
             weight = windows.weights[row, column + i]
@@ -118,21 +77,15 @@ def copy_known(
         for r in range(n):
             if template.query.runs[r, 0] + reach == row:
                 count += 1
-                template.rows[count] = cython.cast(cython.int, row)
+                template.rows[count] = row
                 break
     template.rows[0] = count
     return total
 
 
-@cython.cfunc
-@cython.nogil
-@cython.exceptval(check=False)
-def window_distance(
-    windows: WeightedWindows, place: cython.Py_ssize_t, template: Template, bound: cython.longlong
-) -> cython.longlong:
+def window_distance(windows, place, template, bound):
     """Distance to the window at a flat index; stops past `bound` (negative: never)."""
-    cython.declare(r=cython.Py_ssize_t, row=cython.Py_ssize_t, total=cython.longlong)
-    cython.declare(corner=cython.Py_ssize_t)
+    cython.declare(row=cython.Py_ssize_t, total=cython.longlong)
     total = 0
     corner = place - windows.reach * windows.width - windows.reach
     for r in range(1, template.rows[0] + 1):
@@ -148,25 +101,17 @@ def window_distance(
     return total
 
 
-@cython.cfunc
-@cython.nogil
-@cython.exceptval(check=False)
-def pick_terms(
-    windows: WeightedWindows, template: Template, limit: cython.longlong
-) -> cython.longlong:
+def pick_terms(windows, template, limit):
     """Choose the heaviest known bytes for `bounds`; return the scale of their weights.
 
     The limit becomes about 2**13, so 16 bits resolve small differences.
     """
-    cython.declare(o=cython.Py_ssize_t, k=cython.Py_ssize_t, n=cython.Py_ssize_t)
-    cython.declare(dy=cython.Py_ssize_t, dx=cython.Py_ssize_t, place=cython.Py_ssize_t)
-    cython.declare(lead=cython.Py_ssize_t, wanted=cython.Py_ssize_t, scale=cython.longlong)
+    scale: cython.longlong
     lead = windows.reach * windows.width + windows.reach
     wanted = template.at.shape[0]
     n = 0
     for o in range(windows.order.shape[0]):
-        dy = windows.order[o, 0]
-        dx = windows.order[o, 1]
+        dy, dx = windows.order[o, 0], windows.order[o, 1]
         place = (dy + windows.reach) * windows.stride + (dx + windows.reach) * windows.channels
         if template.weights[place] == 0:
             continue
@@ -184,25 +129,15 @@ def pick_terms(
     scale = max(1, min(511, scale))  # 127 * 511 < 2**16
     for k in range(wanted):
         if k < n:
-            template.weight[k] = cython.cast(cython.ushort, template.weight[k] * scale)
-            template.cap[k] = cython.cast(
-                cython.ushort, min(65535, (LARGEST_TERM << 16) // template.weight[k])
-            )
+            template.weight[k] *= scale
+            template.cap[k] = min(65535, (LARGEST_TERM << 16) // template.weight[k])
         else:
             template.at[k] = lead
-            template.value[k] = 0
-            template.weight[k] = 0
-            template.cap[k] = 0
+            template.value[k] = template.weight[k] = template.cap[k] = 0
     return scale
 
 
-@cython.cfunc
-@cython.inline
-@cython.nogil
-@cython.exceptval(check=False)
-def term(
-    byte: cython.short, value: cython.short, weight: cython.ushort, cap: cython.ushort
-) -> cython.ushort:
+def term(byte, value, weight, cap):
     """floor(w d**2 / 2**16), the squared difference of two bytes capped."""
     cython.declare(d=cython.short, square=cython.ushort)
     d = byte - value
@@ -211,19 +146,12 @@ def term(
     return cython.cast(cython.ushort, (cython.cast(cython.uint, square) * weight) >> 16)
 
 
-@cython.cfunc
-@cython.nogil
-@cython.exceptval(check=False)
-def bounds(
-    planes: cython.p_const_uchar, template: Template, first: cython.Py_ssize_t,
-    last: cython.Py_ssize_t, out: cython.p_ushort,
-) -> cython.ushort:  # fmt: skip
+def bounds(planes, template, first, last, out):
     """Add terms to the lower bounds of a block of neighboring windows; return the smallest bound.
 
     A bound is a sum of terms in 16 bits, which doubles the lanes of 32. No term passes
     LARGEST_TERM, as squares are capped; sums stop at LARGEST_BOUND. A pass adds four terms.
     """
-    cython.declare(t=cython.Py_ssize_t, j=cython.Py_ssize_t, i=cython.Py_ssize_t)
     cython.declare(sum=cython.ushort, least=cython.ushort)
     row = cython.declare(cython.p_const_uchar[4])
     value = cython.declare(cython.short[4])
@@ -248,42 +176,28 @@ def bounds(
     return least
 
 
-@cython.cfunc
-@cython.inline
-@cython.nogil
-@cython.exceptval(check=False)
-def largest_bound(limit: cython.longlong, scale: cython.longlong) -> cython.longlong:
+def largest_bound(limit, scale):
     """The lower bound that a distance of `limit` may have; without a limit, any."""
     if limit < 0 or limit >= cython.cast(cython.longlong, 1) << 40:
         return 65535
     return (limit * scale) >> 16
 
 
-@cython.cfunc
-@cython.nogil
-@cython.exceptval(check=False)
-def largest_accepted(best: cython.longlong, tolerance: cython.double) -> cython.longlong:
+def largest_accepted(best, tolerance):
     """The largest distance within (1 + tolerance) of the best: (1 + epsilon) in the paper."""
     return cython.cast(cython.longlong, cython.cast(cython.double, best) * (1 + tolerance))
 
 
-@cython.cfunc
-@cython.nogil
-@cython.exceptval(check=False)
-def nearest_coherent(
-    picture: Picture, sample: Sample, windows: WeightedWindows, y: cython.Py_ssize_t,
-    x: cython.Py_ssize_t, template: Template,
-) -> cython.longlong:  # fmt: skip
+def nearest_coherent(picture, sample, windows, y, x, template):
     """The least distance to where the sources of the 8 neighbors continue; -1 without any.
 
     An upper limit that ends comparisons early; it changes no result.
     """
-    cython.declare(j=cython.Py_ssize_t, d=cython.longlong, best=cython.longlong)
+    best: cython.longlong = -1
     template.query.count = known_runs(
         picture.done, y, x, picture.wrap_y, picture.wrap_x, 1 if windows.reach > 0 else 0,
         template.query.runs,
     )  # fmt: skip
-    best = -1
     for j in range(coherent_places(picture, sample, y, x, template.query, template.places, 0)):
         if template.places[j] >= 0:
             d = window_distance(windows, template.places[j], template, best)
@@ -292,21 +206,13 @@ def nearest_coherent(
     return best
 
 
-@cython.cfunc
-@cython.nogil
-@cython.exceptval(check=False)
-def list_within(
-    windows: WeightedWindows, template: Template, best: cython.longlong, tolerance: cython.double
-) -> cython.Py_ssize_t:
+def list_within(windows, template, best, tolerance):
     """List the windows within the tolerance of the best; return their number.
 
     `best` is an upper limit of the best distance. Other windows have too large a lower bound or are
     dropped when a better one is found.
     """
-    cython.declare(n=cython.Py_ssize_t, j=cython.Py_ssize_t, b=cython.Py_ssize_t)
-    cython.declare(place=cython.Py_ssize_t, count=cython.Py_ssize_t, nearest=cython.Py_ssize_t)
-    cython.declare(limit=cython.longlong, scale=cython.longlong, cut=cython.longlong)
-    cython.declare(d=cython.longlong, size=cython.Py_ssize_t, step=cython.Py_ssize_t)
+    cython.declare(nearest=cython.Py_ssize_t, limit=cython.longlong)
     size = template.at.shape[0]
     step = min(STEP_TERMS, size)
     limit = largest_accepted(best, tolerance) if best >= 0 else -1
@@ -351,7 +257,7 @@ def list_within(
             d = window_distance(windows, place, template, limit)
             if d > limit and limit >= 0:
                 continue
-            template.places[count] = cython.cast(cython.int, place)
+            template.places[count] = place
             template.distances[count] = d
             count += 1
             if best < 0 or d < best:
@@ -382,15 +288,11 @@ def find_matches(
     A column of `out` has the window's flat index, its distance, and the sum of the weights of the
     known pixels.
     """
-    cython.declare(i=cython.Py_ssize_t, j=cython.Py_ssize_t, y=cython.Py_ssize_t)
-    cython.declare(x=cython.Py_ssize_t, count=cython.ulonglong, best=cython.longlong)
     with cython.nogil:
         for i in range(pixels.shape[0]):
-            y = pixels[i] // picture.done.shape[1]
-            x = pixels[i] % picture.done.shape[1]
+            y, x = pixels[i] // picture.done.shape[1], pixels[i] % picture.done.shape[1]
             out[2, i] = copy_known(picture, windows, y, x, template)
             best = nearest_coherent(picture, sample, windows, y, x, template)
-            count = cython.cast(cython.ulonglong, list_within(windows, template, best, tolerance))
-            j = cython.cast(cython.Py_ssize_t, ((bits[i] >> 32) * count) >> 32)
+            j = portion(bits[i], list_within(windows, template, best, tolerance))
             out[0, i] = template.places[j]
             out[1, i] = template.distances[j]

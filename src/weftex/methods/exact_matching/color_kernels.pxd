@@ -11,3 +11,9 @@ cpdef Py_ssize_t near_colors(ColorTree tree, Py_ssize_t number, long long radius
 
 cdef Py_ssize_t nearest_colors(ColorTree tree, const unsigned char* color, Py_ssize_t wanted,
                                long long[::1] keys, int[::1] places) noexcept nogil
+
+cdef long long box_distance(ColorTree tree, const unsigned char* color, Py_ssize_t node,
+                            bint farthest) noexcept nogil
+
+cdef Py_ssize_t nearer_child(ColorTree tree, const unsigned char* color,
+                             Py_ssize_t node) noexcept nogil

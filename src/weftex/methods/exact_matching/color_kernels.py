@@ -1,6 +1,6 @@
 # mypy: ignore-errors
 # cython: infer_types=True
-"""Kernels that walk a kd-tree of colors; compiled by Cython, see setup.py.
+"""Kernels that walk a kd-tree of colors; compiled, see setup.py and the .pxd.
 
 The tree is that of `ColorIndex`: node i at level l, counted from 2**l, has the colors
 (i - 2**l) C >> l to (i + 1 - 2**l) C >> l, and lies in the box from low[i] to high[i].
@@ -19,13 +19,7 @@ class ColorTree:
         self.depth = depth
 
 
-@cython.cfunc
-@cython.inline
-@cython.nogil
-@cython.exceptval(check=False)
-def box_distance(
-    tree: ColorTree, color: cython.p_const_uchar, node: cython.Py_ssize_t, farthest: cython.bint
-) -> cython.longlong:
+def box_distance(tree, color, node, farthest):
     """Squared distance from a color to the nearest or the farthest point of a node's box."""
     d: cython.int
     total: cython.longlong = 0
@@ -42,13 +36,7 @@ def box_distance(
     return total
 
 
-@cython.cfunc
-@cython.inline
-@cython.nogil
-@cython.exceptval(check=False)
-def nearer_child(
-    tree: ColorTree, color: cython.p_const_uchar, node: cython.Py_ssize_t
-) -> cython.Py_ssize_t:
+def nearer_child(tree, color, node):
     """The child whose box is nearer to a color; the first of equally near ones."""
     first = 2 * node
     return first + (

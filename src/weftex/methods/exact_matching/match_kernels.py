@@ -8,7 +8,12 @@ indices into the pixels of the sample's windows.
 
 import cython
 from cython.cimports.weftex.methods.exact_matching.list_kernels import Lists, near_lists
-from cython.cimports.weftex.search.picture_kernels import Picture, known_runs, usable_place
+from cython.cimports.weftex.search.picture_kernels import (
+    Picture,
+    known_runs,
+    portion,
+    usable_place,
+)
 from cython.cimports.weftex.search.window_kernels import (
     causal_runs,
     copy_pixel,
@@ -112,13 +117,9 @@ def gather_windows(picture, search):
             coarse_reach, search.coarse_query.runs,
         )  # fmt: skip
         gather_runs(
-            search.coarse,
-            y,
-            x,
-            search.coarse_query.runs,
-            search.coarse_query.count,
+            search.coarse, y, x, search.coarse_query.runs, search.coarse_query.count,
             search.coarse_query.values,
-        )
+        )  # fmt: skip
 
 
 def find_best(lists, picture, search):
@@ -244,15 +245,6 @@ def repeats(picture, search, place):
     if dy == 0 and dx == 0:
         return False
     return -search.apart < dy < search.apart and -search.apart < dx < search.apart
-
-
-@cython.cfunc
-@cython.inline
-@cython.nogil
-@cython.exceptval(check=False)
-def portion(bits: cython.ulonglong, count: cython.Py_ssize_t) -> cython.Py_ssize_t:
-    """A number below `count`, from the upper half of 64 random bits."""
-    return (bits >> 32) * cython.cast(cython.ulonglong, count) >> 32
 
 
 def copy_chosen(lists, picture, search):

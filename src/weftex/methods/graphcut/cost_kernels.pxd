@@ -60,5 +60,8 @@ cdef inline int continued(Labeling labeling, int label, int d) noexcept nogil:
 cdef long long seam_cost(Labeling labeling, int p, int q, int d, int label_p,
                          int label_q) noexcept nogil
 
+cdef bint may_change(Labeling labeling, int p) noexcept nogil
+cdef bint is_joined(Labeling labeling, int p, int d, bint last) noexcept nogil
+cdef void update_row(Labeling labeling, int y, int first, int last) noexcept nogil
 cdef void update_runs(Labeling labeling, const int[::1] rows,
                       const int[::1] columns) noexcept nogil

@@ -1,15 +1,15 @@
 # mypy: ignore-errors
+# cython: infer_types=True
 """Kernels of graph-cut textures: the cost of a seam (Kwatra et al., 2003, sections 3 and 5).
 
 Pixels of the canvas and of the sample are flat, row by row. The label of a pixel is its source, the
 pixel of the sample that it was copied from. A direction is right, down, left or up; the opposite
-of d is d ^ 2. Compiled by Cython, see setup.py.
+of d is d ^ 2. Compiled by Cython, see setup.py and the .pxd.
 """
 
 import cython
 
 
-@cython.cclass
 class Labeling:
     """The canvas and the sample, with old seams wherever labels do not continue.
 
@@ -34,13 +34,9 @@ class Labeling:
         self.whole = whole
 
 
-@cython.cfunc
-@cython.nogil
-@cython.exceptval(check=False)
-def neighbor(labeling: Labeling, p: cython.int, dy: cython.int, dx: cython.int) -> cython.int:
+def neighbor(labeling, p, dy, dx):
     """The canvas pixel beside p, or -1 beyond a border that does not wrap around."""
-    y: cython.int = p // labeling.width + dy
-    x: cython.int = p % labeling.width + dx
+    y, x = p // labeling.width + dy, p % labeling.width + dx
     if y < 0 or y >= labeling.height:
         if not labeling.wrap_y:
             return -1
@@ -52,13 +48,7 @@ def neighbor(labeling: Labeling, p: cython.int, dy: cython.int, dx: cython.int) 
     return y * labeling.width + x
 
 
-@cython.cfunc
-@cython.nogil
-@cython.exceptval(check=False)
-def seam_cost(
-    labeling: Labeling, p: cython.int, q: cython.int, d: cython.int,
-    label_p: cython.int, label_q: cython.int,
-) -> cython.longlong:  # fmt: skip
+def seam_cost(labeling, p, q, d, label_p, label_q):
     """M(s, t, A, B) of equation (1): the cost of a seam between p and its neighbor q.
 
     |A(p) - B(p)| + |A(q) - B(q)|, or M' of section 5, which divides it by the gradients across the
@@ -66,15 +56,13 @@ def seam_cost(
     the seam twice. No patch continues from the label -1.
     """
     cython.declare(at_p=cython.p_const_uchar, at_q=cython.p_const_uchar)
-    cython.declare(other=cython.p_const_uchar, b_at_p=cython.int, cost=cython.int)
-    cython.declare(gradient=cython.int, channels=cython.int)
-    a_at_q: cython.int = continued(labeling, label_p, d)
+    cython.declare(cost=cython.int, gradient=cython.int)
+    a_at_q = continued(labeling, label_p, d)
     if a_at_q >= 0 and a_at_q == label_q:
         return 0
-    channels = cython.cast(cython.int, labeling.colors.shape[1])
+    channels: cython.int = labeling.colors.shape[1]
     b_at_p = continued(labeling, label_q, d ^ 2)
-    cost = 0
-    gradient = 0
+    cost = gradient = 0
     if b_at_p < 0 and a_at_q < 0:
         cost = 4 * WHITE * channels
     else:
@@ -110,8 +98,7 @@ def sum_seams(
 
     `cells` are the sums of all `costs` over squares of `side` pixels.
     """
-    cython.declare(i=cython.Py_ssize_t, j=cython.Py_ssize_t, d=cython.int)
-    cython.declare(p=cython.int, q=cython.int, cost=cython.int)
+    cost: cython.int
     for i in range(rows.shape[0]):
         for j in range(columns.shape[0]):
             p = rows[i] * labeling.width + columns[j]
@@ -122,52 +109,35 @@ def sum_seams(
                     continue
                 if labeling.known[p] and labeling.known[q]:
                     continue
-                cost += cython.cast(
-                    cython.int,
-                    seam_cost(labeling, p, q, d, labeling.labels[p], labeling.labels[q]),
-                )
+                cost += seam_cost(labeling, p, q, d, labeling.labels[p], labeling.labels[q])
             cells[rows[i] // side, columns[j] // side] += cost - costs[rows[i], columns[j]]
             costs[rows[i], columns[j]] = cost
 
 
-@cython.cfunc
-@cython.inline
-@cython.nogil
-@cython.exceptval(check=False)
-def may_change(labeling: Labeling, p: cython.int) -> cython.bint:
+def may_change(labeling, p):
+    """Whether a pixel is there and may be replaced."""
     return labeling.done[p] and not labeling.known[p]
 
 
-@cython.cfunc
-@cython.inline
-@cython.nogil
-@cython.exceptval(check=False)
-def is_joined(
-    labeling: Labeling, p: cython.int, d: cython.int, last: cython.bint
-) -> cython.bint:  # fmt: skip
+def is_joined(labeling, p, d, last):
     """Whether the neighbor in direction d continues the patch and may change, or does not exist.
 
     `last`: the pixel is in the last row or column of the canvas.
     """
-    q: cython.int = p + (labeling.width if d else 1)
+    q = p + (labeling.width if d else 1)
     if last:
         q = neighbor(labeling, p, d, 1 - d)
         if q < 0:
             return True
-    same: cython.bint = continued(labeling, labeling.labels[p], d) == labeling.labels[q]
-    return same and may_change(labeling, q)
+    if continued(labeling, labeling.labels[p], d) != labeling.labels[q]:
+        return False
+    return may_change(labeling, q)
 
 
-@cython.cfunc
-@cython.nogil
-@cython.exceptval(check=False)
-def update_row(
-    labeling: Labeling, y: cython.int, first: cython.int, last: cython.int
-) -> cython.void:
+def update_row(labeling, y, first, last):
     """Update `runs` of a row where something changed from column `first` to `last`."""
-    cython.declare(x=cython.int, p=cython.int, run=cython.int)
-    lowest: cython.bint = y + 1 == labeling.height
-    after: cython.int = 0
+    cython.declare(run=cython.int, after=cython.int)
+    after = 0
     if last + 1 < labeling.width:
         after = labeling.runs[y * labeling.width + last + 1]
     for x in range(last, -1, -1):
@@ -177,9 +147,8 @@ def update_row(
             if not labeling.done[p]:
                 run = -1
             elif may_change(labeling, p):
-                run = is_joined(labeling, p, 0, x + 1 == labeling.width) and is_joined(
-                    labeling, p, 1, lowest
-                )
+                run = is_joined(labeling, p, 0, x + 1 == labeling.width)
+                run = run and is_joined(labeling, p, 1, y + 1 == labeling.height)
         else:
             run = (labeling.runs[p] > 0) - (labeling.runs[p] < 0)
         if run > 0 and after > 0:
@@ -188,22 +157,13 @@ def update_row(
             run = max(after - 1, -127)
         if x < first and run == labeling.runs[p]:
             break
-        labeling.runs[p] = cython.cast(cython.schar, run)
+        labeling.runs[p] = run
         after = run
 
 
-@cython.cfunc
-@cython.nogil
-@cython.exceptval(check=False)
-def update_runs(
-    labeling: Labeling,
-    rows: cython.const[cython.int][::1],
-    columns: cython.const[cython.int][::1],
-) -> cython.void:
+def update_runs(labeling, rows, columns):
     """Update `runs` after a patch was pasted into a box: there, above it and left of it."""
-    cython.declare(i=cython.Py_ssize_t, y=cython.int)
-    first: cython.int = columns[0] - 1
-    last: cython.int = columns[columns.shape[0] - 1]
+    first, last = columns[0] - 1, columns[columns.shape[0] - 1]
     if last - first != columns.shape[0] or (first < 0 and labeling.wrap_x):  # around the border
         first = 0
         last = labeling.width - 1
@@ -217,6 +177,5 @@ def update_runs(
 
 def find_runs(labeling: Labeling):
     """Fill in `runs` of the whole canvas."""
-    cython.declare(y=cython.int)
     for y in range(labeling.height):
         update_row(labeling, y, 0, labeling.width - 1)

@@ -126,7 +126,7 @@ class CutCanvas:
         y, x = patch.top % self.shape[0], patch.left % self.shape[1]
         v, u = patch.source_top % self.sample_shape[0], patch.source_left % self.sample_shape[1]
         graph = self._graphs.pop()
-        graph.cover(
+        graph.set_box(
             down[y : y + patch.height],
             along[x : x + patch.width],
             from_rows[v : v + patch.height],

@@ -38,3 +38,23 @@ cdef inline int on_canvas(Graph graph, Py_ssize_t i, Py_ssize_t j) noexcept nogi
 cdef inline int in_sample(Graph graph, Py_ssize_t i, Py_ssize_t j) noexcept nogil:
     """The label that the patch has at a place of the box."""
     return graph.from_rows[i] * graph.labeling.columns + graph.from_columns[j]
+
+cdef Py_ssize_t mark_choices(Graph graph) noexcept nogil
+
+cdef long long add_pair(Graph graph, Py_ssize_t i, Py_ssize_t j, int d, int halvings) noexcept nogil
+
+cdef void add_within(Graph graph, Py_ssize_t i, Py_ssize_t first, Py_ssize_t count, int d,
+                     int halvings) noexcept nogil
+
+cdef long long add_run(Graph graph, Py_ssize_t i, Py_ssize_t first, Py_ssize_t end,
+                       int halvings) noexcept nogil
+
+cdef bint is_straight(Graph graph, Py_ssize_t i, Py_ssize_t first, Py_ssize_t last) noexcept nogil
+
+cdef long long build(Graph graph, int halvings, bint by_runs) noexcept nogil
+
+cdef long long cut(Graph graph, int halvings, bint by_runs, long long most) noexcept nogil
+
+cdef void narrow(Graph graph, int halvings) noexcept nogil
+
+cdef Py_ssize_t paste(Graph graph) noexcept nogil

@@ -1,17 +1,17 @@
 # mypy: ignore-errors
+# cython: infer_types=True
 """Kernels of graph-cut textures: the graph of a patch, its cut, and the paste (section 3).
 
 A patch is cut in blocks of pixels first, a node for each, then in smaller blocks around that cut.
 Every labeling of blocks is one of pixels of the same cost, so no step raises it. Only pairs of
 pixels in different blocks, or with a seam between them, have a cost; `runs` skips all others.
-Compiled by Cython, see setup.py.
+Compiled by Cython, see setup.py and the .pxd.
 """
 
 import cython
 from cython.cimports.libc.limits import LLONG_MAX
 from cython.cimports.libc.string import memset
 from cython.cimports.weftex.methods.graphcut.cost_kernels import (
-    Labeling,
     continued,
     difference,
     divided,
@@ -22,34 +22,25 @@ from cython.cimports.weftex.methods.graphcut.cost_kernels import (
 from cython.cimports.weftex.seams.maxflow_kernels import Grid, max_flow
 
 
-@cython.cclass
 class Graph(Grid):
     """The graph of a patch over a box of the canvas, allocated for the largest box."""
 
-    def __init__(self, labeling: Labeling, choice, side, near, costs, **grid):
+    def __init__(self, labeling, choice, side, near, costs, **grid):
         Grid.__init__(self, **grid)
-        self.labeling = labeling
-        self.choice = choice
-        self.side = side
-        self.near = near
-        self.costs = costs
+        self.labeling, self.choice, self.side = labeling, choice, side
+        self.near, self.costs = near, costs
 
-    def cover(self, rows, columns, from_rows, from_columns):
+    def set_box(self, rows, columns, from_rows, from_columns):
         """Set the rows and columns of the box, on the canvas and in the sample."""
         self.rows, self.columns = rows, columns
         self.from_rows, self.from_columns = from_rows, from_columns
 
 
-@cython.cfunc
-@cython.nogil
-@cython.exceptval(check=False)
-def mark_choices(graph: Graph) -> cython.Py_ssize_t:
+def mark_choices(graph):
     """Fill in what each pixel may be; return the number of missing pixels that become new."""
-    cython.declare(i=cython.Py_ssize_t, j=cython.Py_ssize_t, p=cython.int, run=cython.Py_ssize_t)
-    cython.declare(done=cython.bint)
-    whole: cython.bint = graph.labeling.whole
-    width: cython.Py_ssize_t = graph.columns.shape[0]
+    run: cython.Py_ssize_t
     missing: cython.Py_ssize_t = 0
+    whole, width = graph.labeling.whole, graph.columns.shape[0]
     for i in range(graph.rows.shape[0]):
         j = 0
         while j < width:
@@ -73,36 +64,30 @@ def mark_choices(graph: Graph) -> cython.Py_ssize_t:
     return missing
 
 
-@cython.cfunc
-@cython.nogil
-@cython.exceptval(check=False)
-def add_pair(
-    graph: Graph, i: cython.Py_ssize_t, j: cython.Py_ssize_t, d: cython.int, halvings: cython.int
-) -> cython.longlong:
+def add_pair(graph, i, j, d, halvings):
     """Add the seams, new and old, between a pixel of the box and its neighbor in direction d.
 
-    The pair costs a if only the neighbor becomes new, b if only the pixel does, c if both stay old
-    (an old seam, or 0), and 0 if both become new. Instead of the paper's seam node (section 3.1),
-    the arcs from the source to both take alpha + beta = c, and the arcs between them a - alpha and
-    b - beta. This is exact if c <= a + b, as with metrics. Where costs weighed by gradients break
-    it, b is raised to c - a; the cheapest labels are still no worse than the old ones. A neighbor
+    With p for the pixel and q for the neighbor, the pair costs `old_new` if only q becomes new,
+    `new_old` if only p does, `old_old` if both stay old (an old seam, or 0), and 0 if both become
+    new. Instead of the paper's seam node (section 3.1), the arcs from the source to p and to q
+    share `old_old`, and the arcs between them have the rest of the other two costs. This is exact
+    if old_old <= old_new + new_old, as with metrics. Where costs weighed by gradients break it,
+    `new_old` is raised; the cheapest labels are still no worse than the old ones. A neighbor
     outside the box stays old. Returns the cost of the pair if neither pixel has a choice.
     """
-    cython.declare(a=cython.longlong, b=cython.longlong, c=cython.longlong, alpha=cython.longlong)
-    cython.declare(p_new=cython.int, q=cython.int, q_new=cython.int, q_may=cython.int)
-    cython.declare(joined=cython.bint)
-    labels: cython.p_int = cython.address(graph.labeling.labels[0])
-    way: cython.int = 1 - (d & 2)
-    dy: cython.int = way if d & 1 else 0
-    dx: cython.int = 0 if d & 1 else way
-    v: cython.Py_ssize_t = i + dy
-    u: cython.Py_ssize_t = j + dx
-    inside: cython.bint = 0 <= v < graph.rows.shape[0] and 0 <= u < graph.columns.shape[0]
-    p_may: cython.int = graph.choice[i, j]
+    cython.declare(old_new=cython.longlong, new_old=cython.longlong, old_old=cython.longlong)
+    cython.declare(p_may=cython.int, q_may=cython.int, q=cython.int, q_new=cython.int)
+    cython.declare(inside=cython.bint, together=cython.bint, joined=cython.bint)
+    labels = cython.address(graph.labeling.labels[0])
+    way = 1 - (d & 2)
+    dy, dx = way if d & 1 else 0, 0 if d & 1 else way
+    v, u = i + dy, j + dx
+    inside = 0 <= v < graph.rows.shape[0] and 0 <= u < graph.columns.shape[0]
+    p_may = graph.choice[i, j]
     q_may = graph.choice[v, u] if inside else OLD
     if p_may == NOTHING or q_may == NOTHING or p_may | q_may != EITHER:
         return 0  # both stay old, or both become new
-    p: cython.int = on_canvas(graph, i, j)
+    p = on_canvas(graph, i, j)
     if inside:
         q = on_canvas(graph, v, u)
         q_new = in_sample(graph, v, u)
@@ -111,71 +96,58 @@ def add_pair(
         q_new = -1
         if q < 0 or q == p or not graph.labeling.done[q]:
             return 0
-    bi: cython.Py_ssize_t = i >> halvings
-    bj: cython.Py_ssize_t = j >> halvings
-    bv: cython.Py_ssize_t = v >> halvings
-    bu: cython.Py_ssize_t = u >> halvings
-    together: cython.bint = p_may == EITHER and q_may == EITHER
+    bi, bj = i >> halvings, j >> halvings  # their blocks
+    bv, bu = v >> halvings, u >> halvings
+    together = p_may == EITHER and q_may == EITHER
     joined = labels[q] >= 0 and continued(graph.labeling, labels[p], d) == labels[q]
-    c = 0
+    old_new = new_old = old_old = 0
     if not joined and p_may & OLD and q_may & OLD:
-        c = seam_cost(graph.labeling, p, q, d, labels[p], labels[q])
-        graph.before += c
+        old_old = seam_cost(graph.labeling, p, q, d, labels[p], labels[q])
+        graph.before += old_old
     if together and bi == bv and bj == bu:
-        graph.source[bi, bj] += cython.cast(cython.int, c)
+        graph.source[bi, bj] += old_old
         return 0
     p_new = in_sample(graph, i, j)
-    a = 0
-    b = 0
     if p_may & OLD and q_may & NEW:
-        a = seam_cost(graph.labeling, p, q, d, labels[p], q_new)
+        old_new = seam_cost(graph.labeling, p, q, d, labels[p], q_new)
     if joined and together and continued(graph.labeling, p_new, d) == q_new:
-        b = a  # both patches continue
+        new_old = old_new  # both patches continue
     elif p_may & NEW and q_may & OLD:
-        b = seam_cost(graph.labeling, p, q, d, p_new, labels[q])
+        new_old = seam_cost(graph.labeling, p, q, d, p_new, labels[q])
     if together:
-        b = max(b, c - a)
-        alpha = min(a, c)
-        graph.source[bi, bj] += cython.cast(cython.int, alpha)
-        graph.source[bv, bu] += cython.cast(cython.int, c - alpha)
-        graph.arcs[bv, bu, d ^ 2] += cython.cast(cython.int, a - alpha)
-        graph.arcs[bi, bj, d] += cython.cast(cython.int, b - c + alpha)
+        new_old = max(new_old, old_old - old_new)
+        share = min(old_new, old_old)  # the part of `old_old` that p takes
+        graph.source[bi, bj] += share
+        graph.source[bv, bu] += old_old - share
+        graph.arcs[bv, bu, d ^ 2] += old_new - share
+        graph.arcs[bi, bj, d] += new_old - (old_old - share)
     elif p_may == EITHER:
-        graph.source[bi, bj] += cython.cast(cython.int, c + a)
-        graph.sink[bi, bj] += cython.cast(cython.int, b)
+        graph.source[bi, bj] += old_old + old_new
+        graph.sink[bi, bj] += new_old
     elif q_may == EITHER:
-        graph.source[bv, bu] += cython.cast(cython.int, c + b)
-        graph.sink[bv, bu] += cython.cast(cython.int, a)
+        graph.source[bv, bu] += old_old + new_old
+        graph.sink[bv, bu] += old_new
     else:
-        return a + b
+        return old_new + new_old
     return 0
 
 
-@cython.cfunc
-@cython.nogil
-@cython.exceptval(check=False)
-def add_within(
-    graph: Graph, i: cython.Py_ssize_t, first: cython.Py_ssize_t, count: cython.Py_ssize_t,
-    d: cython.int, halvings: cython.int,
-) -> cython.void:  # fmt: skip
-    """Add pairs of pixels that continue both the old and the new patch: a = b, c = 0.
+def add_within(graph, i, first, count, d, halvings):
+    """Add pairs of pixels that continue both the old and the new patch, so that seams cost alike.
 
     The pixels lie in row i of the box from column `first` on, side by side for pairs with lower
     neighbors (d = 1), else a block's width apart; their labels have the same steps.
     """
-    cython.declare(k=cython.Py_ssize_t, at=cython.Py_ssize_t, end=cython.Py_ssize_t)
-    cython.declare(one=cython.p_const_int, other=cython.p_const_int, total=cython.int)
+    cython.declare(k=cython.Py_ssize_t, at=cython.Py_ssize_t, total=cython.int)
     step: cython.Py_ssize_t = 1 if d else 1 << halvings
-    channels: cython.int = cython.cast(cython.int, graph.labeling.colors.shape[1])
-    v: cython.Py_ssize_t = i + d
-    u: cython.Py_ssize_t = first + 1 - d
-    at_p: cython.int = on_canvas(graph, i, first)
-    new: cython.int = in_sample(graph, i, first)
-    p: cython.p_const_uchar = cython.address(graph.labeling.pixels[at_p, 0])
-    p_new: cython.p_const_uchar = cython.address(graph.labeling.colors[new, 0])
-    q: cython.p_const_uchar = cython.address(graph.labeling.pixels[on_canvas(graph, v, u), 0])
-    q_new: cython.p_const_uchar = cython.address(graph.labeling.colors[in_sample(graph, v, u), 0])
-    cost: cython.p_int = cython.address(graph.costs[0])
+    channels: cython.int = graph.labeling.colors.shape[1]
+    v, u = i + d, first + 1 - d
+    at_p, new = on_canvas(graph, i, first), in_sample(graph, i, first)
+    p = cython.address(graph.labeling.pixels[at_p, 0])
+    p_new = cython.address(graph.labeling.colors[new, 0])
+    q = cython.address(graph.labeling.pixels[on_canvas(graph, v, u), 0])
+    q_new = cython.address(graph.labeling.colors[in_sample(graph, v, u), 0])
+    cost = cython.address(graph.costs[0])
     for k in range(count):
         at = k * step * channels
         cost[k] = difference(p + at, p_new + at, channels)
@@ -197,21 +169,14 @@ def add_within(
         graph.arcs[v >> halvings, at + 1 - d, d + 2] += total
 
 
-@cython.cfunc
-@cython.nogil
-@cython.exceptval(check=False)
-def add_run(
-    graph: Graph, i: cython.Py_ssize_t, first: cython.Py_ssize_t, end: cython.Py_ssize_t,
-    halvings: cython.int,
-) -> cython.longlong:  # fmt: skip
+def add_run(graph, i, first, end, halvings):
     """Add the pairs of pixels of one old patch side by side, and their right and lower neighbors.
 
     Returns the cost of pairs without a choice.
     """
-    cython.declare(k=cython.Py_ssize_t)
     block: cython.Py_ssize_t = 1 << halvings
-    border: cython.Py_ssize_t = first | (block - 1)  # the last pixel of a block
-    fixed: cython.longlong = add_pair(graph, i, end - 1, 0, halvings)
+    border = first | (block - 1)  # the last pixel of a block
+    fixed = add_pair(graph, i, end - 1, 0, halvings)
     if border < end - 1:
         add_within(graph, i, border, (end - 2 - border) // block + 1, 0, halvings)
     if i + 1 == graph.rows.shape[0]:
@@ -222,34 +187,22 @@ def add_run(
     return fixed
 
 
-@cython.cfunc
-@cython.inline
-@cython.nogil
-@cython.exceptval(check=False)
-def is_straight(
-    graph: Graph, i: cython.Py_ssize_t, first: cython.Py_ssize_t, last: cython.Py_ssize_t
-) -> cython.bint:
+def is_straight(graph, i, first, last):
     """Whether a run of the box wraps neither around the canvas nor around a tileable sample."""
-    apart: cython.int = graph.labeling.labels[on_canvas(graph, i, last)]
+    apart = graph.labeling.labels[on_canvas(graph, i, last)]
     apart -= graph.labeling.labels[on_canvas(graph, i, first)]
     return apart == last - first == graph.from_columns[last] - graph.from_columns[first]
 
 
-@cython.cfunc
-@cython.nogil
-@cython.exceptval(check=False)
-def build(graph: Graph, halvings: cython.int, by_runs: cython.bint) -> cython.longlong:
+def build(graph, halvings, by_runs):
     """Fill in the graph whose minimum cut says which blocks of the box the patch replaces.
 
     What each pixel may be is in `graph.choice`; `by_runs`: as `mark_choices` filled it in. Returns
     the cost of pairs without a choice.
     """
-    cython.declare(i=cython.Py_ssize_t, j=cython.Py_ssize_t, run=cython.Py_ssize_t)
-    cython.declare(may=cython.p_const_uchar, below=cython.p_const_uchar, alike=cython.bint)
-    height: cython.Py_ssize_t = graph.rows.shape[0]
-    width: cython.Py_ssize_t = graph.columns.shape[0]
-    row: cython.size_t
-    fixed: cython.longlong = 0
+    cython.declare(run=cython.Py_ssize_t, fixed=cython.longlong, alike=cython.bint)
+    fixed = 0
+    height, width = graph.rows.shape[0], graph.columns.shape[0]
     by_runs = by_runs and graph.labeling.whole
     graph.before = 0
     graph.height = blocks(height, halvings)
@@ -285,35 +238,24 @@ def build(graph: Graph, halvings: cython.int, by_runs: cython.bint) -> cython.lo
     return fixed
 
 
-@cython.cfunc
-@cython.nogil
-@cython.exceptval(check=False)
-def cut(
-    graph: Graph, halvings: cython.int, by_runs: cython.bint, most: cython.longlong
-) -> cython.longlong:
+def cut(graph, halvings, by_runs, most):
     """Cut in blocks, see `build`; return the cost of seams after less that before.
 
     A cut that costs more than `most` is not completed, and costs more than is returned.
     """
-    cost: cython.longlong = build(graph, halvings, by_runs) - graph.before
+    cost = build(graph, halvings, by_runs) - graph.before
     return cost + max_flow(graph, graph.side, most - cost)
 
 
-@cython.cfunc
-@cython.nogil
-@cython.exceptval(check=False)
-def narrow(graph: Graph, halvings: cython.int) -> cython.void:
+def narrow(graph, halvings):
     """Leave a choice to pixels near the cut only: in blocks that it passes, and those around them.
 
     Outside the box all pixels are old.
     """
-    cython.declare(i=cython.Py_ssize_t, j=cython.Py_ssize_t, may=cython.int)
-    cython.declare(v=cython.Py_ssize_t, u=cython.Py_ssize_t, near=cython.int)
-    cython.declare(inside=cython.bint)
+    cython.declare(may=cython.int, near=cython.int, inside=cython.bint)
     block: cython.Py_ssize_t = 1 << halvings
-    height: cython.Py_ssize_t = blocks(graph.rows.shape[0], halvings)
-    width: cython.Py_ssize_t = blocks(graph.columns.shape[0], halvings)
-    has: cython.uchar[:, ::1] = graph.near  # OLD and NEW, if a block has such pixels
+    height, width = blocks(graph.rows.shape[0], halvings), blocks(graph.columns.shape[0], halvings)
+    has = graph.near  # OLD and NEW, if a block has such pixels
     for i in range(height):
         memset(cython.address(has[i, 0]), 0, width)
     for i in range(graph.rows.shape[0]):
@@ -337,13 +279,8 @@ def narrow(graph: Graph, halvings: cython.int) -> cython.void:
                         graph.choice[v, u] = near
 
 
-@cython.cfunc
-@cython.nogil
-@cython.exceptval(check=False)
-def paste(graph: Graph) -> cython.Py_ssize_t:
+def paste(graph):
     """Copy the pixels on the new side of the cut; return how many of them were missing."""
-    cython.declare(i=cython.Py_ssize_t, j=cython.Py_ssize_t, k=cython.Py_ssize_t)
-    cython.declare(p=cython.int, label=cython.int, may=cython.int)
     covered: cython.Py_ssize_t = 0
     for i in range(graph.rows.shape[0]):
         for j in range(graph.columns.shape[0]):
@@ -366,11 +303,10 @@ def cost_in_blocks(graph: Graph, halvings: cython.int, least: cython.double):
 
     A cut that costs more than `least` for each of these pixels is not completed.
     """
-    cython.declare(cost=cython.longlong, covered=cython.Py_ssize_t, limit=cython.longlong)
+    limit: cython.longlong = LLONG_MAX // 2
     with cython.nogil:  # beside other threads
         covered = mark_choices(graph)
         least *= max(covered, 1)
-        limit = LLONG_MAX // 2
         if least < 1e18:
             limit = cython.cast(cython.longlong, least) + 1
         cost = cut(graph, halvings, True, limit)

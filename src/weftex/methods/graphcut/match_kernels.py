@@ -1,5 +1,6 @@
 # mypy: ignore-errors
-"""Kernels of graph-cut textures: matches on the levels of a pyramid; compiled, see setup.py.
+# cython: infer_types=True
+"""Kernels of graph-cut textures: matches on the levels of a pyramid; compiled, see the .pxd.
 
 A level is the pixels of a picture, and a mask of those that count.
 """
@@ -17,10 +18,8 @@ def halve(
     mask: cython.uchar[:, ::1],
 ):
     """Fill in means of squares of four pixels, rounded; those count all of whose pixels do."""
-    cython.declare(i=cython.Py_ssize_t, j=cython.Py_ssize_t, k=cython.Py_ssize_t)
     cython.declare(upper=cython.p_const_uchar, lower=cython.p_const_uchar, half=cython.p_uchar)
-    cython.declare(total=cython.int)
-    channels: cython.Py_ssize_t = pixels.shape[2]
+    channels = pixels.shape[2]
     for i in range(pixels.shape[0]):
         upper = cython.address(counting[2 * i, 0])
         lower = cython.address(counting[2 * i + 1, 0])
@@ -33,7 +32,7 @@ def halve(
         for j in range(pixels.shape[1]):
             for k in range(channels):
                 total = 2 + upper[k] + upper[channels + k] + lower[k] + lower[channels + k]
-                half[k] = cython.cast(cython.uchar, total >> 2)
+                half[k] = total >> 2
             upper += 2 * channels
             lower += 2 * channels
             half += channels
@@ -48,9 +47,7 @@ def copy_box(
     mask: cython.uchar[:, ::1],
 ):
     """Copy a box of a canvas; nothing counts in rows and columns below 0."""
-    cython.declare(i=cython.Py_ssize_t, j=cython.Py_ssize_t, end=cython.Py_ssize_t)
-    channels: cython.Py_ssize_t = pixels.shape[2]
-    width: cython.Py_ssize_t = columns.shape[0]
+    channels, width = pixels.shape[2], columns.shape[0]
     j = 0
     while j < width:  # runs of columns
         end = j + 1
@@ -72,13 +69,7 @@ def copy_box(
         j = end
 
 
-@cython.cfunc
-@cython.inline
-@cython.nogil
-@cython.exceptval(check=False)
-def run_of(
-    marks: cython.p_const_uchar, at: cython.Py_ssize_t, end: cython.Py_ssize_t, mark: cython.int
-) -> cython.Py_ssize_t:
+def run_of(marks, at, end, mark):
     """The first place from `at` on that has this mark, 0 or 1, or the end."""
     found: cython.p_void = memchr(marks + at, mark, end - at)
     if found == cython.NULL:
@@ -86,31 +77,15 @@ def run_of(
     return cython.cast(cython.p_const_uchar, found) - marks
 
 
-@cython.cfunc
-@cython.nogil
-@cython.exceptval(check=False)
-def box_mismatch(
-    box: cython.const[cython.uchar][:, :, ::1],
-    known: cython.const[cython.uchar][:, ::1],
-    sample: cython.const[cython.uchar][:, :, ::1],
-    usable: cython.const[cython.uchar][:, ::1],
-    top: cython.Py_ssize_t,
-    left: cython.Py_ssize_t,
-    whole: cython.bint,
-    most: cython.double,
-) -> cython.double:
+def box_mismatch(box, known, sample, usable, top, left, whole, most):
     """Mean squared difference where both count, the box's corner on (top, left) of the sample.
 
     Infinite where nothing counts in both, or once the sum is `most` or more. `whole`: all pixels
     of the sample count.
     """
-    cython.declare(i=cython.Py_ssize_t, j=cython.Py_ssize_t, end=cython.Py_ssize_t)
-    cython.declare(here=cython.p_const_uchar, there=cython.p_const_uchar, turn=cython.int)
-    channels: cython.Py_ssize_t = box.shape[2]
-    first: cython.Py_ssize_t = max(0, -left)
-    last: cython.Py_ssize_t = min(box.shape[1], sample.shape[1] - left)
-    upper: cython.Py_ssize_t = max(0, -top)
-    lower: cython.Py_ssize_t = min(box.shape[0], sample.shape[0] - top)
+    channels = box.shape[2]
+    first, last = max(0, -left), min(box.shape[1], sample.shape[1] - left)
+    upper, lower = max(0, -top), min(box.shape[0], sample.shape[0] - top)
     total: cython.longlong = 0
     area: cython.longlong = 0
     if first >= last:
@@ -155,16 +130,13 @@ def nudge(
 
     The box's corner lies on (place - offset) of the sample. Other threads may run.
     """
-    cython.declare(k=cython.Py_ssize_t, n=cython.Py_ssize_t, best=cython.double)
-    cython.declare(y=cython.Py_ssize_t, x=cython.Py_ssize_t, cost=cython.double)
-    cython.declare(middle_y=cython.Py_ssize_t, middle_x=cython.Py_ssize_t, found=cython.bint)
+    cython.declare(best=cython.double, found=cython.bint)
     # A mean over no more pixels than this is no better once its sum is that of the best.
     area: cython.double = min(box.shape[0] * box.shape[1], sample.shape[0] * sample.shape[1])
     area *= 1 + 1e-12
     with cython.nogil:
         for k in range(places.shape[0]):
-            middle_y = places[k, 0]
-            middle_x = places[k, 1]
+            middle_y, middle_x = places[k, 0], places[k, 1]
             best = INFINITY
             found = False
             for n in range(-1, 9):  # the place itself, which need not be allowed, then all nine
@@ -180,5 +152,4 @@ def nudge(
                 if cost < best or not found:
                     found = True
                     best = cost
-                    places[k, 0] = cython.cast(cython.int, y)
-                    places[k, 1] = cython.cast(cython.int, x)
+                    places[k, 0], places[k, 1] = y, x

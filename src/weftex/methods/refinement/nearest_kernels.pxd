@@ -15,3 +15,12 @@ cdef class NearestWindows:
 
 cpdef Py_ssize_t nearest_window(NearestWindows whole, NearestWindows above, Query query,
                                const int[::1] near, Py_ssize_t near_count) noexcept nogil
+
+cdef Py_ssize_t leading(NearestWindows search, Query query) noexcept nogil
+
+cdef void bound_all(NearestWindows search, const unsigned char[::1] query) noexcept nogil
+
+cdef long long farthest(NearestWindows search, long long distance) noexcept nogil
+
+cdef Py_ssize_t nearest_within(NearestWindows search, bint bounded, Query query,
+                               const int[::1] near, Py_ssize_t near_count) noexcept nogil

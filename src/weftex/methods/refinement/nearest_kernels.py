@@ -1,10 +1,10 @@
 # mypy: ignore-errors
+# cython: infer_types=True
 """Kernel that finds the nearest of all windows; compiled by Cython, see setup.py and the .pxd."""
 
 import cython
 from cython.cimports.libc.math import sqrt
 from cython.cimports.weftex.search.acceleration_kernels import all_distances, project
-from cython.cimports.weftex.search.picture_kernels import Query
 from cython.cimports.weftex.search.window_kernels import run_distance
 
 
@@ -23,15 +23,10 @@ class NearestWindows:
         self.query, self.coordinates, self.apart = query, coordinates, apart
 
 
-@cython.cfunc
-@cython.nogil
-@cython.exceptval(check=False)
-def leading(search: NearestWindows, query: Query) -> cython.Py_ssize_t:
+def leading(search, query):
     """Pixels of a window, in scan order and without its middle, before the first unknown one."""
-    cython.declare(r=cython.Py_ssize_t, y=cython.Py_ssize_t, x=cython.Py_ssize_t)
-    cython.declare(pixels=cython.Py_ssize_t)
-    y = -search.reach
-    x = -search.reach
+    cython.declare(x=cython.Py_ssize_t, pixels=cython.Py_ssize_t)
+    y = x = -search.reach
     pixels = 0
     for r in range(query.count):
         if query.runs[r, 0] != y or query.runs[r, 1] != x:
@@ -46,63 +41,39 @@ def leading(search: NearestWindows, query: Query) -> cython.Py_ssize_t:
     return pixels
 
 
-@cython.cfunc
-@cython.nogil
-@cython.exceptval(check=False)
-def bound_all(search: NearestWindows, query: cython.const[cython.uchar][::1]) -> cython.void:
+def bound_all(search, query):
     """Find how far all windows are from one in coordinates, of which the first bytes are known."""
-    cython.declare(i=cython.Py_ssize_t)
     for i in range(search.query.shape[0]):
         search.query[i] = query[i]
     project(search.basis, search.offset, search.shift, search.query, search.coordinates)
     all_distances(search.features, search.coordinates, search.apart)
 
 
-@cython.cfunc
-@cython.nogil
-@cython.exceptval(check=False)
-def farthest(search: NearestWindows, distance: cython.longlong) -> cython.longlong:
+def farthest(search, distance):
     """Return the largest squared distance in coordinates of windows that are `distance` apart.
 
     Each window's coordinates are rounded by at most a half.
     """
-    cython.declare(apart=cython.double)
-    apart = search.length * sqrt(cython.cast(cython.double, distance))
+    apart: cython.double = search.length * sqrt(cython.cast(cython.double, distance))
     apart += sqrt(cython.cast(cython.double, search.features.shape[0])) + 1
     return cython.cast(cython.longlong, apart * apart)
 
 
-@cython.cfunc
-@cython.nogil
-@cython.exceptval(check=False)
-def nearest_within(
-    search: NearestWindows, bounded: cython.bint, query: Query,
-    near: cython.const[cython.int][::1], near_count: cython.Py_ssize_t,
-) -> cython.Py_ssize_t:  # fmt: skip
+def nearest_within(search, bounded, query, near, near_count):
     """`nearest_window`; where `bounded`, without windows whose coordinates are too far."""
-    cython.declare(i=cython.Py_ssize_t, place=cython.Py_ssize_t, best=cython.Py_ssize_t)
-    cython.declare(n=cython.Py_ssize_t, least=cython.longlong, distance=cython.longlong)
-    cython.declare(limit=cython.longlong)
-    columns: cython.Py_ssize_t = search.pixels.shape[1]
+    cython.declare(best=cython.Py_ssize_t, least=cython.longlong, limit=cython.longlong)
+    columns = search.pixels.shape[1]
     if bounded:
         bound_all(search, query.values)
-    best = -1
-    least = -1
+    best = least = -1
     limit = 0
     for i in range(near_count + search.centers.shape[0]):
         n = i - near_count
         place = near[i] if n < 0 else search.centers[n]
         if place < 0 or (bounded and n >= 0 and best >= 0 and search.apart[n] > limit):
             continue
-        distance = run_distance(
-            search.pixels,
-            place // columns,
-            place % columns,
-            query.runs,
-            query.count,
-            query.values,
-            least,
-        )
+        y, x = place // columns, place % columns
+        distance = run_distance(search.pixels, y, x, query.runs, query.count, query.values, least)
         if best < 0 or distance < least or (distance == least and place < best):
             best = place
             if distance != least:
@@ -117,7 +88,7 @@ def nearest_window(whole, above, query, near, near_count):
     `whole` and `above` bound distances by all of a window or by what is before its center in scan
     order. The `near` windows, -1 for none, and those similar to them are compared first.
     """
-    known: cython.Py_ssize_t = leading(whole, query) * whole.pixels.shape[2]
+    known = leading(whole, query) * whole.pixels.shape[2]
     if known >= whole.query.shape[0]:
         return nearest_within(whole, True, query, near, near_count)
     return nearest_within(above, known >= above.query.shape[0], query, near, near_count)

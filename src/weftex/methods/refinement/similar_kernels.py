@@ -1,16 +1,14 @@
 # mypy: ignore-errors
-"""Kernel that finds the windows of a sample that look alike; compiled by Cython, see setup.py."""
+# cython: infer_types=True
+"""Kernel that finds the windows of a sample that look alike; compiled, see setup.py."""
 
 import cython
 from cython.cimports.weftex.raster.difference_kernels import squared
 
 
-@cython.cfunc
-@cython.nogil
-@cython.exceptval(check=False)
-def near(step: cython.Py_ssize_t, apart: cython.Py_ssize_t) -> cython.bint:
+def near(step, apart):
     """Whether two places are at most `apart` from each other along an axis."""
-    return -apart <= step and step <= apart
+    return -apart <= step <= apart
 
 
 def nearest_windows(
@@ -27,24 +25,18 @@ def nearest_windows(
     `candidates` has one row for each query, or one for all. None lies within `apart` of the query
     or of a better one. `best` is scratch for one row's distances.
     """
-    cython.declare(i=cython.Py_ssize_t, j=cython.Py_ssize_t, k=cython.Py_ssize_t)
-    cython.declare(y=cython.Py_ssize_t, x=cython.Py_ssize_t, v=cython.Py_ssize_t)
-    cython.declare(u=cython.Py_ssize_t, r=cython.Py_ssize_t, row=cython.Py_ssize_t)
     cython.declare(count=cython.Py_ssize_t, d=cython.longlong)
-    columns: cython.Py_ssize_t = pixels.shape[1]
-    wanted: cython.Py_ssize_t = out.shape[1]
-    length: cython.Py_ssize_t = (2 * reach + 1) * pixels.shape[2]
+    columns, wanted = pixels.shape[1], out.shape[1]
+    length = (2 * reach + 1) * pixels.shape[2]
     with cython.nogil:
         for i in range(queries.shape[0]):
-            y = queries[i] // columns
-            x = queries[i] % columns
+            y, x = queries[i] // columns, queries[i] % columns
             row = i if candidates.shape[0] > 1 else 0
             count = 0
             for j in range(candidates.shape[1]):
                 if candidates[row, j] < 0:
                     continue
-                v = candidates[row, j] // columns
-                u = candidates[row, j] % columns
+                v, u = candidates[row, j] // columns, candidates[row, j] % columns
                 if near(v - y, apart) and near(u - x, apart):
                     continue
                 d = 0

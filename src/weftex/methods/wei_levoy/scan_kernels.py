@@ -1,5 +1,6 @@
 # mypy: ignore-errors
-"""The kernel of Wei and Levoy's method; compiled by Cython, see setup.py."""
+# cython: infer_types=True
+"""The kernel of Wei and Levoy's method; compiled by Cython, see setup.py and the .pxd."""
 
 import cython
 from cython.cimports.weftex.methods.wei_levoy.tsvq_kernels import Tree, nearest
@@ -7,29 +8,14 @@ from cython.cimports.weftex.search.picture_kernels import Picture
 from cython.cimports.weftex.search.window_kernels import copy_pixel
 
 
-@cython.cfunc
-@cython.nogil
-@cython.exceptval(check=False)
-def gather_window(
-    level: Picture,
-    y: cython.Py_ssize_t,
-    x: cython.Py_ssize_t,
-    offsets: cython.const[cython.int][:, ::1],
-    first: cython.Py_ssize_t,
-    tree: Tree,
-) -> cython.void:
+def gather_window(level, y, x, offsets, first, tree):
     """Copy the known pixels of a window to its bytes of the query, from byte `first` on."""
-    cython.declare(height=cython.Py_ssize_t, width=cython.Py_ssize_t, channels=cython.Py_ssize_t)
-    cython.declare(i=cython.Py_ssize_t, k=cython.Py_ssize_t, at=cython.Py_ssize_t)
-    cython.declare(cy=cython.Py_ssize_t, cx=cython.Py_ssize_t, n=cython.Py_ssize_t)
-    height = level.pixels.shape[0]
-    width = level.pixels.shape[1]
-    channels = level.pixels.shape[2]
+    cython.declare(cy=cython.Py_ssize_t, cx=cython.Py_ssize_t)
+    height, width, channels = level.pixels.shape[0], level.pixels.shape[1], level.pixels.shape[2]
     n = tree.known
     at = first
     for i in range(offsets.shape[0]):
-        cy = y + offsets[i, 0]
-        cx = x + offsets[i, 1]
+        cy, cx = y + offsets[i, 0], x + offsets[i, 1]
         if level.wrap_y and (cy < 0 or cy >= height):
             cy = cy % height
             if cy < 0:
@@ -42,10 +28,9 @@ def gather_window(
             for k in range(channels):
                 tree.query[at + k] = level.pixels[cy, cx, k]
             if n and tree.spans[n - 1, 0] + tree.spans[n - 1, 1] == at:
-                tree.spans[n - 1, 1] += cython.cast(cython.int, channels)
+                tree.spans[n - 1, 1] += channels
             else:
-                tree.spans[n, 0] = cython.cast(cython.int, at)
-                tree.spans[n, 1] = cython.cast(cython.int, channels)
+                tree.spans[n, 0], tree.spans[n, 1] = at, channels
                 n += 1
         at += channels
     tree.known = n
@@ -66,13 +51,10 @@ def replace_pixels(
     A window has the parent's pixels at the offsets `parents` and its own that are done. A pixel
     without any stays.
     """
-    cython.declare(i=cython.Py_ssize_t, first=cython.Py_ssize_t, place=cython.Py_ssize_t)
-    cython.declare(y=cython.Py_ssize_t, x=cython.Py_ssize_t)
     first = parents.shape[0] * level.pixels.shape[2]
     with cython.nogil:
         for i in range(places.shape[0]):
-            y = places[i] // level.pixels.shape[1]
-            x = places[i] % level.pixels.shape[1]
+            y, x = places[i] // level.pixels.shape[1], places[i] % level.pixels.shape[1]
             tree.known = 0
             if parents.shape[0]:
                 gather_window(coarser, y // 2, x // 2, parents, 0, tree)

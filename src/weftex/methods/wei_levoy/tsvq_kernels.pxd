@@ -11,3 +11,22 @@ cdef class Tree:
     cdef Py_ssize_t known  # number of the spans
 
 cpdef Py_ssize_t nearest(Tree tree, Py_ssize_t leaves) noexcept nogil
+
+cdef class Splitting:
+    cdef const unsigned char[:, ::1] vectors
+    cdef int[::1] order  # numbers of the vectors, leaf after leaf
+    cdef unsigned char[:, ::1] centroids
+    cdef long long[::1] spread  # sum of squared differences from the centroid
+    cdef unsigned char[:, ::1] side  # scratch (2, n): 1 for vectors of the second half
+    cdef int[::1] kept  # scratch (n,)
+    cdef long long[:, ::1] total  # scratch, two vectors
+
+cdef void wait(Tree tree, long long key, int node, Py_ssize_t most) noexcept nogil
+
+cdef const unsigned char* vector(Splitting tree, Py_ssize_t i) noexcept nogil
+
+cdef void means(Splitting tree, Py_ssize_t start, Py_ssize_t stop, const unsigned char* side,
+                Py_ssize_t child) noexcept nogil
+
+cdef void halve(Splitting tree, Py_ssize_t start, Py_ssize_t stop,
+                unsigned char* side) noexcept nogil
