@@ -104,11 +104,15 @@ def test_what_weftex_says_is_translated():
     assert {*SHIFTED} <= spoken(ast.parse((SOURCE / "analysis/overlay.py").read_text("utf-8")))
     for shift in SHIFTED:
         wanted |= {"{}, " + shift.replace("{}", line, 1) for line in ("row", "column")}
+    trees = [ast.parse(file.read_text("utf-8")) for file in SOURCE.rglob("*.py")]
+    said = "\n".join(text for tree in trees for node in ast.walk(tree) if (text := template(node)))
     tables = {name: json.loads(text) for name, text in FILES.items() if name.startswith("messages")}
     assert len(tables) == 5
     for name, table in tables.items():
         known = {re.sub(r"\{\d\}", "{}", key) for key in table}
         assert sorted(wanted - known) == [], name
+        dead = [key for key in known - wanted if not all(part in said for part in key.split("{}"))]
+        assert dead == [], name  # nothing says this any more
         assert table.keys() == tables["messages/de.json"].keys()
         for key, text in table.items():
             holes = [sorted(re.findall(r"\{\d\}", one)) for one in (key, text)]
