@@ -77,7 +77,7 @@ def quick(folder: Path) -> Iterator[Row]:
     material = page.post("materials", BRICKS)["id"]
     yield (
         "what a sample of 256x256 is like, the first time",
-        took(lambda: page.get(f"materials/{material}/look"), 1),
+        took(lambda: page.look(material), 1),
     )
     angles = iter(range(1000))
 

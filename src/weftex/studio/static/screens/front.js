@@ -86,7 +86,7 @@ async function recent(app, box) {
 }
 
 /** A square part of a picture, once it is there. */
-export async function drawThumb(app, canvas, path, options = {}) {
+async function drawThumb(app, canvas, path, options = {}) {
   try {
     const { bitmap } = await app.api.picture(path, { most: 320, ...options });
     drawSquare(canvas, bitmap);

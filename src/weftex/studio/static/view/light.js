@@ -95,7 +95,7 @@ export function drawSoon(view) {
   });
 }
 
-export const ROLES = ["color", "normal", "roughness", "height", "occlusion", "metallic"];
+const ROLES = ["color", "normal", "roughness", "height", "occlusion", "metallic"];
 
 export function makeProgram(gl, vertex, fragment) {
   const program = gl.createProgram();
