@@ -15,16 +15,16 @@ TESTS = Path(__file__).parent
 READ = ("methods", "repeats", "search", "seams")
 #: Lower a ceiling when the code has become smaller; a feature that needs room removes something.
 CEILINGS = {
-    "lines of Python in src": 44_383,
-    "of these code": 30_736,
+    "lines of Python in src": 43_694,
+    "of these code": 30_060,
     "modules": 259,
     "kernel classes": 23,
     "names that several kernel classes have": 0,
-    "lines of tests": 24_214,
+    "lines of tests": 24_155,
     "quilting: files to read": 11,
-    "quilting: lines to read": 2_499,
+    "quilting: lines to read": 2_496,
     "graphcut: files to read": 18,
-    "graphcut: lines to read": 3_799,
+    "graphcut: lines to read": 3_610,
     "efros-leung: files to read": 8,
     "efros-leung: lines to read": 1_234,
     "near-regular: files to read": 9,
