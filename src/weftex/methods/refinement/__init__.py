@@ -62,7 +62,7 @@ class Refinement(WindowedMethod):
         low=1,
         parity="odd",
         unit="px",
-        default_text="twice the sample's dominant scale, at least 29 unless search is 'nearest'",
+        default_text="twice the sample's scale (weftex analyze), at least 29 if coherent",
         control="size",
     )
     search: str = parameter(
@@ -99,7 +99,7 @@ class Refinement(WindowedMethod):
         "distance between seed points at a density of 1; higher places fewer",
         low=1.0,
         unit="px",
-        default_text="the sample's dominant scale",
+        default_text="the sample's scale (weftex analyze)",
         needs=("init", ("seeds",)),
     )
     seed_density: float = parameter(
