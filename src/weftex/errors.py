@@ -18,6 +18,7 @@ __all__ = [
     "UnsupportedError",
     "WeftexError",
     "did_you_mean",
+    "is_number",
     "is_whole",
     "missing_packages",
     "shown",
@@ -94,6 +95,11 @@ def is_whole(value: object, least: int, most: float = math.inf) -> TypeGuard[int
     """Return whether a value is an integer, also of NumPy, within bounds; True is none."""
     whole = isinstance(value, numbers.Integral) and not isinstance(value, bool)
     return whole and least <= value <= most  # type: ignore[operator]
+
+
+def is_number(value: object) -> TypeGuard[float]:
+    """Return whether a value is a real number, also of NumPy; True is none."""
+    return isinstance(value, numbers.Real) and not isinstance(value, bool)
 
 
 def whole_pair(value: object, least: int, most: float = math.inf) -> tuple[int, int] | None:

@@ -6,7 +6,6 @@ A map is a painted picture or an array of labels, or a `Gradient`, which makes o
 from __future__ import annotations
 
 import math
-import numbers
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -14,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from weftex.errors import InvalidInputError
+from weftex.errors import InvalidInputError, is_number
 from weftex.exemplar import load_exemplar
 from weftex.random import draw
 from weftex.raster.arrays import check_pixels
@@ -56,9 +55,9 @@ class Gradient:
     width: float | None = None
 
     def __post_init__(self) -> None:
-        if not _is_number(self.direction) or not -360 <= self.direction <= 360:
+        if not is_number(self.direction) or not -360 <= self.direction <= 360:
             raise InvalidInputError(f"direction is {self.direction!r}; it must be from -360 to 360")
-        if self.width is not None and not (_is_number(self.width) and 0 < self.width <= 1):
+        if self.width is not None and not (is_number(self.width) and 0 < self.width <= 1):
             raise InvalidInputError(f"width is {self.width!r}; it must be above 0 and at most 1")
 
     def label_map(
@@ -121,10 +120,6 @@ class Gradient:
         down, right = round(math.sin(angle), 12), round(math.cos(angle), 12)
         length = abs(down) * height + abs(right) * width
         return ((v - height / 2) * down + (u - width / 2) * right) / length + 0.5
-
-
-def _is_number(value: object) -> bool:
-    return isinstance(value, numbers.Real) and not isinstance(value, bool)
 
 
 def labels_of(

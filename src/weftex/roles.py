@@ -7,14 +7,13 @@ glTF ``brick_metallicRoughness``; people write ``normal.png``.
 
 from __future__ import annotations
 
-import numbers
 import re
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from functools import cache
 from typing import Any
 
-from weftex.errors import InvalidInputError, did_you_mean, shown
+from weftex.errors import InvalidInputError, did_you_mean, is_number, shown
 
 __all__ = ["COLOR", "ROLES", "Role", "is_preview", "role_of", "words_of"]
 
@@ -174,8 +173,7 @@ def checked_weights(given: Any, maps: Collection[str]) -> dict[str, float]:
     for name, value in (given or {}).items():
         if name not in weights:
             raise InvalidInputError(f"weights has {shown(name)}{did_you_mean(str(name), maps)}")
-        number = isinstance(value, numbers.Real) and not isinstance(value, bool)
-        if not (number and 0 <= value <= _HEAVIEST):
+        if not (is_number(value) and 0 <= value <= _HEAVIEST):
             raise InvalidInputError(
                 f"the weight of {name} is {shown(value)}; it must be from 0 to {_HEAVIEST}"
             )

@@ -1,4 +1,20 @@
-"""The command line: finds the command in `commands`, whose docstring is its help; prints errors."""
+"""Make textures from samples; 'weftex COMMAND --help' shows the options of a command.
+
+commands:
+{commands}
+
+  weftex synth sample:bricks -o wall.png --size 1024x768
+  weftex synth brick.png -o tile.png --size 2k --tileable --seed 7
+  weftex synth - -o - < brick.png > wall.png       standard input and output
+  weftex fill photo.png --mask hole.png -o whole.png
+  weftex --for-program synth ...                   messages and progress as JSON
+  weftex --version
+
+exit codes: 0 success; 1 'tile --check' found an image that is not tileable; 2 error, explained in
+one line; 130 Ctrl-C; 143 SIGTERM; 129 SIGHUP, or closed standard input with --for-program; 141
+closed pipe. A command that fails writes no output, except that 'batch' and images written block by
+block keep their finished parts.
+"""
 
 from __future__ import annotations
 
@@ -52,27 +68,9 @@ _HOMES = {
     "samples": "methods:run_samples",
 }
 
-_ABOUT = """\
-usage: weftex COMMAND ...      (weftex COMMAND --help shows its options)
-
-{commands}
-
-  weftex synth sample:bricks -o wall.png --size 1024x768
-  weftex synth brick.png -o tile.png --size 2k --tileable --seed 7
-  weftex synth - -o - < brick.png > wall.png       standard input and output
-  weftex fill photo.png --mask hole.png -o whole.png
-  weftex --for-program synth ...                   messages and progress as JSON
-  weftex --version
-
-exit codes: 0 success; 1 'tile --check' found an image that is not tileable; 2 error, explained in
-one line; 130 Ctrl-C; 143 SIGTERM; 129 SIGHUP, or closed standard input with --for-program; 141
-closed pipe. A command that fails writes no output, except that 'batch' and images written block by
-block keep their finished parts.
-"""
-
 
 def main(argv: list[str] | None = None) -> int:
-    """Run a command, by default that of the process, and return its exit code; see `_ABOUT`."""
+    """Run a command, by default that of the process, and return its exit code."""
     if "numpy" not in sys.modules:
         # Matrix products are small here: threads for them take longer to start than they save.
         os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
@@ -111,7 +109,7 @@ def _run(arguments: list[str]) -> None:
     name = arguments[0]
     if name in ("-h", "--help", "help"):
         lines = (f"  {name:10}  {text}" for name, text in _COMMANDS.items())
-        print(_ABOUT.format(commands="\n".join(lines)), end="")
+        print((__doc__ or "").format(commands="\n".join(lines)), end="")
     elif name in ("-V", "--version"):
         # Of the code that runs, whatever is installed beside it.
         print(f"weftex {sys.modules['weftex'].__version__}")

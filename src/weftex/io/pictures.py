@@ -20,7 +20,6 @@ name. The path ``sample:NAME`` names a picture, or a folder of maps, that ships 
 
 from __future__ import annotations
 
-import numbers
 import os
 from collections.abc import Collection, Iterator
 from contextlib import contextmanager, suppress
@@ -30,7 +29,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from weftex.errors import FileError, InvalidInputError, WeftexError, did_you_mean, is_whole, shown
+from weftex.errors import (
+    FileError,
+    InvalidInputError,
+    WeftexError,
+    did_you_mean,
+    is_number,
+    is_whole,
+    shown,
+)
 from weftex.io import temporary as temporaries
 from weftex.io.formats import (
     COLOR_SPACES,
@@ -219,8 +226,7 @@ def write_image(
     check_output(path, pixels, alpha=alpha)
     if icc is not None and not isinstance(icc, bytes):
         raise InvalidInputError(f"icc is {shown(icc)}; it must be bytes")
-    number = isinstance(density, numbers.Real) and not isinstance(density, bool)
-    if density is not None and not (number and 0 < density < 2**31):
+    if density is not None and not (is_number(density) and 0 < density < 2**31):
         raise InvalidInputError(f"density is {shown(density)}; it must be above 0, below 2**31")
     form = FORMATS[suffix_of(path_text(path))]
     native = np.float32 if pixels.dtype.kind == "f" else pixels.dtype.newbyteorder("=")

@@ -10,7 +10,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from weftex.errors import InvalidInputError, did_you_mean, shown
+from weftex.errors import InvalidInputError, did_you_mean, is_number, shown
 from weftex.exemplar import Exemplar, Sample, load_exemplar
 from weftex.raster.levels import scale_between
 from weftex.raster.mixing import middle_of, opposite
@@ -202,8 +202,7 @@ def _checked(missing: Mapping[str, float | str] | None) -> dict[str, float | str
     if missing is not None and not isinstance(missing, Mapping):
         raise InvalidInputError(f"missing is {shown(missing)}; it must map names of maps to values")
     for name, value in (missing or {}).items():
-        number = isinstance(value, (int, float, np.number)) and not isinstance(value, bool)
-        inside = number and 0 <= float(value) <= 1
+        inside = is_number(value) and 0 <= value <= 1
         if not isinstance(name, str) or not (inside or value == FLAT):
             raise InvalidInputError(
                 f"missing[{shown(name)}] is {shown(value)}; it must be from 0 to 1, or '{FLAT}'"

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import DTypeLike, NDArray
 
-from weftex.errors import InvalidInputError, shown
+from weftex.errors import InvalidInputError, is_number, shown
 from weftex.raster.arrays import Floats, check_pixels
 from weftex.raster.mixing import middle_of, stored, vectors_of
 
@@ -191,6 +191,5 @@ def heights_of(height: NDArray[Any], relief: float) -> Floats:
 
 def check_relief(relief: Any) -> None:
     """Raise `InvalidInputError` unless a relief is a number of pixels above 0, at most 1000."""
-    number = isinstance(relief, numbers.Real) and not isinstance(relief, bool)
-    if not number or not 0 < relief <= _MOST:
+    if not is_number(relief) or not 0 < relief <= _MOST:
         raise InvalidInputError(f"relief is {shown(relief)}; it must be above 0, at most {_MOST}")
