@@ -261,7 +261,7 @@ def test_the_graph_sees_every_kind_of_arrow():
 
 
 #: Where files are opened, and where OpenImageIO is.
-FILE_MODULES = ("io.", "results.files", "planes.")
+FILE_MODULES = ("io.", "results.saved", "planes.")
 FILE_MODULES += ("studio.sessions", "studio.uploads", "studio.exports")
 
 

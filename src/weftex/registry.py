@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 __all__ = ["AUTO", "FOR_HOLES", "METHODS", "method_class"]
 
-#: The slug that stands for the method that suits the sample best; it is not in `METHODS`.
+#: The slug of the method that chooses one for the sample; it is not listed in `METHODS`.
 AUTO = "auto"
 #: The method for holes where "auto" has no better one.
 FOR_HOLES = "patch-sampling"

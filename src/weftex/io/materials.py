@@ -7,6 +7,7 @@ import json
 import struct
 import zipfile
 from collections.abc import Callable, Collection, Mapping
+from itertools import zip_longest
 from pathlib import Path
 from string import Template
 from typing import Any, NamedTuple
@@ -29,8 +30,9 @@ class Place(NamedTuple):
 RELIEF = 0.05
 #: A plane that faces +z: its corners, in parts of its size.
 _CORNERS = ((-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5))
-_FLOAT, _SHORT = 5126, 5123  # types of glTF
-_REPEAT, _LINEAR, _MIPMAPS = 10497, 9729, 9987
+_PRESETS = Path(__file__).parent.parent / "presets"
+#: A document of glTF without its material and pictures; component types are floats and integers.
+_GLTF = _PRESETS / "plane.gltf"
 
 
 def glb(
@@ -70,37 +72,21 @@ def glb(
         struct.pack("<6H", 0, 1, 2, 0, 2, 3),
         *map(read, files),
     ]
-    views, body = [], b""
-    for part in parts:
-        views.append({"buffer": 0, "byteOffset": len(body), "byteLength": len(part)})
+    document = json.loads(_GLTF.read_text("utf-8"))
+    views, body = document["bufferViews"], b""
+    for part, target in zip_longest(parts, (*[34962] * 4, 34963)):  # vertices; indices
+        view = {"buffer": 0, "byteOffset": len(body), "byteLength": len(part)}
+        views.append(view | ({"target": target} if target else {}))
         body += part + bytes(-len(part) % 4)
-    for number, target in enumerate((34962,) * 4 + (34963,)):  # vertices; indices
-        views[number]["target"] = target
-    kinds = [(kind, 4, _FLOAT) for kind in ("VEC3", "VEC3", "VEC4", "VEC2")]
-    kinds.append(("SCALAR", 6, _SHORT))
-    accessors: list[dict[str, Any]] = [
-        {"bufferView": number, "type": kind, "count": count, "componentType": component}
-        for number, (kind, count, component) in enumerate(kinds)
+    document["nodes"][0]["name"], document["materials"] = name, [material]
+    document["textures"] = [{"source": number, "sampler": 0} for number in range(len(files))]
+    document["images"] = [
+        {"bufferView": number, "mimeType": "image/png", "name": file}
+        for number, file in enumerate(files, len(parts) - len(files))
     ]
-    ends = [list(struct.unpack_from("<3f", parts[0], offset)) for offset in (0, 24)]
-    accessors[0] |= {"min": ends[0], "max": ends[1]}
-    attributes = {"POSITION": 0, "NORMAL": 1, "TANGENT": 2, "TEXCOORD_0": 3}
-    document = {
-        "asset": {"version": "2.0", "generator": "weftex"},
-        "scene": 0,
-        "scenes": [{"nodes": [0]}],
-        "nodes": [{"mesh": 0, "name": name}],
-        "meshes": [{"primitives": [{"attributes": attributes, "indices": 4, "material": 0}]}],
-        "materials": [material],
-        "textures": [{"source": number, "sampler": 0} for number in range(len(files))],
-        "samplers": [{"magFilter": _LINEAR, "minFilter": _MIPMAPS, "wrapS": _REPEAT,
-                      "wrapT": _REPEAT}],
-        "images": [{"bufferView": number, "mimeType": "image/png", "name": file}
-                   for number, file in enumerate(files, 5)],
-        "accessors": accessors,
-        "bufferViews": views,
-        "buffers": [{"byteLength": len(body)}],
-    }  # fmt: skip
+    low, high = (list(struct.unpack_from("<3f", parts[0], offset)) for offset in (0, 24))
+    document["accessors"][0] |= {"min": low, "max": high}
+    document["buffers"] = [{"byteLength": len(body)}]
     text = json.dumps(document, separators=(",", ":")).encode()
     text += b" " * (-len(text) % 4)
     chunks = struct.pack("<I4s", len(text), b"JSON") + text
@@ -115,8 +101,8 @@ _USD = {
     "ao": ("occlusion", "float"), "height": ("displacement", "float"),
     "emission": ("emissiveColor", "color3f"), "opacity": ("opacity", "float"),
 }  # fmt: skip
-#: A stage, without its textures.
-_STAGE = Path(__file__).parent.parent / "presets" / "plane.usda"
+#: A stage without its textures, and a texture.
+_STAGE, _TEXTURE = _PRESETS / "plane.usda", _PRESETS / "texture.usda"
 #: What becomes of the stored values of a map.
 _USD_SCALES = {
     "normal_gl": ((2, 2, 2, 1), (-1, -1, -1, 0)),
@@ -147,20 +133,10 @@ def usda(
         lines.append(f"            {kind} inputs:{to}.connect = <{path}>\n")
         space = "sRGB" if role in ("color", "emission") else "raw"
         scale, bias = _USD_SCALES.get(role, ((1, 1, 1, 1), (0, 0, 0, 0)))
-        textures += f"""
-        def Shader "{role}"
-        {{
-            uniform token info:id = "UsdUVTexture"
-            asset inputs:file = @@@./{place.file}@@@
-            float2 inputs:st.connect = </Root/{material}/St.outputs:result>
-            token inputs:sourceColorSpace = "{space}"
-            token inputs:wrapS = "repeat"
-            token inputs:wrapT = "repeat"
-            float4 inputs:scale = {tuple(scale)}
-            float4 inputs:bias = {tuple(bias)}
-            {stored}
-        }}
-"""
+        textures += Template(_TEXTURE.read_text("utf-8")).substitute(
+            role=role, file=place.file, material=material, space=space, scale=scale, bias=bias,
+            stored=stored,
+        )  # fmt: skip
     return Template(_STAGE.read_text("utf-8")).substitute(
         material=material, points=", ".join(points), low=points[0], high=points[2],
         textures=textures, inputs="".join(lines),

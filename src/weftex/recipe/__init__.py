@@ -92,7 +92,7 @@ class Recipe:
     task: str  # one of `TASKS`
     materials: tuple[dict[str, Any], ...]  # what it is made from, see `checked_material`
     seed: int
-    method: Method  # "auto" too is one
+    method: Method  # or "auto", which chooses one
     parameters: dict[str, Any]  # those of the method that were given
     options: dict[str, Any]  # all other options of the task
 

@@ -12,7 +12,7 @@ from weftex.canvas import Canvas
 from weftex.io.npz import DamageError
 from weftex.raster.mixing import Mixing
 from weftex.results import paste_kernels
-from weftex.results.files import ABOUT
+from weftex.results.saved import ABOUT
 from weftex.results.sources import Place, Window
 from weftex.results.synthesis import Synthesis
 

@@ -19,8 +19,8 @@ from weftex.io.npz import one_line_errors
 from weftex.raster.mixing import Mixing
 from weftex.results import drawing, scales
 from weftex.results.cloning import TONE_REACH, join_filling
-from weftex.results.files import ABOUT, Facts, arrays_of, read_result, write_result
 from weftex.results.joining import PastedPieces, join_steps, reach_of
+from weftex.results.saved import ABOUT, Facts, arrays_of, read_result, write_result
 from weftex.results.sources import Place, SourceMap, Window
 
 

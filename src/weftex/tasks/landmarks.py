@@ -21,8 +21,8 @@ from weftex.prepare.landmarks import find_landmarks, has_joint_network
 from weftex.random import draw
 from weftex.raster.masks import grown
 from weftex.raster.turning import boxes_of, turned_pixels
-from weftex.results.files import ABOUT
 from weftex.results.pixels import PixelSynthesis
+from weftex.results.saved import ABOUT
 from weftex.results.synthesis import Synthesis
 from weftex.seams.boundary import cut_around
 from weftex.search.translation import Spectra, correlations, window_mismatch
