@@ -12,6 +12,7 @@ from typing import Any
 
 from weftex.errors import FileError
 from weftex.io.pictures import atomic
+from weftex.io.temporary import lock
 
 MANIFEST = "manifest.jsonl"
 _UNFINISHED = ".weftex-batch-"  # whoever holds the folder may remove what is called so
@@ -26,7 +27,9 @@ class Manifest:
 
     def __init__(self, folder: str) -> None:
         self._folder, self._path = folder, os.path.join(folder, MANIFEST)
-        self._held, self._lock = _locked(folder), threading.Lock()
+        self._held, self._lock = lock(folder), threading.Lock()
+        if self._held is None:
+            raise FileError(f"{folder}: another batch is running in this folder")
         try:
             found = (one for one in self._read() if os.path.exists(self.path_of(one)))
             self._records = {record["output"]: record for record in found}
@@ -83,7 +86,7 @@ class Manifest:
         self._let_go()
 
     def _let_go(self) -> None:
-        if self._held is not None:
+        if self._held is not None and self._held >= 0:
             os.close(self._held)
             self._held = None
 
@@ -104,25 +107,6 @@ class Manifest:
         except (OSError, UnicodeDecodeError) as error:
             raise FileError(f"{self._path}: cannot read: {error}") from None
         return found
-
-
-def _locked(folder: str) -> int | None:
-    """A hold on a folder that ends with this process; None where there is no such thing."""
-    try:
-        import fcntl
-    except ImportError:  # Windows
-        return None
-    held = -1
-    try:
-        held = os.open(folder, os.O_RDONLY)
-        fcntl.flock(held, fcntl.LOCK_EX | fcntl.LOCK_NB)
-    except BlockingIOError:
-        os.close(held)
-        raise FileError(f"{folder}: another batch is running in this folder") from None
-    except OSError as error:  # some network folders know no locks
-        if held < 0:
-            raise FileError(f"{folder}: cannot read the folder: {error.strerror}") from None
-    return held
 
 
 def _line(record: dict[str, Any]) -> bytes:

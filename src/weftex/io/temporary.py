@@ -35,20 +35,24 @@ def claim(folder: str, suffix: str = "", *, as_folder: bool = False) -> str:
         else:
             # Not the tempfile module: its files can be read by their owner alone.
             os.close(os.open(path, os.O_CREAT | os.O_EXCL | os.O_WRONLY, 0o666))
-        if fcntl is None:
-            return path
-        _mine[path] = _locked(path)
-        if _mine[path] >= 0:
+        held = lock(path)
+        if held is not None:
+            _mine[path] = held
             return path
         del _mine[path]
 
 
-def _locked(path: str) -> int:
-    """Return a descriptor that holds a new file, or -1 if another process took it for dead."""
+def lock(path: str) -> int | None:
+    """Return a descriptor that holds a file or folder, -1 where there are no locks.
+
+    None if another process holds it, or removed it.
+    """
+    if fcntl is None:
+        return -1
     try:
         number = os.open(path, os.O_RDONLY)
     except FileNotFoundError:
-        return -1
+        return None
     try:
         fcntl.flock(number, fcntl.LOCK_EX | fcntl.LOCK_NB)
         gone = not os.path.exists(path)
@@ -56,7 +60,7 @@ def _locked(path: str) -> int:
         gone = isinstance(error, BlockingIOError)
     if gone:
         os.close(number)
-        return -1
+        return None
     return number
 
 

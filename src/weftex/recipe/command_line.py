@@ -98,6 +98,11 @@ def path_of(spec: Mapping[str, Any], names: Mapping[str, str]) -> str:
     return f"{spec.get('name') or 'material'}/"
 
 
+def renamed(option: Option, value: Any, names: Mapping[str, str]) -> Any:
+    """Return the value of an option where pictures have these names."""
+    return names.get(value, value) if option.kind is PICTURE else value
+
+
 def command_of(
     recipe: Recipe, output: str = "out.png", names: Mapping[str, str] | None = None
 ) -> str:
@@ -134,7 +139,7 @@ def command_of(
         if name == "map":
             words += _map_words(value, names)
         elif value != option.default:
-            words += option.words(names.get(value, value) if option.kind is PICTURE else value)
+            words += option.words(renamed(option, value, names))
     words += [*said, *SEED.words(recipe.seed)]
     lines.append(words + _method_words(recipe))
     return " && ".join(shlex.join(line) for line in lines)
@@ -157,7 +162,7 @@ def _material_words(
         if values.count(None) < len(values) - len(asked):
             return None
         value = asked[0]
-        words += option.words(names.get(value, value) if option.kind is PICTURE else value)
+        words += option.words(renamed(option, value, names))
     return words
 
 

@@ -7,10 +7,9 @@ from collections.abc import Mapping
 from typing import Any
 
 from weftex.recipe import Recipe
-from weftex.recipe.command_line import path_of
+from weftex.recipe.command_line import path_of, renamed
 from weftex.recipe.declared import TASKS
 from weftex.recipe.opening import straighten_arguments
-from weftex.recipe.options import PICTURE
 from weftex.registry import AUTO
 
 __all__ = ["python_of"]
@@ -145,7 +144,7 @@ def _call(
     """The call of a task, with all options that have not their defaults."""
     declared = TASKS[recipe.task].options
     how = {
-        name: names.get(value, value) if declared[name].kind is PICTURE else value
+        name: renamed(declared[name], value, names)
         for name, value in options.items()
         if value != declared[name].default
     }
