@@ -57,9 +57,9 @@ def saved(data: bytes, folder: Path) -> None:
     import numpy as np
 
     import weftex
-    from weftex.results import files
+    from weftex.results import saved as stored
 
-    with mock.patch.object(files, "MAX_PIXELS", _PIXELS):
+    with mock.patch.object(stored, "MAX_PIXELS", _PIXELS):
         result = weftex.Synthesis.load(_packed(data, folder))
     if max(result.sample_shape[0] * result.sample_shape[1], *result.shape) > 2**12:
         return

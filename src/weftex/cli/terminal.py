@@ -131,22 +131,19 @@ def refuse_input(path: str) -> None:
             raise InvalidInputError(f"{path} is an input; name another file")
 
 
-class Outputs:
+class Outputs(ExitStack):
     """Files that appear together when all of them are written, or not at all."""
 
     def __init__(self) -> None:
+        super().__init__()
         self._made: list[str] = []
-        self._stack = ExitStack()
         #: Held while files appear, which is not to be cut off.
         self.appearing = threading.Lock()
-
-    def __enter__(self) -> Outputs:
-        return self
 
     def __exit__(self, *error: Any) -> None:
         try:
             with self.appearing:
-                self._stack.__exit__(*error)
+                super().__exit__(*error)
         finally:
             if error[0] is not None:
                 self.sweep()
@@ -172,7 +169,7 @@ class Outputs:
         from weftex.io.pictures import atomic
 
         refuse_input(path)
-        return self._stack.enter_context(atomic(path))
+        return self.enter_context(atomic(path))
 
     def sweep(self) -> None:
         """Remove the folders that were made."""
