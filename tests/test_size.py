@@ -15,8 +15,8 @@ TESTS = Path(__file__).parent
 READ = ("methods", "repeats", "search", "seams")
 #: Lower a ceiling when the code has become smaller; a feature that needs room removes something.
 CEILINGS = {
-    "lines of Python in src": 43_694,
-    "of these code": 30_060,
+    "lines of Python in src": 43_653,
+    "of these code": 30_002,
     "modules": 259,
     "kernel classes": 23,
     "names that several kernel classes have": 0,
@@ -26,9 +26,9 @@ CEILINGS = {
     "graphcut: files to read": 18,
     "graphcut: lines to read": 3_610,
     "efros-leung: files to read": 8,
-    "efros-leung: lines to read": 1_234,
+    "efros-leung: lines to read": 1_176,
     "near-regular: files to read": 9,
-    "near-regular: lines to read": 1_629,
+    "near-regular: lines to read": 1_625,
 }
 
 

@@ -73,7 +73,7 @@ def test_pictures_of_maps():
         np.zeros((0, 4)),
         None,
     ):
-        with pytest.raises(InvalidInputError, match="the map"):
+        with pytest.raises(InvalidInputError, match="the (label )?map"):
             map_picture(wrong)
 
 

@@ -1,4 +1,5 @@
 # mypy: ignore-errors
+# cython: infer_types=True
 """Kernels that compare slopes and shift values; compiled by Cython, see setup.py."""
 
 import cython
@@ -13,10 +14,7 @@ def difference(one, other):
 
 def led(sample, coordinates, shares, v, u, axis, way, slope):
     """Add the slopes from a pixel's sources (way 1) or to them (-1); return the sum of shares."""
-    cython.declare(k=cython.Py_ssize_t, c=cython.Py_ssize_t, sure=cython.double)
-    cython.declare(y=cython.Py_ssize_t, x=cython.Py_ssize_t)
-    cython.declare(b=cython.Py_ssize_t, a=cython.Py_ssize_t)
-    sure = 0
+    sure: cython.double = 0
     for k in range(shares.shape[2]):
         if shares[v, u, k] <= 0:
             continue
@@ -49,9 +47,6 @@ def compare_slopes(
     and `shares` are the layers of `made`, `scale` times as fine as the output. With `around` the
     last column is followed by the first.
     """
-    cython.declare(v=cython.Py_ssize_t, u=cython.Py_ssize_t, c=cython.Py_ssize_t)
-    cython.declare(b=cython.Py_ssize_t, a=cython.Py_ssize_t, axis=cython.int, gap=cython.int)
-    cython.declare(sure=cython.double, step=cython.double)
     with cython.nogil:
         for v in range(rows):
             for u in range(made.shape[1]):
@@ -97,8 +92,7 @@ def add_shifts(
 
     For integers the shifts are rounded to 1 / `grain` first.
     """
-    cython.declare(v=cython.Py_ssize_t, u=cython.Py_ssize_t, c=cython.Py_ssize_t)
-    cython.declare(number=cython.double)
+    number: cython.double
     with cython.nogil:
         for c in range(result.shape[2]):
             for v in range(result.shape[0]):
@@ -125,8 +119,7 @@ def solve_screened(
 
     `beside` has the numbers of neighbors, -1 for none; `shifts` and `steps` are (channels, n).
     """
-    cython.declare(c=cython.Py_ssize_t, i=cython.Py_ssize_t, k=cython.Py_ssize_t)
-    cython.declare(sweep=cython.Py_ssize_t, total=cython.double)
+    total: cython.double
     with cython.nogil:
         for c in range(steps.shape[0]):
             for sweep in range(sweeps):
