@@ -336,10 +336,12 @@ export class App extends Shelf {
    */
   async step(result, label, passing = false) {
     const begun = this.history.present;
+    const had = begun?.result;
     const whole = { ...result, ...(await this.pictureOf(result)) };
     this.pace.set(paceOf(result.recipe), result.seconds / (result.width * result.height));
-    if (passing && (this.history.present !== begun || !sameJson(result.recipe, this.recipe))) return null; // something was changed meanwhile
-    await this.useMaterial(result.recipe.materials[0]);
+    // something was changed or made meanwhile
+    if (passing && (this.history.present !== begun || begun?.result !== had || !sameJson(result.recipe, this.recipe))) return null;
+    if (!passing) await this.useMaterial(result.recipe.materials[0]);
     const { history } = this;
     const present = history.present;
     const title = this.material.name;
