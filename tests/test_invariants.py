@@ -222,11 +222,11 @@ def test_threads_change_nothing(method, kind, way):
 
 @every("method", family="patch")
 def test_there_are_enough_patches_for_threads(method):
-    from weftex.methods.patches.orders import _THREADS_FROM
+    from weftex.methods.patches.orders import THREADS_FROM
 
     side = TRIALS[method].largest
     result = make(method, noise((40, 41, 3)), "plain", size=(side, side - 10))
-    assert len(result.placements) > _THREADS_FROM
+    assert len(result.placements) > THREADS_FROM
 
 
 @pytest.mark.pictures

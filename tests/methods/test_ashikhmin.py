@@ -6,7 +6,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import weftex
+from twins.seams import path_around
 from weftex.canvas import Canvas
+from weftex.methods.ashikhmin import least_path
 from weftex.raster.masks import peeled
 
 WRAPS = [(False, False), (False, True), (True, False), (True, True)]
@@ -107,3 +109,10 @@ def test_guides_for_synthesize():
         assert np.array_equal(result.image, expected)
     with pytest.raises(weftex.InvalidInputError, match="the canvas has a guide"):
         weftex.synthesize(exemplar, canvas, method="ashikhmin", guide=guide)
+
+
+@given(st.integers(0, 10**6), st.integers(1, 30), st.integers(1, 12), st.booleans())
+def test_paths_are_the_slow_twin(seed, rows, columns, closed):
+    rng = np.random.default_rng(seed)
+    cost = rng.integers(0, rng.choice([1, 3, 2**40]), (rows, columns))
+    assert least_path(cost, closed=closed).tolist() == list(path_around(cost, closed))

@@ -1,4 +1,4 @@
-"""The blocks of boundary zones, and long and wide ones; see `brute_force` for zones of patches."""
+"""The squares of boundary zones, and long and wide ones; see `brute_force` for zones of patches."""
 
 import numpy as np
 import pytest
@@ -20,25 +20,25 @@ def zone_of(known, width):
 
 
 @given(masks, widths, st.sampled_from([1, 2, 4, 8, 16]))
-def test_blocks_lie_in_the_zone(known, width, block_side):
-    zone = boundary_zone(known, width, block_side=block_side)
+def test_squares_lie_in_the_zone(known, width, square_side):
+    zone = boundary_zone(known, width, square_side=square_side)
     expected = zone_of(known, width)
-    assert zone.side <= min(block_side, width)
+    assert zone.side <= min(square_side, width)
     assert zone.side & (zone.side - 1) == 0
-    for v, u in zone.blocks.tolist():
+    for v, u in zone.squares.tolist():
         block = expected[v : v + zone.side, u : u + zone.side]
         assert block.shape == (zone.side, zone.side)
         assert block.all()
-    assert (len(zone.blocks) > 0) == bool(expected.any())
+    assert (len(zone.squares) > 0) == bool(expected.any())
 
 
 @given(masks, widths, st.sampled_from([1, 2, 4, 8]))
-def test_blocks_share_little(known, width, block_side):
-    """Whole blocks first, then those that are at least half new, until there are no more."""
-    zone = boundary_zone(known, width, block_side=block_side, most_blocks=10**6)
+def test_squares_share_little(known, width, square_side):
+    """Whole squares first, then those that are at least half new, until there are no more."""
+    zone = boundary_zone(known, width, square_side=square_side, most_squares=10**6)
     side = zone.side
     seen, shares = np.zeros(known.shape, bool), []
-    for v, u in zone.blocks.tolist():
+    for v, u in zone.squares.tolist():
         own = seen[v : v + side, u : u + side]
         shares.append(np.count_nonzero(~own))
         own[:] = True
@@ -51,15 +51,15 @@ def test_blocks_share_little(known, width, block_side):
         if block.shape == (side, side) and block.all():
             left = np.count_nonzero(~seen[v : v + side, u : u + side])
             assert 2 * left < side * side or (side == 1 and left == 0)
-    assert len(zone.blocks) * side * side * 2 >= expected.sum()
+    assert len(zone.squares) * side * side * 2 >= expected.sum()
 
 
 @pytest.mark.parametrize("most", [1, 5, 16, 1000])
-def test_blocks_are_thinned_out_evenly(most):
+def test_squares_are_thinned_out_evenly(most):
     known = np.zeros((64, 64), bool)
     known[:, :4] = known[:4] = True
-    every = boundary_zone(known, 4, most_blocks=10**6).blocks.tolist()
-    some = boundary_zone(known, 4, most_blocks=most).blocks.tolist()
+    every = boundary_zone(known, 4, most_squares=10**6).squares.tolist()
+    some = boundary_zone(known, 4, most_squares=most).squares.tolist()
     assert len(some) == min(most, len(every))
     kept = [every.index(block) for block in some]
     assert kept == sorted(set(kept))
@@ -68,19 +68,19 @@ def test_blocks_are_thinned_out_evenly(most):
         assert kept[0] == 0 and kept[-1] == len(every) - 1 and gaps.max() - gaps.min() <= 1
 
 
-def test_blocks_cover_most_of_the_zones_of_the_paper():
+def test_squares_cover_most_of_the_zones_of_the_paper():
     for left, top in ((True, False), (False, True), (True, True)):
         known = np.zeros((64, 64), bool)
         known[:, :4] |= left
         known[:4] |= top
         zone = boundary_zone(known, 4)
         seen = np.zeros_like(known)
-        for v, u in zone.blocks.tolist():
+        for v, u in zone.squares.tolist():
             seen[v : v + zone.side, u : u + zone.side] = True
         assert zone.side == 4
-        assert np.array_equal(seen, known)  # 16 + 15 blocks for the L, as section 3.3 counts them
+        assert np.array_equal(seen, known)  # 16 + 15 squares for the L, as section 3.3 counts them
         if left and top:
-            assert len(zone.blocks) == 31
+            assert len(zone.squares) == 31
 
 
 @pytest.mark.parametrize("width", [255, 256, 300, 700])

@@ -1,12 +1,16 @@
-"""Principal components (section 3.3): exact in any order of summation, and good shortlists."""
+"""Components (section 3.3), exact in any order of summation, shortlists, and kd-trees (3.1)."""
+
+import sys
 
 import numpy as np
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from processes import ENVIRONMENT, run
+from weftex.errors import UnsupportedError
 from weftex.search import acceleration_kernels as _kernels
-from weftex.search.acceleration import fit_pca
+from weftex.search.acceleration import fit_pca, kd_tree
 
 
 def made_up(seed, size, count):
@@ -116,8 +120,19 @@ def test_same_bytes_whatever_blas_does():
     found = set()
     for threads in "12":
         names = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS")
-        variables = ENVIRONMENT | dict.fromkeys(names, threads)
-        done = run(SCRIPT, env=variables)
+        done = run(SCRIPT, env=ENVIRONMENT | dict.fromkeys(names, threads))
         assert done.returncode == 0, done.stderr
         found.add(done.stdout)
     assert len(found) == 1
+
+
+def test_equal_points_make_a_tree():
+    """Sliding midpoint splits cannot part them; the tree must still end."""
+    tree = kd_tree(np.zeros((500, 7), np.int16))
+    assert len(set(tree.query(np.ones(7), 40)[1].tolist())) == 40
+
+
+def test_without_scipy_the_error_says_what_to_install(monkeypatch):
+    monkeypatch.setitem(sys.modules, "scipy.spatial", None)
+    with pytest.raises(UnsupportedError, match="pip install 'scipy>=1.13'"):
+        kd_tree(np.zeros((1, 1), np.int16))

@@ -7,18 +7,18 @@ import numpy as np
 from twins.windows import rectangle
 
 
-def block_mean(pixels, y, x, side):
+def square_mean(pixels, y, x, side):
     """Mean of a block per channel, halves up; rows and columns wrap."""
     total = rectangle(pixels, (y, x), (side, side)).astype(int).sum(axis=(0, 1))
     return (2 * total + side * side) // (2 * side * side)
 
 
-def block_distances(pixels, blocks, side, query, usable, stride):
+def square_distances(pixels, squares, side, query, usable, stride):
     """{window: squared distance of its block means to the query's} for every stride-th window."""
     found = {}
     for y, x in np.argwhere(usable):
         if y % stride or x % stride:
             continue
-        means = np.concatenate([block_mean(pixels, y + v, x + u, side) for v, u in blocks])
+        means = np.concatenate([square_mean(pixels, y + v, x + u, side) for v, u in squares])
         found[int(y), int(x)] = int(((means - query) ** 2).sum())
     return found

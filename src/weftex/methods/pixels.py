@@ -19,7 +19,7 @@ from weftex.search.windows import Windows, square_windows
 
 
 class Growth:
-    """One output of a method that chooses pixels, while it is made."""
+    """One output, by the source of each pixel, while it is made."""
 
     def __init__(
         self,
@@ -85,9 +85,9 @@ class Growth:
 
 
 class PixelModel(Model):
-    """The model of a method that chooses pixels: a prepared sample and the algorithm.
+    """The model of a method with one source for each pixel: a prepared sample and the algorithm.
 
-    ``grow(prepared, growth)``, a function of a module, makes `pixels` and `source` of every unknown
+    ``grow(prepared, growth)``, which can be pickled, makes `pixels` and `source` of every unknown
     pixel. `prepared.windows` are indexed by `Growth.source`; it is immutable and picklable.
     """
 

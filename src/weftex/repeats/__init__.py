@@ -61,12 +61,6 @@ class Repetition:
     in_line: float = 0.0  # for all of a patch, shown once in the same rows or columns
     most: float = 4.0  # repeats that count
 
-    def factors(self, nearby: NDArray[np.float64], use: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Factors for repeats nearby, by their weights, and for use."""
-        use = np.minimum(use, self.most)
-        result: NDArray[np.float64] = 1 + self.strength * (self.nearby * nearby + self.use * use)
-        return result
-
 
 class Usage:
     """The sources of every `step`-th pixel of an output, both ways.

@@ -83,11 +83,10 @@ class SaliencePenalty:
         first, last = places.min(axis=0) // self.cell, places.max(axis=0) // self.cell
         sums = self.sums(pixel, len(allowed), first, last - first + 1)
         repeats, salience, used, beside, area, mirrored = np.moveaxis(sums, 1, 0)
-        strength = self.policy.strength
-        factors = self.policy.factors(
-            nearby=repeats / np.maximum(_UNIT * salience, 1),
-            use=used / np.maximum(area * self._mean, 1),
-        )
+        policy, strength = self.policy, self.policy.strength
+        nearby = repeats / np.maximum(_UNIT * salience, 1)
+        use = np.minimum(used / np.maximum(area * self._mean, 1), policy.most)
+        factors = 1 + strength * (policy.nearby * nearby + policy.use * use)
         factors += strength * np.minimum(_BESIDE * beside / np.maximum(area, 1), _MOST_BESIDE)
         factors[mirrored > _SHARE * (self.cells.shape[1] - 1)] += strength * _NEVER
         found = []

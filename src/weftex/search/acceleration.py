@@ -35,7 +35,7 @@ def kd_tree(points: NDArray[np.integer]) -> Any:
 
 
 class QuadtreePyramid:
-    """The quadtree pyramid of section 3.2: means over blocks at every pixel of a sample (H, W, C).
+    """The quadtree pyramid of section 3.2: means over squares at every pixel of a sample (H, W, C).
 
     The paper keeps all four shifts of each halving, so level 3 is 16 small pictures: the pixels of
     one picture of means, sorted by shift. Rows of a shift are contiguous, as the kernel wants them.
@@ -46,7 +46,7 @@ class QuadtreePyramid:
         self._nodes: dict[tuple[int, int], NDArray[np.uint8]] = {}
 
     def nodes(self, side: int, stride: int) -> NDArray[np.uint8]:
-        """Return (channel, shift y, shift x, row, column): rounded means of side x side blocks.
+        """Return (channel, shift y, shift x, row, column): rounded means of side x side squares.
 
         `side` is a power of two; the paper's level 3 is 4. Windows are `stride` pixels apart.
         """
@@ -57,29 +57,29 @@ class QuadtreePyramid:
             found = np.zeros((channels, stride, stride, down, across), np.uint8)
             means = np.zeros((down * stride, across * stride), np.uint8)
             for channel in range(channels):  # one at a time: samples may be of 12 megapixels
-                means[:rows, :columns] = _block_means(self.pixels[..., channel], side)
-                blocks = means.reshape(down, stride, across, stride)
-                found[channel] = blocks.transpose(1, 3, 0, 2)
+                means[:rows, :columns] = _square_means(self.pixels[..., channel], side)
+                squares = means.reshape(down, stride, across, stride)
+                found[channel] = squares.transpose(1, 3, 0, 2)
             self._nodes[side, stride] = found
         return self._nodes[side, stride]
 
     def windows(
-        self, blocks: NDArray[np.int32], side: int, stride: int, rows: int, columns: int
+        self, squares: NDArray[np.int32], side: int, stride: int, rows: int, columns: int
     ) -> NDArray[np.uint8]:
-        """Return (blocks * channels, rows * columns): every window's blocks in the kernel's order.
+        """Return (squares * channels, rows * columns): every window's, in the kernel's order.
 
         `rows` and `columns` count windows, `stride` pixels apart.
         """
         nodes = self.nodes(side, stride)
-        found = np.empty((len(blocks), nodes.shape[0], rows, columns), np.uint8)
-        for k, (v, u) in enumerate(blocks.tolist()):
+        found = np.empty((len(squares), nodes.shape[0], rows, columns), np.uint8)
+        for k, (v, u) in enumerate(squares.tolist()):
             i, j = v // stride, u // stride
             found[k] = nodes[:, v % stride, u % stride, i : i + rows, j : j + columns]
         return found.reshape(-1, rows * columns)
 
 
-def _block_means(level: NDArray[np.uint8], side: int) -> NDArray[Any]:
-    """Means over blocks at every pixel, rounded as `acceleration_kernels.block_means` rounds."""
+def _square_means(level: NDArray[np.uint8], side: int) -> NDArray[Any]:
+    """Means over squares at every pixel, rounded as `acceleration_kernels.square_means` rounds."""
     total: NDArray[Any] = level.astype(np.uint16 if side <= 16 else np.uint32)  # holds sums
     step = 1
     while step < side:

@@ -1,11 +1,11 @@
-cpdef void block_means(const unsigned char[:, :, ::1] canvas, Py_ssize_t y, Py_ssize_t x,
-                      const int[:, ::1] blocks, Py_ssize_t side, int[::1] means) noexcept nogil
+cpdef void square_means(const unsigned char[:, :, ::1] canvas, Py_ssize_t y, Py_ssize_t x,
+                      const int[:, ::1] squares, Py_ssize_t side, int[::1] means) noexcept nogil
 
 cdef Py_ssize_t offer(long long key, int place, Py_ssize_t count, Py_ssize_t wanted,
                       long long* keys, int* places) noexcept nogil
 
-cpdef Py_ssize_t nearest_by_blocks(const unsigned char[:, :, :, :, ::1] nodes,
-                                  const int[:, ::1] blocks, const int[::1] query,
+cpdef Py_ssize_t nearest_by_squares(const unsigned char[:, :, :, :, ::1] nodes,
+                                  const int[:, ::1] squares, const int[::1] query,
                                   const unsigned char[:, ::1] usable, Py_ssize_t wanted,
                                   long long[::1] distances, int[::1] corners) noexcept nogil
 

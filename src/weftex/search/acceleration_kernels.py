@@ -2,7 +2,7 @@
 # cython: infer_types=True
 """Kernels that list the windows nearest at a low resolution; compiled, see setup.py and the .pxd.
 
-A window is described by the means of blocks in it, or by their principal components (Liang et al.,
+A window is described by the means of squares in it, or by their principal components (Liang et al.,
 2001, sections 3.2 and 3.3). Distances are sums of squared differences of integers, so every order
 of summation, vector width and machine gives the same one.
 """
@@ -13,19 +13,19 @@ import cython
 FARTHEST = cython.declare(cython.int, 4095)
 
 
-def block_means(canvas, y, x, blocks, side, means):
+def square_means(canvas, y, x, squares, side, means):
     """Mean of each side x side block of a window of the canvas, around its borders, per channel.
 
     It is rounded as `QuadtreePyramid` rounds the sample's.
     """
     cython.declare(cy=cython.Py_ssize_t, cx=cython.Py_ssize_t, total=cython.int)
     height, width, channels = canvas.shape[0], canvas.shape[1], canvas.shape[2]
-    for b in range(blocks.shape[0]):
+    for b in range(squares.shape[0]):
         for k in range(channels):
             total = 0
-            cy = (y + blocks[b, 0]) % height
+            cy = (y + squares[b, 0]) % height
             for i in range(side):
-                cx = (x + blocks[b, 1]) % width
+                cx = (x + squares[b, 1]) % width
                 for j in range(side):
                     total += canvas[cy, cx, k]
                     cx = cx + 1 if cx + 1 < width else 0
@@ -72,8 +72,8 @@ def offer(
     return count
 
 
-def nearest_by_blocks(nodes, blocks, query, usable, wanted, distances, corners):
-    """Find the windows whose blocks are nearest to the query's, over one node of the pyramid each.
+def nearest_by_squares(nodes, squares, query, usable, wanted, distances, corners):
+    """Find the windows whose squares are nearest to the query's, over one node of the pyramid each.
 
     `nodes` is (channel, shift y, shift x, row, column): with a stride of s, the window at (s * i, s
     * j) reads the block at (v, u) in node (v % s, u % s) at (i + v // s, j + u // s).
@@ -89,8 +89,8 @@ def nearest_by_blocks(nodes, blocks, query, usable, wanted, distances, corners):
             n = min(1024, columns - start)
             for j in range(n):
                 total[j] = 0
-            for b in range(blocks.shape[0]):
-                v, u = blocks[b, 0], blocks[b, 1]
+            for b in range(squares.shape[0]):
+                v, u = squares[b, 0], squares[b, 1]
                 for k in range(channels):
                     q = cython.cast(cython.short, query[b * channels + k])
                     node = cython.address(

@@ -263,7 +263,7 @@ class GraphCutModel(PixelModel):
         placement = placement_of(method, shape, sample, growth)
         growth.tone_reach = method.tone_reach
         growth.about |= method.describe() | {"patch_shape": list(placement.size)}
-        cover(method, placement, sample, growth)
+        cut_and_paste(method, placement, sample, growth)
 
 
 def placement_of(
@@ -294,13 +294,13 @@ def placement_of(
     return EntirePatchMatching(sample, growth, lattice=method.lattice, penalty=penalty)
 
 
-def cover(method: GraphCut, placement: Placement, sample: Sample, growth: Growth) -> None:
-    """The algorithm; sections are those of the paper."""
+def cut_and_paste(method: GraphCut, placement: Placement, sample: Sample, growth: Growth) -> None:
+    """Cover an output with patches of the sample: sections 3 to 5 of Kwatra et al. (2003)."""
     assert method.candidates is not None and method.refinements is not None
     count, tolerance = method.candidates, _given(method.tolerance, 1.0)  # random: all match
     copies = method.placement == "entire" and bool(sample.boxes)
     threads = min(growth.threads, count) if math.prod(placement.size) >= _LARGE else 1
-    picture = CutCanvas(sample, growth, placement.size, placement.reduction, threads, copies=copies)
+    canvas = CutCanvas(sample, growth, placement.size, placement.reduction, threads, copies=copies)
     with quick_map(threads) as map_:
 
         def best_patch(pixel: tuple[int, int], number: int, *, centered: bool) -> Patch:
@@ -312,20 +312,20 @@ def cover(method: GraphCut, placement: Placement, sample: Sample, growth: Growth
             if len(patches) == 1:
                 return patches[0]
             # Not in the paper: of several, the patch whose seams cost least for each new pixel.
-            return picture.cheapest(patches, map_)
+            return canvas.cheapest(patches, map_)
 
         # Patches that each cover the first missing pixel (section 4), cut with old seams (3.1).
         pasted = 0
         progress = growth.progress(int((growth.done == 0).sum()), "pixels")
-        for pixel in picture.missing():
-            progress.advance(picture.paste(best_patch(pixel, pasted, centered=False)))
+        for pixel in canvas.missing():
+            progress.advance(canvas.paste(best_patch(pixel, pasted, centered=False)))
             pasted += 1
 
         # Patches over the worst seams (section 4), surrounded by old pixels (section 3.2).
         more = round(method.refinements * pasted)
         if not more:
             return
-        seams = WorstSeams(picture, growth.canvas, placement.size)
+        seams = WorstSeams(canvas, growth.canvas, placement.size)
         progress = growth.progress(more, "repairs")
         for number in range(pasted, pasted + more):
             worst = seams.worst()
@@ -334,7 +334,7 @@ def cover(method: GraphCut, placement: Placement, sample: Sample, growth: Growth
                 progress.advance(progress.total - progress.done)
                 break
             best = best_patch(worst, number, centered=True)
-            picture.paste(best)
+            canvas.paste(best)
             seams.update_around(best)
             progress.advance(1)
 

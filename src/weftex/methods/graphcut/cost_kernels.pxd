@@ -8,7 +8,7 @@ cdef class Labeling:
     cdef unsigned char[:, ::1] pixels
     cdef int[::1] labels
     cdef unsigned char[::1] done
-    cdef const unsigned char[::1] known
+    cdef const unsigned char[::1] fixed
     cdef signed char[::1] runs
     cdef int height
     cdef int width

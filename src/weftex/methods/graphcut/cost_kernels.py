@@ -14,7 +14,7 @@ class Labeling:
     """The canvas and the sample, with old seams wherever labels do not continue.
 
     A label is -1 for a known pixel that is not from the sample. `done` is 1 for known and pasted
-    pixels, `known` where a pixel may not be replaced. `runs` is, for each pixel, the number of
+    pixels, `fixed` where a pixel may not be replaced. `runs` is, for each pixel, the number of
     pixels from it on along its row, at most 127, that may be replaced and have no seam to the right
     or below; or, negative, the number that are missing.
 
@@ -25,7 +25,7 @@ class Labeling:
     """
 
     def __init__(self, canvas, shape, wrap, sample, sample_shape, whole):
-        self.pixels, self.labels, self.done, self.known, self.runs = canvas
+        self.pixels, self.labels, self.done, self.fixed, self.runs = canvas
         self.height, self.width = shape
         self.wrap_y, self.wrap_x = wrap
         self.colors, self.usable, self.joins, self.gradients = sample
@@ -107,7 +107,7 @@ def sum_seams(
                 q = neighbor(labeling, p, d, 1 - d)
                 if q < 0 or q == p or not labeling.done[p] or not labeling.done[q]:
                     continue
-                if labeling.known[p] and labeling.known[q]:
+                if labeling.fixed[p] and labeling.fixed[q]:
                     continue
                 cost += seam_cost(labeling, p, q, d, labeling.labels[p], labeling.labels[q])
             cells[rows[i] // side, columns[j] // side] += cost - costs[rows[i], columns[j]]
@@ -116,7 +116,7 @@ def sum_seams(
 
 def may_change(labeling, p):
     """Whether a pixel is there and may be replaced."""
-    return labeling.done[p] and not labeling.known[p]
+    return labeling.done[p] and not labeling.fixed[p]
 
 
 def is_joined(labeling, p, d, last):

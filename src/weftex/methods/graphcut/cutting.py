@@ -44,12 +44,12 @@ class CutCanvas:
         self.growth, canvas = growth, growth.canvas
         self.shape, self.sample_shape = canvas.shape, sample.exemplar.shape
         self.done, self.halvings = growth.done.ravel(), block.bit_length() - 1
-        known = self.done.copy()
+        fixed = self.done.copy()
         if canvas.shown is not None and canvas.hole is not None:
-            known = (~canvas.hole).ravel().astype(np.uint8)
-        pixels, self.runs = growth.pixels.reshape(known.size, -1), np.zeros(known.size, np.int8)
+            fixed = (~canvas.hole).ravel().astype(np.uint8)
+        pixels, self.runs = growth.pixels.reshape(fixed.size, -1), np.zeros(fixed.size, np.int8)
         self.labeling = cost_kernels.Labeling(
-            (pixels, growth.source.ravel(), self.done, known, self.runs),
+            (pixels, growth.source.ravel(), self.done, fixed, self.runs),
             self.shape,
             canvas.wrap,
             sample.seam_costs,

@@ -53,7 +53,7 @@ def mark_choices(graph):
                 missing += 0 if done else run
                 j += run
                 continue
-            if done and graph.labeling.known[p]:
+            if done and graph.labeling.fixed[p]:
                 graph.choice[i, j] = OLD
             elif whole or graph.labeling.usable[in_sample(graph, i, j)]:
                 graph.choice[i, j] = EITHER if done else NEW

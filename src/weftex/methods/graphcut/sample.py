@@ -17,7 +17,7 @@ from weftex.analysis.patch_sizes import patch_size_of
 from weftex.errors import InvalidInputError
 from weftex.exemplar import Exemplar
 from weftex.exemplar.turns import copies_in
-from weftex.methods.graphcut import match_kernels as kernels
+from weftex.methods.graphcut import pyramid_kernels as kernels
 from weftex.raster.arrays import fast_size
 from weftex.raster.turning import Box
 from weftex.search.translation import Spectra

@@ -15,7 +15,7 @@ from weftex.methods.patches.method import SEARCHES, PatchMethod
 from weftex.methods.patches.patch_kernels import WindowSearch
 from weftex.raster.boxes import box_sums
 from weftex.search.acceleration import Components, QuadtreePyramid, fit_pca, kd_tree
-from weftex.search.acceleration_kernels import block_means, project
+from weftex.search.acceleration_kernels import project, square_means
 
 _MOST_NUMBERS = 288  # of the low resolution that describe one zone
 _MOST_WINDOWS = 16384  # that the default search compares; more are thinned out first
@@ -44,10 +44,10 @@ class PatchAnalysis:
         self.pixels = np.ascontiguousarray(self.pixels)
         self.transposed = np.ascontiguousarray(self.pixels.transpose(1, 0, 2))
         self.pyramid = QuadtreePyramid(self.pixels)
-        #: The largest side of the blocks of a zone: the third level of Liang et al., section 3.2.
-        self.block_side = 4
-        if method.search == "pca":  # larger blocks lose little; single pixels need each neighbor
-            self.block_side = 1 if method.pixelwise else 16
+        #: The largest side of the squares of a zone: the third level of Liang et al., section 3.2.
+        self.square_side = 4
+        if method.search == "pca":  # larger squares lose little; single pixels need each neighbor
+            self.square_side = 1 if method.pixelwise else 16
         self._searches: dict[tuple[Any, ...], ZoneSearch] = {}
         self._windows: dict[tuple[int, int], tuple[NDArray[np.uint8], NDArray[np.int32]]] = {}
         self._others: dict[PatchMethod, PatchAnalysis] = {}
@@ -88,13 +88,7 @@ class PatchAnalysis:
         """Mark and number the upper left corners of windows in the usable part of the sample."""
         if (rows, columns) not in self._windows:
             height, width = self.exemplar.shape
-            if self.mask.all():
-                sides = (
-                    max(0, n - k + 1) for n, k in zip(self.mask.shape, (rows, columns), strict=True)
-                )
-                usable = np.ones((*sides,), np.uint8)
-            else:
-                usable = np.asarray(box_sums(~self.mask, rows, columns) == 0, np.uint8)
+            usable = np.asarray(box_sums(~self.mask, rows, columns) == 0, np.uint8)
             # A sample that tiles is padded: beyond its own size windows come a second time.
             usable = np.ascontiguousarray(usable[:height, :width])
             if not usable.any():
@@ -144,8 +138,8 @@ class PatchAnalysis:
             width,
             frozen=frozen,
             outlines=of_hole,
-            block_side=self.block_side,
-            most_blocks=max(16, _MOST_NUMBERS // self.pixels.shape[2]),
+            square_side=self.square_side,
+            most_squares=max(16, _MOST_NUMBERS // self.pixels.shape[2]),
             paste=method.blend == "none",
             core=(width, width) if method.pixelwise else None,
         )
@@ -203,7 +197,7 @@ class ZoneSearch:
         coarse = usable[:: self.stride, :: self.stride] > 0
         zone, numbers = self.zone, np.arange(usable.size, dtype=np.int32).reshape(usable.shape)
         self._corners = numbers[:: self.stride, :: self.stride][coarse]
-        windows = pyramid.windows(zone.blocks, zone.side, self.stride, *coarse.shape)
+        windows = pyramid.windows(zone.squares, zone.side, self.stride, *coarse.shape)
         points: NDArray[Any] = windows if coarse.all() else windows[:, coarse.ravel()]
         if search != "kdtree":
             self._pca = fit_pca(points)
@@ -215,8 +209,8 @@ class ZoneSearch:
         self, canvas: NDArray[np.uint8], y: int, x: int, wanted: int
     ) -> NDArray[np.int32]:
         """Return the windows that the kd-tree finds for the zone at (y, x) of the canvas."""
-        query = np.empty(len(self.zone.blocks) * canvas.shape[2], np.int32)
-        block_means(canvas, y, x, self.zone.blocks, self.zone.side, query)
+        query = np.empty(len(self.zone.squares) * canvas.shape[2], np.int32)
+        square_means(canvas, y, x, self.zone.squares, self.zone.side, query)
         if self._pca is not _NO_PCA:
             pca, means, query = self._pca, query, np.empty(len(self._pca.basis), np.int16)
             project(pca.basis, pca.offset, pca.shift, means, query)

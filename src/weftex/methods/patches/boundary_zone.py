@@ -25,9 +25,9 @@ class BoundaryZone:
     weight: NDArray[np.uint16]
     #: (n, 4), the zone as strips of pixels (upright?, v, u, length): tall for tall parts.
     strips: NDArray[np.int32]
-    #: (n, 2): corners (v, u) of blocks in the zone, for the low resolution.
-    blocks: NDArray[np.int32]
-    side: int  # of the blocks
+    #: (n, 2): corners (v, u) of squares in the zone, for the low resolution.
+    squares: NDArray[np.int32]
+    side: int  # of the squares
     #: (9,), where minimum-error paths run: how deep, the box (left, right, top, bottom) that the
     #: patch can show in, and whether there is a band at each of these sides.
     bands: NDArray[np.int32]
@@ -40,8 +40,8 @@ def boundary_zone(
     *,
     frozen: NDArray[np.bool_] | None = None,
     outlines: bool = False,
-    block_side: int = 4,
-    most_blocks: int = 96,
+    square_side: int = 4,
+    most_squares: int = 96,
     paste: bool = False,
     core: tuple[int, int] | None = None,
 ) -> BoundaryZone:
@@ -60,20 +60,25 @@ def boundary_zone(
     if core is not None:
         weight[:] = 0
         weight[core] = 256
-    side = 1
-    while side * 2 <= min(block_side, width):
-        side *= 2
-    blocks = _tile(zone, side)
-    while side > 1 and len(blocks) * side * side * 2 < zone.sum():
-        side //= 2
-        blocks = _tile(zone, side)
-    if len(blocks) > most_blocks:
-        blocks = blocks[np.linspace(0, len(blocks) - 1, most_blocks).astype(int)]
-    shown_rows, shown_columns = (np.flatnonzero((weight > 0).any(axis=a)) for a in (1, 0))
-    box = (0, 0, *known.shape)
-    if len(shown_rows):
-        box = (shown_rows[0], shown_columns[0], shown_rows[-1] + 1, shown_columns[-1] + 1)
-    top, left, bottom, right = (int(k) for k in box)
+    squares, side = squares_over(zone, min(square_side, width), most_squares)
+    return BoundaryZone(
+        weight=weight.astype(np.uint16),
+        strips=strips_over(zone, width),
+        squares=squares,
+        side=side,
+        bands=bands_of(zone, weight > 0, width, outlines),
+        area=int(zone.sum()),
+    )
+
+
+def bands_of(
+    zone: NDArray[np.bool_], shows: NDArray[np.bool_], width: int, outlines: bool
+) -> NDArray[np.int32]:
+    """Return where minimum-error paths run, see `BoundaryZone`; `shows` is where the patch may."""
+    rows, columns = (np.flatnonzero(shows.any(axis=a)) for a in (1, 0))
+    top, left, bottom, right = 0, 0, *zone.shape
+    if len(rows):
+        top, left, bottom, right = rows[0], columns[0], rows[-1] + 1, columns[-1] + 1
     depth = min(width, bottom - top, right - left)
     if outlines:
         depth = max(depth, min(bottom - top, right - left) // 2)
@@ -82,14 +87,19 @@ def boundary_zone(
     sides = (shown[:, :depth], shown[:, -depth:], shown[:depth].T, shown[-depth:].T)
     # The corner of a zone is no side of it; the outline of a hole need not follow any.
     cut = [side.any() if outlines else side.any(axis=1).all() for side in sides]
-    return BoundaryZone(
-        weight=weight.astype(np.uint16),
-        strips=strips_over(zone, width),
-        blocks=np.ascontiguousarray(blocks, np.int32),
-        side=side,
-        bands=np.array([depth, left, right, top, bottom, *cut], np.int32),
-        area=int(zone.sum()),
-    )
+    return np.array([depth, left, right, top, bottom, *cut], np.int32)
+
+
+def squares_over(zone: NDArray[np.bool_], largest: int, most: int) -> tuple[NDArray[np.int32], int]:
+    """Cover the zone with squares, at most half of it left out; return corners and their side."""
+    side = 1 << largest.bit_length() - 1
+    squares = _tile(zone, side)
+    while side > 1 and len(squares) * side * side * 2 < zone.sum():
+        side //= 2
+        squares = _tile(zone, side)
+    if len(squares) > most:
+        squares = squares[np.linspace(0, len(squares) - 1, most).astype(int)]
+    return np.ascontiguousarray(squares, np.int32), side
 
 
 def strips_over(zone: NDArray[np.bool_], width: int) -> NDArray[np.int32]:
@@ -105,13 +115,13 @@ def strips_over(zone: NDArray[np.bool_], width: int) -> NDArray[np.int32]:
 
 
 def _tile(zone: NDArray[np.bool_], side: int) -> NDArray[np.int64]:
-    """Blocks inside the zone that together cover it, each mostly pixels of its own."""
+    """Squares inside the zone that together cover it, each mostly pixels of its own."""
     if side == 1:
         return np.argwhere(zone)
     inside = box_sums(zone, side, side) == side * side
     left = zone.copy()
     chosen = []
-    for own_share in (side * side, side * side // 2):  # whole blocks first
+    for own_share in (side * side, side * side // 2):  # whole squares first
         for v in np.flatnonzero(inside.any(axis=1)).tolist():
             counts = np.cumsum(left[v : v + side].sum(axis=0))
             own = np.append(counts[side - 1], counts[side:] - counts[:-side])

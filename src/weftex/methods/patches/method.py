@@ -16,13 +16,13 @@ from weftex.method import Method
 from weftex.methods.patches.patch_kernels import FINDERS, LARGEST_M
 from weftex.parameters import parameter
 
-_ALL, _BLOCKS, _COMPONENTS, _TREE = FINDERS
+_ALL, _SQUARES, _COMPONENTS, _TREE = FINDERS
 #: Kinds of search, and how the kernel finds the candidates; sections are of Liang et al. (2001).
 SEARCHES = {
     "exhaustive": _ALL,
-    "quadtree": _BLOCKS,  # section 3.2
+    "quadtree": _SQUARES,  # section 3.2
     "pca": _COMPONENTS,  # the default, which is ours: section 3.3 with a scan in place of a tree
-    "kdtree": _TREE,  # section 3.1, over the blocks of section 3.2
+    "kdtree": _TREE,  # section 3.1, over the squares of section 3.2
     "kdtree-pca": _TREE,  # section 3.1, over the components of section 3.3
 }
 _LAMBDA = 0.3  # patch size over the sample's shorter side (Liang et al., section 2.4)

@@ -70,9 +70,8 @@ class PatchModel(Model):
             placements[:, 2:4] += reach
             placements[:, 4] = 0
         placements[:, 2:4] %= self.exemplar.shape
-        about = method.describe() | {"seed": seed}
-        known_from, picture = canvas.known_from, output.picture()
-        return output.synthesis(canvas, about, picture=picture, known_from=known_from)
+        about, known_from = method.describe() | {"seed": seed}, canvas.known_from
+        return output.synthesis(canvas, about, picture=output.picture(), known_from=known_from)
 
     @property
     def _plane_boundary(self) -> int:
@@ -216,7 +215,7 @@ class Output:
             analysis, window, wanted = self.analysis, self.frame.window, self._wanted
             room = len(analysis.windows(*window)[1])
             if wanted:  # the stride is halved until it is 1; it is at most the side of a block
-                room = wanted + SKIPPED * analysis.block_side
+                room = wanted + SKIPPED * analysis.square_side
             numbers = window[0] * window[1] * analysis.pixels.shape[2]
             depth = max(self.frame.boundary_width, min(window) // 2)  # of a band with a path
             self._shortlists[get_ident()] = Shortlist(

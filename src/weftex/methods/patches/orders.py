@@ -21,8 +21,8 @@ from weftex.random import draw
 from weftex.raster.masks import grown
 
 _MOST_AROUND = 11  # earlier patches that a patch should not repeat
-_THREADS_FROM = 512  # patches; fewer are pasted faster by one thread
-_PATCHES_IN_PIECE = 16  # that a thread takes at a time
+THREADS_FROM = 512  # patches; fewer are pasted faster by one thread
+PIECE = 16  # patches that a thread takes at a time
 
 
 @dataclass(frozen=True, eq=False)
@@ -132,12 +132,12 @@ def scan_patches(frame: Frame, zones: Zones, seed: int, threads: int) -> Order:
         return runs_of(found, row * columns + first)
 
     # Around a wrapped axis every patch of a row depends on the whole row above.
-    parallel = threads > 1 and not canvas.wrap[1] and rows * columns >= _THREADS_FROM
+    parallel = threads > 1 and not canvas.wrap[1] and rows * columns >= THREADS_FROM
     fronts: Iterable[list[tuple[int, int, int]]] = ([(row, 0, columns)] for row in range(rows))
     if parallel:
         ends = np.add(starts[1], window[1])
         overlapped = np.searchsorted(starts[1], ends) - 1 - np.arange(columns)
-        fronts = wavefronts(rows, columns, _PATCHES_IN_PIECE, max(1, int(overlapped.max())))
+        fronts = wavefronts(rows, columns, PIECE, max(1, int(overlapped.max())))
     grid = np.meshgrid(*starts, indexing="ij")
     around = np.zeros((rows * columns, 0), np.int32)
     if frame.method.repeat_distance > 0:
@@ -353,10 +353,8 @@ def spiral(cells: NDArray[np.bool_]) -> Iterator[tuple[int, int]]:
 def _groups(cells: NDArray[np.bool_]) -> Iterator[NDArray[np.bool_]]:
     left = cells.copy()
     while left.any():
-        group, wider = (
-            np.zeros_like(left),
-            np.arange(left.size).reshape(left.shape) == left.argmax(),
-        )
+        group = np.zeros_like(left)
+        wider = np.arange(left.size).reshape(left.shape) == left.argmax()
         while (wider != group).any():
             group, wider = wider, grown(wider, 1, (False, False)) & left
         left &= ~group

@@ -2,7 +2,7 @@ cimport cython
 
 cdef enum:  # how the candidates for a patch are found
     ALL = 0  # they are all windows
-    BLOCKS = 1  # they are the nearest in the low resolution (Liang et al., section 3.2)
+    SQUARES = 1  # they are the nearest in the low resolution (Liang et al., section 3.2)
     COMPONENTS = 2  # or in its principal components (section 3.3)
     TREE = 3  # or those that a kd-tree finds (section 3.1): it has listed them
 
@@ -31,7 +31,7 @@ cdef class WindowSearch:
     cdef const unsigned char[:, ::1] usable
     cdef const int[::1] corners
     cdef Py_ssize_t area, side  # these and the next ones: of `BoundaryZone`
-    cdef const int[:, ::1] strips, blocks
+    cdef const int[:, ::1] strips, squares
     cdef const int[::1] bands
     cdef const unsigned char[:, :, :, :, ::1] nodes
     cdef const short[:, ::1] basis, coordinates  # these and the next ones: of `Components`
@@ -44,7 +44,7 @@ cdef class Shortlist:
     cdef long long[::1] distances  # squared, of the zones; above a bound, partial sums
     cdef unsigned char[::1] marks  # why a candidate may not be drawn; 0 if it may
     cdef unsigned char[::1] zone  # the pixels of the output in the zone
-    cdef int[::1] means  # of its blocks
+    cdef int[::1] means  # of its squares
     cdef short[::1] coordinates  # in principal components
     cdef long long[:, ::1] path  # scratch of `cut_bands`
 

@@ -12,14 +12,14 @@ from cython.cimports.weftex.methods.patches.cut_kernels import cut_bands
 from cython.cimports.weftex.raster.difference_kernels import squared
 from cython.cimports.weftex.results.paste_kernels import Layout, paste
 from cython.cimports.weftex.search.acceleration_kernels import (
-    block_means,
-    nearest_by_blocks,
     nearest_by_coordinates,
+    nearest_by_squares,
     project,
+    square_means,
 )
 
 #: For Python, the constants of the .pxd.
-FINDERS = int(ALL), int(BLOCKS), int(COMPONENTS), int(TREE)
+FINDERS = int(ALL), int(SQUARES), int(COMPONENTS), int(TREE)
 
 # The largest m of Liang et al., section 3.2.
 MOST_CANDIDATES = cython.declare(cython.Py_ssize_t, 10000)
@@ -82,7 +82,7 @@ class WindowSearch:
     def __init__(self, finder, stride, usable, corners, zone, nodes, pca):
         self.finder, self.stride = finder, stride
         self.usable, self.corners, self.nodes = usable, corners, nodes
-        self.area, self.strips, self.blocks = zone.area, zone.strips, zone.blocks
+        self.area, self.strips, self.squares = zone.area, zone.strips, zone.squares
         self.side, self.bands = zone.side, zone.bands
         self.basis, self.offset = pca.basis, pca.offset
         self.shift, self.coordinates = pca.shift, pca.coordinates
@@ -171,10 +171,10 @@ def list_candidates(canvas, y, x, search, shortlist):
         for i in range(search.corners.shape[0]):
             shortlist.corners[i] = search.corners[i]
         return search.corners.shape[0]
-    block_means(canvas, y, x, search.blocks, search.side, shortlist.means)
-    if search.finder == BLOCKS:
-        return nearest_by_blocks(
-            search.nodes, search.blocks, shortlist.means, search.usable, shortlist.wanted,
+    square_means(canvas, y, x, search.squares, search.side, shortlist.means)
+    if search.finder == SQUARES:
+        return nearest_by_squares(
+            search.nodes, search.squares, shortlist.means, search.usable, shortlist.wanted,
             shortlist.distances, shortlist.corners,
         )  # fmt: skip
     project(search.basis, search.offset, search.shift, shortlist.means, shortlist.coordinates)

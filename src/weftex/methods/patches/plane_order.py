@@ -29,7 +29,7 @@ from weftex.endless.boxes import Box, Span
 from weftex.endless.corners import SamplePieces
 from weftex.endless.grid import Axis
 from weftex.methods.patches.analysis import Zones
-from weftex.methods.patches.orders import Order, Run, Step
+from weftex.methods.patches.orders import PIECE, THREADS_FROM, Order, Run, Step
 from weftex.random import draw
 from weftex.raster.arrays import Ints
 
@@ -51,7 +51,6 @@ _TWO_STEPS = [
     for second in _TOUCHING
     if (_AROUND[first][0] + _AROUND[second][0], _AROUND[first][1] + _AROUND[second][1]) == (i, j)
 ]
-_THREADS_FROM, _IN_PIECE = 512, 16  # patches; see `orders.scan_patches`
 _TURN = 1 << 20  # more than any place within a block
 
 
@@ -184,7 +183,7 @@ class PlaneOrder:
         ends = [0, *changes.tolist(), len(y)]
         steps = []
         for a, b in pairwise(ends):  # patches with the same turn are independent of each other
-            runs = [Run(int(zone[a]), k, min(k + _IN_PIECE, b)) for k in range(a, b, _IN_PIECE)]
+            runs = [Run(int(zone[a]), k, min(k + PIECE, b)) for k in range(a, b, PIECE)]
             steps.append(Step([[run] for run in runs], b - a))
         return Order(
             corners=corners.astype(np.int32),
@@ -193,7 +192,7 @@ class PlaneOrder:
             steps=iter(steps),
             total=len(y),
             stage="patches",
-            parallel=len(y) >= _THREADS_FROM,
+            parallel=len(y) >= THREADS_FROM,
         )
 
     def _bits(self, y: Ints, x: Ints, seed: int, pieces: SamplePieces) -> NDArray[np.uint64]:

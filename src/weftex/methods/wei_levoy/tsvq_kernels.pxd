@@ -23,7 +23,9 @@ cdef class Splitting:
 
 cdef void wait(Tree tree, long long key, int node, Py_ssize_t most) noexcept nogil
 
-cdef const unsigned char* vector(Splitting tree, Py_ssize_t i) noexcept nogil
+cdef inline const unsigned char* vector(Splitting tree, Py_ssize_t i) noexcept nogil:
+    """The vector that is the ith in order; here, or it cannot be inlined."""
+    return &tree.vectors[tree.order[i], 0]
 
 cdef void means(Splitting tree, Py_ssize_t start, Py_ssize_t stop, const unsigned char* side,
                 Py_ssize_t child) noexcept nogil

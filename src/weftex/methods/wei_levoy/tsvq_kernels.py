@@ -90,11 +90,6 @@ def nearest(tree, leaves):
         tree.first += 1
 
 
-def vector(tree, i):
-    """The vector that is the ith in order."""
-    return cython.address(tree.vectors[tree.order[i], 0])
-
-
 def means(tree, start, stop, side, child):
     """The centroids of both sides, rounded."""
     count: cython.longlong
