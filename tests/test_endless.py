@@ -171,9 +171,7 @@ def test_methods_that_cannot_refuse_in_one_line(monkeypatch):
         with pytest.raises(weftex.InvalidInputError, match="stretched by .* fits$"):
             model.window(0, 0, 9, 9, seed=1, period=250)
     monkeypatch.setattr(weftex.GraphCut, "supports", frozenset({"wrap"}))
-    with pytest.raises(
-        weftex.UnsupportedError, match="not support parts of an endless plane"
-    ) as refused:
+    with pytest.raises(weftex.UnsupportedError, match="support parts of an endless") as refused:
         fitted("graphcut").window(0, 0, 9, 9, seed=1)
     assert "\n" not in str(refused.value)
 
