@@ -8,7 +8,7 @@ import pytest
 from analysis.test_lattice import smooth
 from weftex.analysis.lattice import Lattice, find_lattice
 from weftex.analysis.relief import relief
-from weftex.analysis.tiles import alternating, halves_agree
+from weftex.analysis.tile_multiples import alternating, halves_agree
 from weftex.exemplar import Exemplar
 
 CELLS = {

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from weftex.analysis.autocorrelations import _tops
-from weftex.analysis.lines import Joints, _profiles
+from weftex.analysis.lines import _profiles, edges_of
 from weftex.analysis.relief import Relief
 
 
@@ -15,7 +15,7 @@ from weftex.analysis.relief import Relief
 def test_edges_are_added_up_line_by_line(angle, shape, rng):
     usable = np.ones(shape)
     usable[4:9, 5:8] = 0
-    joints = Joints(Relief(rng.normal(size=(2, *shape)), usable, 1))
+    joints = edges_of(Relief(rng.normal(size=(2, *shape)), usable, 1))
     total, count = joints.lines(angle)
     height, width = shape
     c, s = np.cos(angle), np.sin(angle)

@@ -6,7 +6,7 @@ import pytest
 from analysis.test_lattice import smooth
 from weftex.analysis.autocorrelations import autocorrelations
 from weftex.analysis.bonds import Bonds
-from weftex.analysis.candidates import (
+from weftex.analysis.evidence import (
     SUREST,
     Evidence,
     bond_candidate,
@@ -14,7 +14,7 @@ from weftex.analysis.candidates import (
     row_candidate,
 )
 from weftex.analysis.lattice import Lattice, find_lattice
-from weftex.analysis.lines import Courses, Joints, checked, find_courses
+from weftex.analysis.lines import Courses, checked, edges_of, find_courses
 from weftex.analysis.relief import Relief, relief
 from weftex.exemplar import Exemplar
 
@@ -52,10 +52,10 @@ def test_courses_of_any_height_are_none(rng):
 
 def test_a_strip_knows_nothing_of_the_others(rng):
     """Noise is like itself and unlike other strips, whatever its sums look like."""
-    noise = Joints(Relief(rng.normal(size=(1, 96, 96)), np.ones((96, 96)), 1))
+    noise = edges_of(Relief(rng.normal(size=(1, 96, 96)), np.ones((96, 96)), 1))
     assert abs(noise.alike(0.3)[:48]).max() < 0.3
     lines = np.repeat(rng.normal(size=(1, 96, 1)), 96, axis=2)
-    assert Joints(Relief(lines, np.ones((96, 96)), 1)).alike(0.0)[0] == pytest.approx(1, abs=1e-6)
+    assert edges_of(Relief(lines, np.ones((96, 96)), 1)).alike(0.0)[0] == pytest.approx(1, abs=1e-6)
 
 
 def test_what_a_mask_leaves_out_has_no_joints(rng):
@@ -69,7 +69,7 @@ def test_what_a_mask_leaves_out_has_no_joints(rng):
 
 def test_confidence_of_rows_grows_with_each_figure():
     def of(height, alike, contrast=0.0, clear=0.0):
-        sure = Courses(np.eye(2)[0], height, alike, 3).sure
+        sure = Courses(np.eye(2)[0], height, alike).sure
         return Evidence(np.eye(2)[:1], "rows", contrast, clear, 3, sure).confidence
 
     assert of(-1, 0.5) == of(0, 0.5) == of(0.5, -1) < of(0.3, 0.5) < of(0.5, 0.5) < of(0.5, 0.8)

@@ -1,7 +1,7 @@
 """The lattice of a near-regular sample: the translations at which it matches itself.
 
 With `goodness="height"` it is the thesis's: `correlation`, peaks (`autocorrelations`), `pairs`. The
-default, "contrast", adds evidence (`candidates`): of `tiles`, `lines`, `bonds` and `prediction`.
+default, "contrast", adds `evidence`: of `tile_multiples`, `lines`, `bonds` and `prediction`.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from weftex.analysis.autocorrelations import Autocorrelations, Field, autocorrelations
-from weftex.analysis.candidates import (
+from weftex.analysis.evidence import (
     CLEAR,
     LEAST,
     Evidence,
@@ -206,7 +206,7 @@ def _as_in_thesis(fields: Autocorrelations, goodness: str) -> Evidence | None:
 def _by_contrast(fields: Autocorrelations) -> Evidence | None:
     """Return the pair or rows with the best evidence."""
     with counted(2, "analysis") as step:
-        best = better_pair(fields, pair_candidates(fields))
+        best = better_pair(pair_candidates(fields))
         step(1)
         if best is not None and best.confidence >= LEAST:
             if best.confidence < CLEAR and best.kind != "stripes":

@@ -51,8 +51,8 @@ _AS_HIGH = 0.8  # of the contrast, that closer rows must have
 _HIGHER = 0.8  # of its height: the most that every second ridge lies above the others
 
 
-#: Cached, as rows and the joints that cross them use the same edges.
-_TAKEN: WeakKeyDictionary[Relief, Joints] = WeakKeyDictionary()
+#: Cached by `Joints.step`, as rows and the joints that cross them use the same edges.
+_TAKEN: WeakKeyDictionary[Relief, dict[int, Joints]] = WeakKeyDictionary()
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,7 +62,6 @@ class Courses:
     vector: Floats  # (x, y) from one row to the next
     contrast: float  # of the correlation at multiples above that between them
     alike: float  # the correlation at no shift; 1 for a sample of lines only
-    number: int  # of multiples
 
     @property
     def sure(self) -> float:
@@ -70,39 +69,17 @@ class Courses:
         return math.sqrt(max(self.contrast, 0.0) * max(self.alike, 0.0))
 
 
+@dataclass(frozen=True, eq=False)
 class Joints:
     """The edges of a sample, which can be added up along lines of any direction."""
 
-    def __init__(self, flat: Relief) -> None:
-        inner = flat.usable >= 0.5
-        if not inner.all():  # the border of a mask is no edge
-            framed = np.pad(inner, 1, mode="edge")
-            inner = inner & framed[:-2, 1:-1] & framed[2:, 1:-1]
-            inner &= framed[1:-1, :-2] & framed[1:-1, 2:]
-        down, along = (np.gradient(flat.levels, axis=axis) for axis in (1, 2))
-        parts = np.stack([(one * other).sum(axis=0) for one, other in
-                          ((along, along), (along, down), (down, down))])  # fmt: skip
-        square = parts[0] + parts[2]
-        strength = np.sqrt(square)
-        edges = strength[inner & (strength > 0)]
-        most = _STRONGEST * median(edges) if len(edges) else 0.0
-        parts *= inner * np.minimum(strength, most) / np.maximum(square, 1e-12)
-        self._set(parts, inner, 1)
+    parts: Floats  # (3, H, W): products of the slopes: along twice, along and down, down twice
+    inner: NDArray[np.bool_]  # (H, W): where there are edges
+    step: int = 1  # pixels of the relief to one here
 
-    def _set(self, parts: Floats, inner: NDArray[np.bool_], step: int) -> None:
-        self.parts, self.inner, self.step = parts, inner, step
-        self._coarser: dict[int, Joints] = {}
-        self.y, self.x = (np.arange(side) - (side - 1) / 2 for side in inner.shape)
-
-    def coarser(self, side: float) -> Joints:
-        """Return the edges averaged over squares, about `side` of them a side."""
-        step = max(1, round(max(self.inner.shape) / side))
-        if step == 1 or min(self.inner.shape) < step:
-            return self
-        if step not in self._coarser:
-            self._coarser[step] = object.__new__(Joints)
-            self._coarser[step]._set(means(self.parts, step), means(self.inner, step) >= 0.5, step)
-        return self._coarser[step]
+    def averaged(self, step: int) -> Joints:
+        """Return the edges averaged over squares."""
+        return Joints(means(self.parts, step), means(self.inner, step) >= 0.5, step)
 
     def lines(self, angle: float) -> tuple[NDArray[Any], NDArray[Any]]:
         """Return sums and counts of edges (strip, line) along lines a pixel apart."""
@@ -112,8 +89,9 @@ class Joints:
         across = min(height / max(abs(c), 1e-9), width / max(abs(s), 1e-9)) / 2
         along = min(height / max(abs(s), 1e-9), width / max(abs(c), 1e-9)) / 2
         number = int(2 * across)
-        down = np.stack([c * self.y + number / 2, s * self.y + along])
-        across_them = np.stack([-s * self.x, c * self.x])
+        y, x = (np.arange(side) - (side - 1) / 2 for side in (height, width))
+        down = np.stack([c * y + number / 2, s * y + along])
+        across_them = np.stack([-s * x, c * x])
         direction = np.array([s * s, 2 * s * c, c * c, _STRIPS / (2 * along)])
         total, count = np.zeros((_STRIPS, number)), np.zeros((_STRIPS, number), np.int64)
         parts, inner = np.ascontiguousarray(self.parts), self.inner.view(np.uint8)
@@ -138,27 +116,38 @@ class Joints:
         return found
 
 
-def joints_of(flat: Relief) -> Joints:
-    """Return the edges of a relief, computed once."""
-    if flat not in _TAKEN:
-        _TAKEN[flat] = Joints(flat)
-    return _TAKEN[flat]
+def edges_of(flat: Relief) -> Joints:
+    """Return the edges of a relief."""
+    inner = flat.usable >= 0.5
+    if not inner.all():  # the border of a mask is no edge
+        framed = np.pad(inner, 1, mode="edge")
+        inner = inner & framed[:-2, 1:-1] & framed[2:, 1:-1]
+        inner &= framed[1:-1, :-2] & framed[1:-1, 2:]
+    down, along = (np.gradient(flat.levels, axis=axis) for axis in (1, 2))
+    pairs = (along, along), (along, down), (down, down)
+    parts = np.stack([(one * other).sum(axis=0) for one, other in pairs])
+    square = parts[0] + parts[2]
+    strength = np.sqrt(square)
+    edges = strength[inner & (strength > 0)]
+    most = _STRONGEST * median(edges) if len(edges) else 0.0
+    parts *= inner * np.minimum(strength, most) / np.maximum(square, 1e-12)
+    return Joints(parts, inner)
 
 
-def _stripes_of(flat: Relief) -> Joints:
-    """Return levels in place of edges, for any direction."""
-    stripes = object.__new__(Joints)
-    gray = mixed(flat.levels)
-    stripes._set(np.stack([gray, np.zeros_like(gray), gray]), flat.usable >= 0.5, 1)
-    return stripes.coarser(_SIDES[0])
+def joints_of(flat: Relief, side: int | None = None) -> Joints:
+    """Return the edges of a relief, averaged to about `side` pixels a side."""
+    known, shape = _TAKEN.setdefault(flat, {}), flat.usable.shape
+    step = 1 if side is None else max(1, round(max(shape) / side))
+    if step not in known:
+        known[step] = edges_of(flat) if step == 1 else joints_of(flat).averaged(step)
+    return known[step]
 
 
 def find_courses(flat: Relief, across: Floats | None = None) -> Courses | None:
     """Return the rows with the best evidence of joints, right or not."""
     if min(flat.usable.shape) < _CLOSEST * (_FEWEST + 1):
         return None
-    joints = joints_of(flat)
-    coarse, fine = (joints.coarser(side) for side in _SIDES)
+    coarse, fine = (joints_of(flat, side) for side in _SIDES)
     best, angle, distance = 0.0, 0.0, 0.0
     turns = _COARSE
     if across is not None:  # directions of lines that cross rows
@@ -180,9 +169,7 @@ def find_courses(flat: Relief, across: Floats | None = None) -> Courses | None:
         plain = tried[int(np.argmax(near))]
     distance /= fine.step
     distance = _settled(plain, distance, _CLOSEST / fine.step, 2 * _FEWEST)
-    own, number = contrast(_blurred(plain, _BLUR * distance), np.array([distance]))
-    vector = distance * fine.step * np.array([-np.sin(angle), np.cos(angle)])
-    return Courses(vector, float(own[0]), float(plain[0]), int(number[0]))
+    return _rated(fine, distance * fine.step * np.array([-np.sin(angle), np.cos(angle)]))
 
 
 def find_rows(flat: Relief) -> tuple[Floats, float] | None:
@@ -222,12 +209,14 @@ def ridges(correlation: Floats, vector: Floats) -> tuple[float, int]:
 
 def rated(flat: Relief, vector: Floats) -> Courses:
     """Return the evidence of joints for rows with a given vector."""
-    return _rated(joints_of(flat).coarser(_SIDES[1]), vector)
+    return _rated(joints_of(flat, _SIDES[1]), vector)
 
 
 def checked(flat: Relief, vectors: Floats) -> Courses | None:
     """Return the weaker evidence of stripes along the two vectors, as checked cloth has."""
-    stripes = _stripes_of(flat)
+    gray = mixed(flat.levels)
+    stripes = Joints(np.stack([gray, 0 * gray, gray]), flat.usable >= 0.5)  # of any direction
+    stripes = stripes.averaged(max(1, round(max(gray.shape) / _SIDES[0])))
     turned = vectors[::-1, ::-1] * [-1, 1]  # at right angles to the other vector
     rows = turned * (np.linalg.det(vectors) / (turned**2).sum(axis=1))[:, None]
     if np.hypot(*rows.T).min() < _CLOSEST * stripes.step:
@@ -238,8 +227,8 @@ def checked(flat: Relief, vectors: Floats) -> Courses | None:
 def _rated(joints: Joints, vector: Floats) -> Courses:
     distance = float(np.hypot(*vector)) / joints.step
     plain = joints.alike(float(np.arctan2(-vector[0], vector[1])))
-    own, number = contrast(_blurred(plain, _BLUR * distance), np.array([distance]))
-    return Courses(vector, float(own[0]), float(plain[0]), int(number[0]))
+    own = contrast(_blurred(plain, _BLUR * distance), np.array([distance]))[0]
+    return Courses(vector, float(own[0]), float(plain[0]))
 
 
 def contrast(profile: Floats, distances: Floats) -> tuple[Floats, NDArray[np.int64]]:

@@ -12,7 +12,7 @@ from functools import lru_cache
 import numpy as np
 
 from weftex.analysis.autocorrelations import Autocorrelations
-from weftex.analysis.lines import Joints, joints_of
+from weftex.analysis.lines import edges_of, joints_of
 from weftex.analysis.pairs import fitted, multiples, reduced
 from weftex.analysis.relief import Relief, means
 from weftex.raster.arrays import Floats, fast_size, median
@@ -65,7 +65,7 @@ class Edges:
             joints = joints_of(flat)
         else:
             levels, usable = (means(flat.levels, self.step), means(flat.usable, self.step))
-            joints = Joints(Relief(levels, usable, flat.step * self.step))
+            joints = edges_of(Relief(levels, usable, flat.step * self.step))
         inner = joints.inner
         self.sides = np.array(inner.shape)[::-1]
         self._size = fast_size(2 * inner.shape[0]), fast_size(2 * inner.shape[1])

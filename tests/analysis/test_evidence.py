@@ -5,9 +5,9 @@ import pytest
 
 from analysis.test_lattice import smooth
 from weftex.analysis.autocorrelations import autocorrelations, fit_vectors
-from weftex.analysis.candidates import Evidence, crossing_candidate
+from weftex.analysis.evidence import Evidence, crossing_candidate
 from weftex.analysis.lattice import Lattice, find_lattice
-from weftex.analysis.tiles import halves_agree, made_of
+from weftex.analysis.tile_multiples import halves_agree, made_of
 from weftex.exemplar import Exemplar
 
 

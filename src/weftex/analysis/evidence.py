@@ -36,7 +36,7 @@ from weftex.analysis.pairs import (
     reduced,
 )
 from weftex.analysis.prediction import predicting
-from weftex.analysis.tiles import alternating, made_of, settled, stand_out
+from weftex.analysis.tile_multiples import alternating, made_of, smallest
 from weftex.raster.arrays import Floats
 
 LEAST = 0.5  # confidence of a lattice that is reported
@@ -49,11 +49,9 @@ _OF_ROWS = 3.4  # evidence of joints within rows that a pair must have
 _FAINT = 0.1  # contrast of rows below which joints must be regular
 _REGULAR = 0.35  # of the correlation of strips: the part that regular rows have at multiples
 _SURER = 0.05  # of confidence, from which rows by joints are surer than those by ridges
-_AS_OFTEN = 0.8  # of the clearness of rows, that those at half the distance have
 _NEAREST = np.array([[1, 0], [0, 1], [1, 1], [1, -1]])  # multiples whose heights are compared
 _SEEN = 0.15  # of each side, that must overlap there
 _EVEN = 0.27  # of the highest, that the lowest has: copies had up to 0.19, lattices from 0.36 on
-_ERRORS = 4.0  # standard errors by which a larger tile's multiples stand out
 #: Of crossings of two families of joints: all, or of each row every second, third or fourth,
 #: shifted from row to row; either family may be the rows.
 _SHIFTED = [(1, 0), (2, 1), (3, 1), (3, 2), (4, 1), (4, 3)]
@@ -95,12 +93,8 @@ class Evidence:
     def figures(self) -> tuple[float, ...]:
         """The figures that are weighted."""
         contrast = max(self.contrast, 0.0)
-        return 1.0, contrast / (_HALF + contrast), math.asinh(self.often), self.lines, self.bond
-
-    @property
-    def often(self) -> float:
-        """How clear all multiples together are."""
-        return max(self.clear, 0.0) * math.sqrt(self.number)
+        clear = max(self.clear, 0.0) * math.sqrt(self.number)  # of all multiples together
+        return 1.0, contrast / (_HALF + contrast), math.asinh(clear), self.lines, self.bond
 
     @property
     def confidence(self) -> float:
@@ -125,7 +119,7 @@ def pair_candidates(fields: Autocorrelations) -> list[Evidence]:
             continue
         whitened = field is fields.white
         # In the whitened sample threads are clear, and checks are made of them.
-        one = evidence_of(fields, settled(field, best))
+        one = evidence_of(fields, smallest(field, best))
         found.append(one if whitened else _of_checks(fields, best, one))
     return found
 
@@ -161,11 +155,11 @@ def _of_checks(fields: Autocorrelations, highest: Floats, settled: Evidence) -> 
     return found if found.confidence >= least else settled
 
 
-def better_pair(fields: Autocorrelations, pairs: Sequence[Evidence]) -> Evidence | None:
+def better_pair(pairs: Sequence[Evidence]) -> Evidence | None:
     """Return the second pair if it is clearer or the first consists of its tiles, else the first.
 
     It must have half of the first one's contrast, as the threads of a checked cloth are clear too.
-    Chance makes some larger tile better than the right one, but its multiples do not stand out.
+    Chance makes some larger tile better than the right one.
     """
     if len(pairs) < 2:
         return pairs[0] if pairs else None
@@ -176,11 +170,8 @@ def better_pair(fields: Autocorrelations, pairs: Sequence[Evidence]) -> Evidence
         return first
     if made_of(second.vectors, first.vectors) is not None:  # or they are one lattice
         return first
-    times = made_of(first.vectors, second.vectors)
-    if times is not None:
-        reach = reach_of(fields.white, second.vectors, MOST_MULTIPLES)
-        errors = stand_out(fields.white, second.vectors, times, reach)[1]
-        return first if errors > _ERRORS else second
+    if made_of(first.vectors, second.vectors) is not None:
+        return second
     return second if second.clear > first.clear else first
 
 
@@ -221,18 +212,9 @@ def row_candidate(fields: Autocorrelations) -> Evidence | None:
 
 
 def _by_ridges(fields: Autocorrelations, vector: Floats, contrast: float) -> Evidence | None:
-    """Return the evidence for rows by ridges, or for rows at half their distance.
-
-    Ridges must stand out of the whitened sample. Every second one may be the higher by chance, but
-    joints come at the right distance.
-    """
+    """Return the evidence for rows by ridges, which must stand out of the whitened sample."""
     found = _rows_by(fields, vector, contrast)
-    if found is None or found.clear <= 0:
-        return None
-    if _is_regular(rated(fields.flat, vector)):
-        return found
-    half = _rows_by(fields, vector / 2, 0.0)
-    return half if half is not None and half.often > _AS_OFTEN * found.often else found
+    return None if found is None or found.clear <= 0 else found
 
 
 def _rows_by(fields: Autocorrelations, vector: Floats, contrast: float) -> Evidence | None:
