@@ -16,7 +16,7 @@ from weftex.errors import InvalidInputError
 from weftex.tasks.auto import Findings, choose, look
 from weftex.tasks.auto.findings import count_colors
 from weftex.tasks.auto.rule import Choice
-from weftex.tasks.auto.trial import best_of_choices, like_itself, others, refined_if_whole
+from weftex.tasks.auto.trial import best_of_choices, others, refined_if_whole
 
 EVEN = Evenness(0.0, 0.0, 0.0, (1.0, 1.0))
 GRASS = Findings((256, 256), None, True, 12.5, 5000, EVEN)
@@ -188,20 +188,6 @@ def test_checks_that_do_not_fit_keep_straight_sides():
     assert made.provenance["method"] == "graphcut"
     bright = made.image[..., 0] > 128
     assert len({line.tobytes() for line in bright}) == 2
-    assert like_itself(noise((9, 9, 1)), (0, 12)) == 0  # a vector longer than the picture
-
-
-def test_likeness_is_the_correlation_of_what_overlaps():
-    levels = noise((30, 40, 3)).astype(np.int64)
-    levels[:, 7:] += levels[:, :-7]
-    for x, y in ((7, 0), (3, 2), (0, 5)):
-        here, there = levels[: 30 - y, : 40 - x], levels[y:, x:]
-        here, there = (one - one.mean(axis=(0, 1)) for one in (here, there))
-        expected = 2 * (here * there).sum() / ((here**2).sum() + (there**2).sum())
-        assert like_itself(levels, (x, y)) == pytest.approx(expected)
-        assert like_itself(levels, (-x, -y)) == pytest.approx(expected)
-    assert like_itself(levels[:, ::-1], (-3, 2)) == pytest.approx(like_itself(levels, (3, 2)))
-    assert like_itself(np.full((9, 9, 1), 7), (1, 1)) == like_itself(levels, (40, 0)) == 0
 
 
 def test_effort_is_a_parameter_of_auto():

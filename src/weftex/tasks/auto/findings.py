@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from weftex.analysis.lattice import Lattice, find_lattice
 from weftex.analysis.properties import Evenness, evenness, sidedness
@@ -118,25 +117,3 @@ def count_colors(exemplar: Exemplar) -> int:
         names = names << np.uint64(8) | levels[:, k]
     names.sort()  # not np.unique, which loads masked arrays
     return 1 + int(np.count_nonzero(names[1:] != names[:-1]))
-
-
-def like_itself(values: NDArray[np.integer], vector: tuple[float, float]) -> float:
-    """Return the correlation of pixels (H, W, K) with themselves, shifted by (x, y).
-
-    In integers, so that it is the same on every machine; 0 where there is nothing to compare.
-    """
-    x, y = (round(part) for part in vector)
-    height, width = values.shape[:2]
-    if abs(y) >= height or abs(x) >= width:
-        return 0.0
-    first = values[max(0, -y) : height - max(0, y), max(0, -x) : width - max(0, x)]
-    second = values[max(0, y) : height - max(0, -y), max(0, x) : width - max(0, -x)]
-    here, there = (part.reshape(-1, values.shape[2]).astype(np.int64) for part in (first, second))
-    together = _variance(here, here) + _variance(there, there)
-    return 2 * _variance(here, there) / together if together else 0.0
-
-
-def _variance(first: NDArray[np.int64], second: NDArray[np.int64]) -> int:
-    """Return the covariance of (N, K), summed over K, times N squared; it may exceed 64 bits."""
-    sums = [int(a) * int(b) for a, b in zip(first.sum(axis=0), second.sum(axis=0), strict=True)]
-    return len(first) * int((first * second).sum()) - sum(sums)

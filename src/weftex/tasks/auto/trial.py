@@ -6,8 +6,8 @@ from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from weftex.analysis.correlation import correlate
 from weftex.analysis.lattice import Lattice
 from weftex.canvas import Canvas
 from weftex.errors import InvalidInputError
@@ -15,10 +15,8 @@ from weftex.exemplar import Exemplar
 from weftex.naming import make_method, text_of
 from weftex.raster.boxes import box_sums
 from weftex.results.synthesis import Synthesis
-from weftex.tasks.auto.findings import Findings, like_itself
+from weftex.tasks.auto.findings import Findings
 from weftex.tasks.auto.rule import WHOLE, Choice, may_place, places_freely
-
-Values = NDArray[np.int64]
 
 #: How much lower another score must be: judges agree in three of four cases then.
 MARGIN = 1.0
@@ -127,12 +125,11 @@ def refined_if_whole(
 def _likeness(made: Synthesis, lattice: Lattice, exemplar: Exemplar) -> float:
     """Return the correlation of fine detail with itself one vector on, the mean of both vectors."""
     y, x = np.moveaxis(made.source, -1, 0)
-    fine = detail(exemplar.matching()[y, x])
-    return float(np.mean([like_itself(fine, vector) for vector in lattice.vectors]))
-
-
-def detail(pixels: NDArray[np.integer]) -> Values:
-    """Return 49 times the difference from the mean of 7x7 pixels (H - 6, W - 6, 1)."""
-    values = pixels.sum(axis=2, dtype=np.int64)
-    fine: Values = 49 * values[3:-3, 3:-3] - box_sums(values, 7, 7)
-    return fine[..., None]
+    gray = exemplar.matching().sum(axis=2, dtype=np.int64)[y, x]
+    fine = gray[3:-3, 3:-3] - box_sums(gray, 7, 7) / 49
+    steps = np.rint(lattice.vectors).astype(int)[:, ::-1]
+    down, along = abs(steps).max(axis=0)
+    if down >= fine.shape[0] or along >= fine.shape[1]:
+        return 0.0
+    correlation = correlate(fine[None], reach=(down, along))
+    return float(np.mean([correlation[down + v, along + u] for v, u in steps]))
