@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from contextlib import suppress
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
@@ -23,8 +24,6 @@ from weftex.results.pixels import PixelSynthesis
 from weftex.seams.boundary import cut_around
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
     from numpy.typing import NDArray
 
     from weftex.exemplar import Sample
@@ -36,8 +35,6 @@ if TYPE_CHECKING:
 
     #: A path, a PIL image or a bool array (H, W), True where the photo is to be filled.
     Mask = str | os.PathLike[str] | NDArray[np.bool_] | Any
-    #: Fills by a method, of which these parameters were given.
-    _Filled = Callable[[Method, frozenset[str] | None], Synthesis]
 
 #: Pixels around a hole that are used at least; more if the method needs them.
 _LEAST_REACH = 256
@@ -126,7 +123,7 @@ def fill(
     >>> bool((result.image[~hole] == photo[~hole]).all())
     True
     """
-    by_sample = is_auto(method) and not parameters
+    by_auto = is_auto(method) and not parameters
     chosen = method_for("fill", FOR_HOLES, method, parameters)
     if not is_whole(overlap, 0):
         raise InvalidInputError(f"overlap is {overlap!r}; it must be a whole number, 0 or more")
@@ -137,8 +134,8 @@ def fill(
     masked = hole_of(mask, whole)
     wrap = as_canvas(whole.shape, tileable).wrap
     hole = grown(masked, int(overlap), wrap) if overlap else masked
-    whole, source = (whole, whole) if sample is None else _load_sample(sample, whole)
     inside = sample is None
+    whole, source = (whole, whole) if inside else _load_sample(sample, whole)
     around: dict[str, Any] = {"known_from": (0, 0)} if inside else {"known_maps": whole.maps}
     canvas = Canvas(*whole.shape, wrap, whole.pixels, hole, **around)
     chosen.require(canvas)
@@ -159,15 +156,11 @@ def fill(
     usable = ~hole if inside else np.ones(source.shape, bool)
     if source.mask is not None:
         usable &= source.mask
-    # What was given stays as it is; a method that is an object was given with all its values.
-    given = frozenset(parameters) if isinstance(method, str) or is_auto(method) else None
     # `whole` and `canvas` are the photo. Only a region of it is filled: `place` is what it shows,
     # `near` is the sample for it, and `part` its canvas.
-    reach = max(_LEAST_REACH, chosen.hole_reach)
-    region = Region(hole, canvas.wrap, usable if inside else None, reach)
+    region = Region(hole, wrap, usable if inside else None, max(_LEAST_REACH, chosen.hole_reach))
     if inside:
         usable = region.crop(usable) & region.near
-
     place = Exemplar(
         region.crop(whole.pixels, blank=masked),
         maps={key: region.crop(whole.aligned(key), blank=masked) for key in whole.maps},
@@ -183,26 +176,36 @@ def fill(
         alpha=False,
         name=source.name,
     )
-    missing = region.crop(hole)
+    missing, anew = region.crop(hole), region.crop(masked)
     part = Canvas(*place.shape, region.wrap, features, missing, canvas.known_from)
-    assert part.hole is not None
-    how: dict[str, Any] = {"seed": seed, "threads": threads, "progress": progress}
     own = np.arange(missing.size, dtype=np.int32).reshape(part.shape)
-    anew = region.crop(masked)
 
-    def filled(by: Method, given: frozenset[str] | None) -> Synthesis:
-        if not (overlap and inside and by.cuts_known):
-            return by.for_hole(missing, usable, given).fit(near).sample(part, **how)
-        # The method cuts between the photo and its patches itself, by all that is there.
-        border = hole & ~masked & (True if source.mask is None else source.mask)
-        with_border = near.changed(mask=usable | (region.near & region.crop(border)))
-        begun = replace(part, shown=np.where(anew, np.int32(-1), own))
-        return by.for_hole(missing, usable, given).fit(with_border).sample(begun, **how)
+    def filled(by: Method, given: frozenset[str] | None = None) -> Synthesis:
+        sample, begun = near, part
+        if overlap and inside and by.cuts_known:
+            # The method cuts between the photo and its patches itself, by all that is there.
+            border = region.near & region.crop(hole & ~masked)
+            if source.mask is not None:
+                border &= region.crop(source.mask)
+            sample = near.changed(mask=usable | border)
+            begun = replace(part, shown=np.where(anew, np.int32(-1), own))
+        model = by.for_hole(missing, usable, given).fit(sample)
+        return model.sample(begun, seed=seed, threads=threads, progress=progress)
 
+    made = None
     with listening(progress):
-        made = _filled_by_auto(near, part, filled) if by_sample and inside else None
+        if by_auto and inside:
+            from weftex.tasks.auto import choose_for_hole
+
+            choice = choose_for_hole(near, part)
+            if choice.method != FOR_HOLES:
+                with suppress(InvalidInputError):  # too few pixels are left for it
+                    made = filled(make_method(choice.method, choice.parameters))
+                    made.provenance["reason"] = choice.reason
         if made is None:
-            made = filled(chosen, given)
+            # What was given stays; a method that is an object was given with all its values.
+            by_name = isinstance(method, str) or is_auto(method)
+            made = filled(chosen, frozenset(parameters) if by_name else None)
     if overlap:
         if isinstance(made, PixelSynthesis) and made.canvas.shown is not None:
             cut = missing & (made.index != own)
@@ -212,23 +215,8 @@ def fill(
         made.provenance["overlap"] = int(overlap)
     source_to = region.corner if inside else (0, 0)
     result = made.moved(canvas, source, to=region.corner, source_to=source_to)
-    result.match_tone = by_sample if match_tone is None else match_tone
+    result.match_tone = by_auto if match_tone is None else match_tone
     return result
-
-
-def _filled_by_auto(near: Exemplar, part: Canvas, filled: _Filled) -> Synthesis | None:
-    """Fill as "auto" chooses; None if that is the default, or too few pixels are left for it."""
-    from weftex.tasks.auto import choose_for_hole
-
-    choice = choose_for_hole(near, part)
-    if choice.method == FOR_HOLES:
-        return None
-    try:
-        made = filled(make_method(choice.method, choice.parameters), None)
-    except InvalidInputError:
-        return None
-    made.provenance["reason"] = choice.reason
-    return made
 
 
 def hole_of(mask: Mask | Picture | None, photo: Exemplar) -> NDArray[np.bool_]:
