@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from weftex.analysis.correlation import correlate
-from weftex.analysis.relief import relief
+from weftex.analysis.relief import means, relief, usable_box
 from weftex.exemplar import Exemplar
 from weftex.raster.arrays import Floats, median
 
@@ -165,7 +165,10 @@ def evenness(exemplar: Exemplar) -> Evenness:
     """Return how far a sample is from looking the same everywhere."""
     flat = relief(exemplar)
     levels = flat.levels.mean(axis=0)
-    surface = _gray(exemplar, levels.shape, flat.step) * flat.usable - levels
+    gray = exemplar.matching().mean(axis=2)
+    if exemplar.mask is not None:
+        gray = np.where(exemplar.mask, gray, 0)
+    surface = means(gray[usable_box(exemplar)], flat.step) * flat.usable - levels
     inside = flat.usable > 0
     rest, slow = float((levels[inside] ** 2).mean()), float(surface[inside].var())
     return Evenness(
@@ -178,21 +181,6 @@ def evenness(exemplar: Exemplar) -> Evenness:
 
 def _share(part: float, whole: float) -> float:
     return round(min(1.0, part / whole), 2) if whole > 1e-6 else 0.0
-
-
-def _gray(exemplar: Exemplar, shape: tuple[int, ...], step: int) -> Floats:
-    """Return the mean channel of the box of the relief, at its resolution."""
-    levels = exemplar.matching().mean(axis=2)
-    if exemplar.mask is not None:
-        levels = np.where(exemplar.mask, levels, 0)
-        rows, columns = (np.flatnonzero(exemplar.mask.any(axis=k)) for k in (1, 0))
-        levels = levels[rows[0] : rows[-1] + 1, columns[0] : columns[-1] + 1]
-    if step > 1:
-        high, wide = (min(step, side) for side in levels.shape)
-        cut = levels[: shape[0] * high, : shape[1] * wide]
-        levels = cut.reshape(shape[0], high, shape[1], wide).mean(axis=(1, 3))
-    result: Floats = levels
-    return result
 
 
 def _cell_variance(levels: Floats, usable: Floats) -> float:

@@ -39,11 +39,9 @@ def relief(exemplar: Exemplar) -> Relief:
 
 
 def _taken(exemplar: Exemplar) -> Relief:
-    levels = exemplar.matching()
     usable = np.ones(exemplar.shape, bool) if exemplar.mask is None else exemplar.mask
-    rows, columns = (np.flatnonzero(usable.any(axis=axis)) for axis in (1, 0))
-    box = slice(rows[0], rows[-1] + 1), slice(columns[0], columns[-1] + 1)
-    levels, usable = levels[box], usable[box]
+    box = usable_box(exemplar)
+    levels, usable = exemplar.matching()[box], usable[box]
     step = -(-max(usable.shape) // _LARGEST_SIDE)
     share = means(usable, step)
     down, along = (
@@ -68,6 +66,14 @@ def _taken(exemplar: Exemplar) -> Relief:
         total[abs(total) < 1e-6] = 0  # the surface's own rounding
         result[k] = total
     return Relief(result, share, step)
+
+
+def usable_box(exemplar: Exemplar) -> tuple[slice, ...]:
+    """Return the box around the usable pixels."""
+    if exemplar.mask is None:
+        return ()
+    lines = [np.flatnonzero(exemplar.mask.any(axis=axis)) for axis in (1, 0)]
+    return tuple(slice(one[0], one[-1] + 1) for one in lines)
 
 
 def mixed(levels: NDArray[np.float64]) -> NDArray[np.float64]:
