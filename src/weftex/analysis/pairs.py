@@ -127,15 +127,15 @@ def rate(field: Field, pairs: Floats, reach: int, kind: str, *, exact: bool = Fa
     """
     area = abs(pairs[:, 0, 0] * pairs[:, 1, 1] - pairs[:, 0, 1] * pairs[:, 1, 0])
     times = multiples(reach, (0, 0))
-    x, y, counts = places(field, pairs, times, exact)
+    x, y, significant = places(field, pairs, times, exact)
     ones = np.array([[1.0, 0.0], [0.0, 1.0]])
     both = places(field, pairs, ones, exact)[2].all(axis=1)  # each vector itself is significant
-    count = counts.sum(axis=1).astype(np.float64)
+    count = significant.sum(axis=1).astype(np.float64)
     heights = field.values(x, y, pairs)
     if kind == "height":
-        value = _mean(heights, counts)
+        value = _mean(heights, significant)
     else:
-        weights = counts * field.shares(x, y)
+        weights = significant * field.shares(x, y)
         contrasts = heights - _between(field, pairs, reach)[:, None]
         if field.unsure is None:
             value = _mean(contrasts, weights)
@@ -229,22 +229,22 @@ def places(
     wide, high = field.width - abs(x), field.height - abs(y)
     area = abs(pairs[:, 0, 0] * pairs[:, 1, 1] - pairs[:, 0, 1] * pairs[:, 1, 0])[:, None]
     box = abs(pairs).sum(axis=1)  # sides of the box around the tile
-    counts = (wide >= 1) & (high >= 1) & (wide * high >= SIGNIFICANT * area)
+    significant = (wide >= 1) & (high >= 1) & (wide * high >= SIGNIFICANT * area)
     if not exact:
-        counts &= (wide >= box[:, :1] / 2) & (high >= box[:, 1:] / 2) & (wide * high >= area)
-        return x, y, counts
-    unsure = counts & ~((wide >= box[:, :1]) & (high >= box[:, 1:]))
+        significant &= (wide >= box[:, :1] / 2) & (high >= box[:, 1:] / 2) & (wide * high >= area)
+        return x, y, significant
+    unsure = significant & ~((wide >= box[:, :1]) & (high >= box[:, 1:]))
     for k in np.flatnonzero(unsure.any(axis=1)):
         at = unsure[k]
         whole = np.rint(pairs[k]).astype(np.int64)
-        counts[k, at] = tile_shares(whole, wide[k, at], high[k, at]) >= SIGNIFICANT
-    return x, y, counts
+        significant[k, at] = tile_shares(whole, wide[k, at], high[k, at]) >= SIGNIFICANT
+    return x, y, significant
 
 
 def _between(field: Field, pairs: Floats, reach: int) -> Floats:
     """Return the highest mean correlation half or a third of the way between multiples."""
-    x, y, counts = places(field, pairs, _multiples_between(reach))
-    weights = counts * field.shares(x, y)
+    x, y, significant = places(field, pairs, _multiples_between(reach))
+    weights = significant * field.shares(x, y)
     sums = weights * field.values(x, y, pairs)
     highest = np.full(len(pairs), -1.0)
     for part, weight in zip(*(np.split(a, len(_BETWEEN), 1) for a in (sums, weights)), strict=True):

@@ -88,9 +88,9 @@ def _stand_out(field: Field, vectors: Floats, whole: Floats, reach: int) -> tupl
     infinite where there is nothing to compare.
     """
     times = multiples(reach, (0, 0))
-    x, y, counts = places(field, vectors[None], times)
-    heights, far = field.values(x, y, vectors[None])[counts], np.hypot(x, y)[counts]
-    parts = times[counts[0]] @ np.linalg.inv(whole)
+    x, y, significant = places(field, vectors[None], times)
+    heights, far = field.values(x, y, vectors[None])[significant], np.hypot(x, y)[significant]
+    parts = times[significant[0]] @ np.linalg.inv(whole)
     own = (abs(parts - np.rint(parts)) < 1e-6).all(axis=1)
     if own.all() or not own.any():
         return np.inf, np.inf

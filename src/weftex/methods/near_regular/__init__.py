@@ -9,10 +9,10 @@ from weftex.canvas import Canvas
 from weftex.exemplar import Exemplar
 from weftex.method import Method
 from weftex.methods.lattices import LatticeModel
+from weftex.methods.near_regular.blending import blend_linearly, paste_blocks
 from weftex.methods.near_regular.blocks import Plan, draw_constrained_blocks, fill_gaps
 from weftex.methods.near_regular.layout import divide
 from weftex.methods.near_regular.sample import check_block, margin_of, prepare, resolve
-from weftex.methods.near_regular.seams import blend_linearly, paste_blocks
 from weftex.parameters import parameter
 from weftex.progress import ProgressCallback
 from weftex.results.patches import PatchSynthesis
