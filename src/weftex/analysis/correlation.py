@@ -38,8 +38,7 @@ def correlate(
     Shift 0 is in the middle of the result.
     """
     if usable is None or usable.all():
-        around = levels - levels.mean(axis=(1, 2), keepdims=True)
-        return _normalized(around, power_of(around, _padded(levels.shape[1:], reach)), reach)
+        return correlation_and_power(levels, reach)[0]
     mean = (levels * usable).sum(axis=(1, 2), keepdims=True) / max(1, int(usable.sum()))
     size, far = _padded(usable.shape, reach), _farthest(usable.shape, reach)
     mask = np.fft.rfft2(usable.astype(np.float64), size)
@@ -64,11 +63,13 @@ def correlate(
     return clipped
 
 
-def correlation_and_power(levels: Floats) -> tuple[Floats, Floats]:
+def correlation_and_power(
+    levels: Floats, reach: tuple[int, int] | None = None
+) -> tuple[Floats, Floats]:
     """Return `correlate(levels)` and the power spectrum of the levels around their mean."""
     around = levels - levels.mean(axis=(1, 2), keepdims=True)
-    power = power_of(around, _padded(levels.shape[1:]))
-    return _normalized(around, power, None), power
+    power = power_of(around, _padded(levels.shape[1:], reach))
+    return _normalized(around, power, reach), power
 
 
 def power_of(levels: Floats, size: tuple[int, int]) -> Floats:

@@ -36,7 +36,7 @@ from weftex.analysis.pairs import (
     reduced,
 )
 from weftex.analysis.prediction import predicting
-from weftex.analysis.tile_multiples import alternating, made_of, smallest
+from weftex.analysis.tile_multiples import alternating, made_of, settled
 from weftex.raster.arrays import Floats
 
 LEAST = 0.5  # confidence of a lattice that is reported
@@ -119,7 +119,7 @@ def pair_candidates(fields: Autocorrelations) -> list[Evidence]:
             continue
         whitened = field is fields.white
         # In the whitened sample threads are clear, and checks are made of them.
-        one = evidence_of(fields, smallest(field, best))
+        one = evidence_of(fields, settled(field, best))
         found.append(one if whitened else _of_checks(fields, best, one))
     return found
 

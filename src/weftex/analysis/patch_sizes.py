@@ -9,7 +9,7 @@ from weftex.analysis.relief import LOOK, smaller_copy
 from weftex.analysis.scale import structure_scale
 from weftex.canvas import Canvas
 from weftex.exemplar import Exemplar
-from weftex.raster.boxes import box_sums
+from weftex.raster.boxes import whole_windows
 
 #: A patch is a share of the sample's shorter side, but of no more than so many times the scale of
 #: its structure: patches of large samples would copy crowds.
@@ -61,6 +61,4 @@ def patch_size_for(hole: NDArray[np.bool_], usable: NDArray[np.bool_], least: in
 
 def _windows(mask: NDArray[np.bool_], side: int) -> int:
     """Count the square windows that are True all over."""
-    if side > min(mask.shape):
-        return 0
-    return int(np.count_nonzero(box_sums(mask, side, side) == side * side))
+    return int(np.count_nonzero(whole_windows(mask, (0, side - 1, 0, side - 1))))

@@ -1,7 +1,8 @@
 """Which multiple of a tile is the tile: smaller ones it consists of, larger ones that alternate.
 
 Some larger tile is rated better than the right one by chance, so the smaller tiles that the best
-could consist of are tried. Two or three times the tile is the tile where colors alternate.
+could consist of are tried. Two or three times the tile is better where its multiples stand out,
+because colors may alternate.
 
 The correlation of a faint checkerboard is nearly as high from dark to light as from dark to dark,
 so its peaks do not show alternation. Means of every second tile do. A real difference between the
@@ -33,7 +34,10 @@ _INDEX = 7  # smaller tiles that a tile is divided into, at most
 _LOWER = 0.1  # a gap below which the smaller tile is as good
 _REFIT = 2.0  # times that, below which the smaller tile is fitted and tested again
 _UNSURE = (0.35, 4.0)  # a gap below which it is too, if it is of fewer standard errors
+_HIGHER = ((0.2, 5.0), (0.15, 20.0))  # gaps, and standard errors, above which the larger is better
 _OFF = 0.15  # of a vector, that multiples of smaller tiles may be off a larger one
+_OWN = 6  # multiples that the larger tile must have for that
+_NEAR = 0.3  # pixels from a whole shift within which the smaller tile's multiples are compared
 
 _LEAST = 8  # tiles of each kind
 _TURNS = 3  # times that each kind must come
@@ -43,7 +47,12 @@ _SLOPES = 100  # tiles whose mean says how it changes when moved
 _ALIKE = 0.85  # correlation of the difference between halves, from which it is one
 
 
-def smallest(field: Field, vectors: Floats) -> Floats:
+def settled(field: Field, vectors: Floats) -> Floats:
+    """Return the tile of the sample by two vectors, after division and multiples."""
+    return _multiply(field, _divide(field, vectors))
+
+
+def _divide(field: Field, vectors: Floats) -> Floats:
     """Return the smallest tile that this one consists of and that is as good at its multiples."""
     own = contrast_of(field, vectors, reach_of(field, vectors, MOST_MULTIPLES))
     for index in range(_INDEX, 1, -1):
@@ -58,14 +67,32 @@ def smallest(field: Field, vectors: Floats) -> Floats:
                 reach = reach_of(field, basis, MOST_MULTIPLES)
                 # Multiples that fall between pixels are lower, the more the closer they are.
                 lower = _LOWER + 0.5 / float(np.hypot(*basis[0]))
-                gap, errors = _stand_out(field, basis, whole, reach)
-                if lower <= gap < _REFIT * lower:
+                gap, errors, count = _stand_out(field, basis, whole, reach)
+                if count and lower <= gap < _REFIT * lower:
                     # A tile whose own vectors are a little off divides into some that are too.
                     basis = fitted(field, basis)
-                    gap, errors = _stand_out(field, basis, whole, reach)
+                    gap, errors, count = _stand_out(field, basis, whole, reach)
                 alike = gap < lower or (gap < _UNSURE[0] and errors < _UNSURE[1])
-                if alike and contrast_of(field, basis, reach) > own / 2:
+                if count and alike and contrast_of(field, basis, reach) > own / 2:
                     return fitted(field, basis)
+    return vectors
+
+
+def _multiply(field: Field, vectors: Floats) -> Floats:
+    """Return two or three times the tile where its multiples correlate more: colors alternate."""
+    reach = reach_of(field, vectors, MOST_MULTIPLES)
+    for index in (2, 3):
+        for across in (1, index):
+            for slant in range(index // across):
+                whole = np.array([[across, slant], [0.0, index // across]])
+                gap, errors, count = _stand_out(field, vectors, whole, reach, _NEAR)
+                higher = any(gap > least and errors > sure for least, sure in _HIGHER)
+                if not count:  # all of them lie between pixels, which explains half of a gap
+                    gap, _, count = _stand_out(field, vectors, whole, reach)
+                    higher = gap > 0.5
+                if higher and count >= _OWN:
+                    larger = reduced(whole @ vectors)
+                    return fitted(field, larger)
     return vectors
 
 
@@ -81,11 +108,13 @@ def made_of(larger: Floats, smaller: Floats) -> Floats | None:
     return whole if fits else None
 
 
-def _stand_out(field: Field, vectors: Floats, whole: Floats, reach: int) -> tuple[float, float]:
+def _stand_out(
+    field: Field, vectors: Floats, whole: Floats, reach: int, near: float = 0.5
+) -> tuple[float, float, int]:
     """Compare the multiples of a larger tile, `whole @ vectors`, with the smaller tile's others.
 
-    Returns the gap as a share of the larger tile's mean, and its size in standard errors;
-    infinite where there is nothing to compare.
+    Returns the gap as a share of the larger tile's mean, its size in standard errors, and how many
+    multiples the larger tile has. Only others within `near` pixels of a whole shift are compared.
     """
     times = multiples(reach, (0, 0))
     x, y, significant = places(field, vectors[None], times)
@@ -93,18 +122,19 @@ def _stand_out(field: Field, vectors: Floats, whole: Floats, reach: int) -> tupl
     parts = times[significant[0]] @ np.linalg.inv(whole)
     own = (abs(parts - np.rint(parts)) < 1e-6).all(axis=1)
     if own.all() or not own.any():
-        return np.inf, np.inf
+        return 0.0, 0.0, 0
     # Far correlations are lower in any sample, so each of the others is compared with the larger
     # tile's multiples that are at least as far.
     order = np.argsort(-far[own], kind="stable")
     further = np.cumsum(heights[own][order]) / np.arange(1, own.sum() + 1)
     number = np.searchsorted(-far[own][order], -far[~own], side="right")
-    gaps = (further[number - 1] - heights[~own])[number > 0]
+    off = np.maximum(abs(x - np.rint(x)), abs(y - np.rint(y)))[significant][~own]
+    gaps = (further[number - 1] - heights[~own])[(number > 0) & (off <= near)]
     if not len(gaps):
-        return np.inf, np.inf
+        return 0.0, 0.0, 0
     error = (gaps.var() / len(gaps) + heights[own].var() / own.sum() + 1e-9) ** 0.5
     gap = float(gaps.mean())
-    return gap / max(float(heights[own].mean()), 1e-9), gap / error
+    return gap / max(float(heights[own].mean()), 1e-9), gap / error, int(own.sum())
 
 
 def alternating(flat: Relief, vectors: Floats) -> Floats | None:

@@ -39,16 +39,6 @@ class View:
         """Height and width."""
         return self.values.shape[0], self.values.shape[1]
 
-    @property
-    def side(self) -> int:
-        """The sample's shorter side, which says what slow lighting is."""
-        return min(self.sample)
-
-    @cached_property
-    def masked(self) -> bool:
-        """Whether any pixel may not be used."""
-        return not bool(self.usable.all())
-
     @cached_property
     def gray(self) -> NDArray[np.float32]:
         """Brightness along the axis, in the unit of `values`; (H, W)."""
@@ -61,15 +51,12 @@ class View:
     @cached_property
     def flat(self) -> NDArray[np.float32]:
         """`gray` less slow lighting, the mean around each pixel; 0 where it may not be used."""
-        radius = max(1, self.side // (2 * _SMOOTH))
-        if self.masked:
-            share = self.usable.astype(np.float64)
-            count = np.maximum(centered_sums(share, radius), 1)
-            slow = centered_sums(self.gray * share, radius) / count
-            return np.where(self.usable, self.gray - slow, 0).astype(np.float32)
-        down, across = (centered_sums(np.ones((n, 1)), radius, (0,)) for n in self.shape)
-        slow = centered_sums(self.gray, radius) / (down * across.T)
-        return (self.gray - slow).astype(np.float32)
+        # The sample's shorter side says what slow lighting is.
+        radius = max(1, min(self.sample) // (2 * _SMOOTH))
+        share = self.usable.astype(np.float64)
+        count = np.maximum(centered_sums(share, radius), 1)
+        slow = centered_sums(self.gray * share, radius) / count
+        return np.where(self.usable, self.gray - slow, 0).astype(np.float32)
 
     @cached_property
     def correlation(self) -> Floats:

@@ -171,10 +171,6 @@ def _largest_block(
         if windows >= _WINDOWS * _area(vectors) and in_rows >= rows:
             break
         size -= 1
-    if exemplar.mask is None:
-        while size > 1 and window(size) > shorter:
-            size -= 1
-        return max(size, 1)
     # Usable pixels must hold a window for every part of the tile.
     low, high = 0, max(size, 1)
     while low < high:
