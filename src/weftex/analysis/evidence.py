@@ -212,7 +212,7 @@ def row_candidate(fields: Autocorrelations) -> Evidence | None:
 
 
 def _by_ridges(fields: Autocorrelations, vector: Floats, contrast: float) -> Evidence | None:
-    """Return the evidence for rows by ridges, which must stand out of the whitened sample."""
+    """Return the evidence for rows by ridges, which must be clear in the whitened sample."""
     found = _rows_by(fields, vector, contrast)
     return None if found is None or found.clear <= 0 else found
 
