@@ -32,7 +32,7 @@ def test_the_best_by_score_and_broken_things_is_kept_and_can_be_made_again():
     assert np.array_equal(best.source, each[kept].source)
     others = sorted(score for seed, score in scores.items() if seed != str(kept))
     assert about["told"] == (
-        f"seed {kept} of 11 to 14, by score and broken things: score {scores[str(kept)]:.2f}, "
+        f"seed {kept} of 11 to 14, by score and broken features: score {scores[str(kept)]:.2f}, "
         f"the others {others[0]:.2f} to {others[-1]:.2f}"
     )
 
@@ -91,7 +91,7 @@ def test_the_command_and_the_pictures_of_debug(tmp_path, monkeypatch, capsys):
     words = ["synth", "s.png", "--size", "90", "--seed", "5", "--method", "quilting"]
     assert main([*words, "-o", "a.png", "--best-of", "2", "--debug", "how"]) == 0
     kept = re.search(
-        r"best of: seed (\d) of 5 to 6, by score and broken things: score", capsys.readouterr().err
+        r"best of: seed (\d) of 5 to 6, by score and broken features:", capsys.readouterr().err
     ).group(1)
     assert main([*words, "-o", "b.png", "--seed", kept, "--quiet"]) == 0
     assert np.array_equal(read_image("a.png").pixels, read_image("b.png").pixels)

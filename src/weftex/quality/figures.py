@@ -76,7 +76,7 @@ FIGURES: dict[str, Figure] = {
         agrees=0.67,
     ),
     "broken": Figure(
-        "broken things", _HALVES, "low", 1.25,
+        "broken features", _HALVES, "low", 1.25,
         "Whether features are whole: how much large windows differ from the sample.",
         "faults below a twentieth of the sample's side; repetition",
         "has broken or merged features",

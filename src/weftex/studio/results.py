@@ -162,12 +162,12 @@ def drawn_borders(material: Material, name: str) -> Bytes:
 
 
 def broken_of(made: Result, session: Session) -> Bytes:
-    """Return a picture of where a result has broken things, as its report has it."""
+    """Return a picture of where a result has broken features, as its report has it."""
 
     def draw() -> Bytes:
         found = fault_maps(made.result.sample, made.result.image, None).get("broken")
         if found is None:
-            raise Refusal(422, "the result is too small for a map of broken things")
+            raise Refusal(422, "the result is too small for a picture of broken features")
         return found
 
     return session.find(draw, lambda found: found.nbytes, "broken", made.id)

@@ -275,7 +275,7 @@ async def figures(call: Call) -> Any:
 
 @route("GET", "/results/{id}/broken")
 async def broken(call: Call) -> Any:
-    """Show where a result has broken things."""
+    """Show where a result has broken features."""
     return await reduced(call, await call.work(results.broken_of, result_of(call), call.session))
 
 

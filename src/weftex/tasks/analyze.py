@@ -150,7 +150,7 @@ class Analysis:
             (self.name, kind + (" with alpha" if self.alpha else "")),
             *([("maps", ", ".join(self.maps))] if self.maps else []),
             ("colors", str(self.colors)),
-            ("scale", f"{self.scale:g} px {certainty}"),
+            ("scale", f"{self.scale:g} px {certainty}".replace("things", "features")),
             ("regularity", f"{self.regularity:g}"),
             *self._lattices(),
             ("tileable", f"{words[self.tiles]} ({across})"),

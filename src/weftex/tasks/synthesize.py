@@ -201,7 +201,7 @@ def _guide(picture: Sample) -> NDArray[Any]:
 def _best_of(
     count: int, model: Model, canvas: Canvas, first: int, how: dict[str, Any]
 ) -> Synthesis:
-    """Make several outputs and return the best one by score and broken things, or the first.
+    """Make several outputs and return the best one by score and broken features, or the first.
 
     Its provenance has its own seed, and in "best_of" all scores and a line about them.
     """
@@ -233,7 +233,7 @@ def _told(kept: int, scores: dict[int, float | None]) -> str:
     if scores[kept] is None:
         return f"{said}: too small to be judged"
     others = sorted(score for n, score in scores.items() if n != kept and score is not None)
-    said += f", by score and broken things: score {scores[kept]:.2f}"
+    said += f", by score and broken features: score {scores[kept]:.2f}"
     if len(others) < 2:
         return said + "".join(f", the other {score:.2f}" for score in others)
     return f"{said}, the others {others[0]:.2f} to {others[-1]:.2f}"
