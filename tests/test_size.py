@@ -15,12 +15,12 @@ TESTS = Path(__file__).parent
 READ = ("methods", "repeats", "search", "seams")
 #: Lower a ceiling when the code has become smaller; a feature that needs room removes something.
 CEILINGS = {
-    "lines of Python in src": 43_641,
-    "of these code": 29_989,
+    "lines of Python in src": 43_550,
+    "of these code": 29_927,
     "modules": 259,
     "kernel classes": 23,
     "names that several kernel classes have": 0,
-    "lines of tests": 24_133,
+    "lines of tests": 24_117,
     "quilting: files to read": 11,
     "quilting: lines to read": 2_496,
     "graphcut: files to read": 18,
@@ -28,7 +28,7 @@ CEILINGS = {
     "efros-leung: files to read": 8,
     "efros-leung: lines to read": 1_176,
     "near-regular: files to read": 9,
-    "near-regular: lines to read": 1_625,
+    "near-regular: lines to read": 1_621,
 }
 
 
