@@ -71,7 +71,7 @@ def test_strain_is_refused_and_a_good_size_named():
         ({"lattice": (8, 0, 16, 0)}, "line"),
         ({"lattice": (0, 0, 8, 8)}, "1 pixel"),
         ({"lattice": (90, 0, 0, 8)}, "smaller"),
-        ({"lattice": (50, 0, 0, 40)}, "two tiles"),
+        ({"lattice": (50, 0, 0, 40)}, "two cells"),
         ({"block_size": 20, "border_width": 20}, "less than the block"),
         ({"block_size": 40, "border_width": 22}, "together they must be at most 60"),
         ({"blend": "none", "blend_width": 4}, "no effect unless blend is 'feather'"),

@@ -153,7 +153,7 @@ def test_a_start_that_cannot_be_is_refused_in_one_line(init, message):
 
 def test_a_start_that_does_not_fit_is_refused_before_work():
     exemplar = weftex.Exemplar(noise((40, 40)))
-    with pytest.raises(weftex.InvalidInputError, match="init: .*window of 99"):
+    with pytest.raises(weftex.InvalidInputError, match="init: .*patch of 99"):
         weftex.Refinement(init="quilting patch_size=99").fit(exemplar)
 
 
