@@ -202,7 +202,7 @@ def test_effort_is_a_parameter_of_auto():
     assert np.array_equal(*(one.image for one in best))
     with pytest.raises(InvalidInputError, match="effort is 'fast'"):
         weftex.Auto(effort="fast")
-    with pytest.raises(InvalidInputError, match="effort has no effect on fill"):
+    with pytest.raises(InvalidInputError, match="effort has no effect on tile"):
         weftex.tile(exemplar, method=weftex.Auto(effort="best"))
 
 

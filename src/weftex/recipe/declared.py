@@ -185,7 +185,7 @@ TASKS = {
             Option("axes", AXES, "make the photo tileable along both axes (default), or only along "
                    "x or y", True, given_flag="--tileable", metavar="x|y"),
         ),
-        ("maps", "map_weights"), 1, 1, AUTO, FOR_HOLES,
+        ("maps", "map_weights"), 1, 1, AUTO, "graphcut",
     ),
     "fill": Task(
         _by_name(

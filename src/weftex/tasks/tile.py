@@ -13,6 +13,7 @@ from weftex.canvas import Canvas, as_canvas
 from weftex.errors import InvalidInputError, shown
 from weftex.exemplar import Exemplar, Sample, load_exemplar
 from weftex.method import Method
+from weftex.naming import is_auto, method_for
 from weftex.progress import ProgressCallback, listening
 from weftex.random import Seed
 from weftex.registry import AUTO
@@ -52,7 +53,7 @@ def tile(
         Pixels at each side that may change; an eighth of the shorter side by default, at most a
         third of a side.
     method, seed, threads, progress, **parameters
-        As for `weftex.fill`.
+        As for `weftex.fill`, but "auto" is always `graphcut`.
 
     Returns
     -------
@@ -82,30 +83,28 @@ def tile(
         raise InvalidInputError(f"axes is {shown(axes)}; it must be True, 'x' or 'y'")
     sides = [side for side, wraps in zip(exemplar.shape, wrap, strict=True) if wraps]
     most = min(sides) // _LEAST
+    wxh = f"{exemplar.shape[1]}x{exemplar.shape[0]}"
     if not most:
         raise InvalidInputError(
-            f"{exemplar.name} is {exemplar.shape[1]}x{exemplar.shape[0]}; sides that wrap around "
-            f"must be {_LEAST} pixels or more"
+            f"{exemplar.name} is {wxh}; sides that wrap around must be {_LEAST} pixels or more"
         )
     if border is None:
         border = max(1, min(exemplar.shape) // _SHARE)
     elif not isinstance(border, numbers.Integral) or isinstance(border, bool):
         raise InvalidInputError(f"border is {shown(border)}; it must be a whole number of pixels")
     if not 1 <= border <= most:
-        raise InvalidInputError(
-            f"border is {shown(border)}; for {exemplar.shape[1]}x{exemplar.shape[0]} it must be "
-            f"from 1 to {most}"
-        )
+        raise InvalidInputError(f"border is {shown(border)}; for {wxh} it must be from 1 to {most}")
     anew = min(_ANEW, (border + 1) // 2)
-    frame = np.zeros(exemplar.shape, bool)
-    for axis in (0, 1):
-        if wrap[axis]:
-            lines = np.moveaxis(frame, axis, 0)
-            lines[:anew] = lines[-anew:] = True
+    inside = [slice(anew * w, n - anew * w) for n, w in zip(exemplar.shape, wrap, strict=True)]
+    frame = np.ones(exemplar.shape, bool)
+    frame[tuple(inside)] = False
     how: dict[str, Any] = {"seed": seed, "threads": threads, "progress": progress}
-    how |= {"method": method, "tileable": axes, "overlap": border - anew}
+    how |= {"tileable": axes, "overlap": border - anew}
+    if is_auto(method):
+        how["match_tone"] = True
+        method, parameters = method_for("tile", "graphcut", method, parameters), {}
     with listening(progress):
-        result = fill(exemplar, frame, **how, **parameters)
+        result = fill(exemplar, frame, method=method, **how, **parameters)
         warning = _ill_fitting(exemplar, Canvas(*exemplar.shape, wrap))
     if warning is not None:
         result.provenance["warnings"] = [*result.provenance.get("warnings", ()), warning]
