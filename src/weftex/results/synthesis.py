@@ -145,8 +145,8 @@ class Synthesis(Displayable, SourceMap):
             uint16, float32 or float64 with any number of channels; by default the sample itself.
             For labels of other dtypes, index them with `source`.
         background : array, optional
-            For a filled hole whose surroundings are not part of the sample: these surroundings, in
-            `other`'s dtype and channels.
+            For a hole that was filled from another sample: the same map as `other`, but of the
+            photo, in its dtype and channels.
         window : (top, left, height, width), optional
             Render only this part, in output pixels.
         role : str, optional
