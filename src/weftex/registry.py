@@ -21,7 +21,7 @@ __all__ = ["AUTO", "FOR_HOLES", "METHODS", "method_class"]
 
 #: The slug of the method that chooses one for the sample; it is not listed in `METHODS`.
 AUTO = "auto"
-#: The method for holes where "auto" has no better one.
+#: The method for holes with parameters or a sample of their own, or with few pixels around.
 FOR_HOLES = "patch-sampling"
 
 _GROUP = "weftex.methods"

@@ -158,7 +158,7 @@ def test_a_large_photo_is_filled_from_nearby(monkeypatch, wrap):
 def test_parameters_given_are_kept_and_the_rest_chosen():
     photo, hole = noise((300, 300)), box((300, 300), (100, 100, 180, 180))
     chosen = weftex.fill(photo, hole, seed=1).provenance
-    assert (chosen["patch_size"], chosen["boundary_width"]) == (48, 4)
+    assert (chosen["patch_size"], chosen["boundary_width"]) == (48, 16)
     given_size = weftex.fill(photo, hole, seed=1, patch_size=20, epsilon=0.3).provenance
     assert (given_size["patch_size"], given_size["epsilon"]) == (20, 0.3)
     ready = weftex.PatchSampling(patch_size=24, boundary_width=5)
@@ -217,8 +217,9 @@ def test_joints_of_a_sure_lattice_go_on():
     model = weftex.Auto().fit(weftex.Exemplar(photo, mask=~hole))
     assert model.sample(canvas, seed=1).provenance["method"] == "graphcut"
     leaves = weftex.load_exemplar("sample:leaves").pixels[:180, :190]
-    for photo, method in ((leaves, "graphcut"), (noise((180, 190)), "patch-sampling")):
-        assert weftex.fill(photo, hole[:180, :190], seed=1).provenance["method"] == method
+    for photo, placement in ((leaves, "entire"), (noise((180, 190)), "subpatch")):
+        made = weftex.fill(photo, hole[:180, :190], seed=1).provenance
+        assert made["method"] == "graphcut" and made["placement"] == placement
 
 
 def test_large_photos_with_a_lattice_are_filled_on_it(monkeypatch):
@@ -232,7 +233,7 @@ def test_large_photos_with_a_lattice_are_filled_on_it(monkeypatch):
     assert choice.parameters["lattice"] == tuple(find_lattice(sample))
     for rows in (Lattice(((0.0, 68.0),), 0.9), None):
         monkeypatch.setattr(rule, "find_lattice", lambda one, rows=rows: rows)
-        assert choose_for_hole(sample, canvas).method == "patch-sampling"
+        assert choose_for_hole(sample, canvas).parameters == {}
 
 
 @pytest.mark.parametrize("method", ["patch-sampling", "quilting", "graphcut"])

@@ -75,9 +75,8 @@ def fill(
         channels, and maps of the same roles.
     method : str or Method
         "auto", a name in `weftex.METHODS`, or a method with its parameters. "auto" is `graphcut`
-        for a photo with a lattice, and for a photo of at most 512x512 with rows, or with features
-        larger than a twelfth of its side; otherwise `patch-sampling`. If `sample` or `parameters`
-        are given, it is always `patch-sampling`. The result's `provenance` has the reason.
+        with what suits the photo; if `sample` or `parameters` are given, `patch-sampling`. The
+        result's `provenance` has the reason.
     overlap : int
         Width in pixels of a strip around the holes that may change too. The boundary between photo
         and filling is cut inside it, so that it does not follow the outline of the mask.
@@ -198,10 +197,9 @@ def fill(
             from weftex.tasks.auto import choose_for_hole
 
             choice = choose_for_hole(near, part)
-            if choice.method != FOR_HOLES:
-                with suppress(InvalidInputError):  # too few pixels are left for it
-                    made = filled(make_method(choice.method, choice.parameters))
-                    made.provenance["reason"] = choice.reason
+            with suppress(InvalidInputError):  # too few pixels are left for it
+                made = filled(make_method(choice.method, choice.parameters))
+                made.provenance["reason"] = choice.reason
         if made is None:
             # What was given stays; a method that is an object was given with all its values.
             by_name = isinstance(method, str) or is_auto(method)

@@ -188,7 +188,7 @@ def _is_small(shape: tuple[int, int]) -> bool:
 
 
 def choose_for_hole(exemplar: Exemplar, canvas: Canvas) -> Choice:
-    """Return the method for known pixels: lattices and features continue, otherwise patches."""
+    """Return graph cut for known pixels: on a lattice, of the entire sample, or of parts of it."""
     lattice, irregular = None, False
     if min(exemplar.shape) >= SMALLEST_ANALYZED and canvas.known_from is not None:
         small, step = smaller_copy(exemplar, LOOK)
@@ -201,17 +201,17 @@ def choose_for_hole(exemplar: Exemplar, canvas: Canvas) -> Choice:
         because = f"the structure around the hole is irregular (features of {scale * step:.3g} px)"
         return Choice("graphcut", dict(WHOLE), because)
     if lattice is None or not may_place(lattice, small.shape):
-        return Choice("patch-sampling", {}, "no clear lattice was found around the hole")
+        return Choice("graphcut", {}, "no clear lattice was found around the hole")
     found = Lattice(tuple((x * step, y * step) for x, y in lattice.vectors), lattice.confidence)
     because = f"the photo around the hole has {words(found)}"
     if not _is_small(exemplar.shape):  # the smaller copy's vectors are not exact enough
         exact = find_lattice(exemplar) if found.area else None
         if exact is None or not exact.area:
-            return Choice("patch-sampling", {}, f"{because}, and is large")
+            return Choice("graphcut", {}, f"{because}, and is large")
         found = exact
     vectors = tuple(found)
     if CanvasLattice(vectors, canvas).strain > STIFF:
-        return Choice("patch-sampling", {}, f"{because}, which do not fit {_size(canvas.shape)}")
+        return Choice("graphcut", {}, f"{because}, which do not fit {_size(canvas.shape)}")
     return Choice("graphcut", {**WHOLE, "lattice": vectors}, because)
 
 
