@@ -215,8 +215,8 @@ class Model(ABC):
 class Method(ABC):
     """Base of all methods: a frozen dataclass whose fields are parameters.
 
-    A method of your own sets `slug`, its name; `title`; `paper`, its reference; and `supports`, a
-    frozenset that may contain "wrap" (tileable output) and "guide". Methods of weftex also have
+    A method of your own sets `slug`, its name; `title`; and `paper`, its reference. `supports`, by
+    default empty, may contain "wrap" (tileable output) and "guide". Methods of weftex also have
     "known" (holes), "many" (several samples) and "random_access" (parts of planes).
 
     Raises
