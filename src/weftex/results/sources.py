@@ -63,9 +63,9 @@ class SourceMap(ABC):
         """Where each pixel comes from: (H, W, 2), row and column in the sample.
 
         A blended pixel has the source with the largest share. A known pixel that is not in the
-        sample has (-1, -1): leave it out before you index with `source`. For a pixel of a rotated
-        or mirrored copy, it is that pixel in the sample without copies. Where `tone_reach` spreads
-        steps of tone, pixels of `image` differ slightly from their sources.
+        sample has (-1, -1): leave it out before you index with `source`. If a pixel was copied
+        from a rotated or mirrored copy, `source` names that pixel of the sample itself. Where
+        `tone_reach` spreads steps of tone, pixels of `image` differ slightly from their sources.
 
         Examples
         --------
