@@ -15,7 +15,7 @@ ROOT = Path(__file__).parent.parent
 #: Tests of what stays in the repository.
 _OURS = "benchmarks fidelity fuzz gallery notebooks packaging readme words".split()  # noqa: SIM905
 STAY = {"tests/fidelity.toml", "tests/words.toml", *(f"tests/test_{name}.py" for name in _OURS)}
-_KINDS = "py pxd typed png csv json html css js svg toml usda gdshader"
+_KINDS = "py pxd typed png csv json html css js svg toml usda gdshader gltf tres tsx"
 SUFFIXES = {f".{kind}" for kind in _KINDS.split()}
 
 

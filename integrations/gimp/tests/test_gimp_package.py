@@ -58,7 +58,7 @@ def test_the_folder_and_the_file_that_gimp_starts_have_one_name(package):
 
 def accepted(task, words):
     """The recipe of a command line, or an exit with the parser's error."""
-    parser = Parser(task, "", "")
+    parser = Parser(task)
     count = "+" if task in ("synth", "fuse") else None
     parser.add_argument("materials", nargs=count)
     parser.share("--output", "--preset", "--verbose", "--save-source")

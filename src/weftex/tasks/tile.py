@@ -23,7 +23,7 @@ from weftex.tasks.fill import fill
 _SHARE = 8  # the border that may change is 1 / 8 of the shorter side
 _LEAST = 3  # borders that must fit into a side, so that most of it is kept
 _STRAIN = 0.015  # strain of a lattice up to which no fault is visible
-_ANEW = 8  # pixels at each side that are always filled, or half a narrow border
+_ANEW = 8  # pixels at each side of a border of given width that are always filled, or half of it
 
 
 def tile(
@@ -51,7 +51,7 @@ def tile(
         The axes along which it wraps around.
     border : int, optional
         Pixels at each side that may change; an eighth of the shorter side by default, at most a
-        third of a side.
+        third of a side. If it is given, the outermost (half of it, at most 8) always change.
     method, seed, threads, progress, **parameters
         As for `weftex.fill`, but "auto" is always `graphcut`.
 
@@ -89,12 +89,13 @@ def tile(
             f"{exemplar.name} is {wxh}; sides that wrap around must be {_LEAST} pixels or more"
         )
     if border is None:
-        border = max(1, min(exemplar.shape) // _SHARE)
-    elif not isinstance(border, numbers.Integral) or isinstance(border, bool):
+        border, anew = max(1, min(exemplar.shape) // _SHARE), 1
+    elif isinstance(border, numbers.Integral) and not isinstance(border, bool):
+        anew = min(_ANEW, (border + 1) // 2)
+    else:
         raise InvalidInputError(f"border is {shown(border)}; it must be a whole number of pixels")
     if not 1 <= border <= most:
         raise InvalidInputError(f"border is {shown(border)}; for {wxh} it must be from 1 to {most}")
-    anew = min(_ANEW, (border + 1) // 2)
     inside = [slice(anew * w, n - anew * w) for n, w in zip(exemplar.shape, wrap, strict=True)]
     frame = np.ones(exemplar.shape, bool)
     frame[tuple(inside)] = False
