@@ -17,12 +17,12 @@ from weftex.errors import InvalidInputError, did_you_mean, shown
 if TYPE_CHECKING:
     from importlib.metadata import EntryPoint
 
-__all__ = ["AUTO", "FOR_HOLES", "METHODS", "method_class"]
+__all__ = ["AUTO", "FOR_HOLES", "FOR_TILES", "METHODS", "method_class"]
 
 #: The slug of the method that chooses one for the sample; it is not listed in `METHODS`.
 AUTO = "auto"
-#: The method for holes with parameters or a sample of their own, or with few pixels around.
-FOR_HOLES = "patch-sampling"
+#: For holes with parameters or a sample of their own, or few pixels around; for tileable photos.
+FOR_HOLES, FOR_TILES = "patch-sampling", "graphcut"
 
 _GROUP = "weftex.methods"
 #: Modules and classes; a module is imported when its method is asked for.

@@ -25,7 +25,7 @@ from weftex.recipe.options import (
     Kind,
     Option,
 )
-from weftex.registry import AUTO, FOR_HOLES
+from weftex.registry import AUTO, FOR_HOLES, FOR_TILES
 
 _PREPARATION, _QUALITY, _SETS = "preparation of the sample", "quality", "map sets"
 
@@ -185,7 +185,7 @@ TASKS = {
             Option("axes", AXES, "make the photo tileable along both axes (default), or only along "
                    "x or y", True, given_flag="--tileable", metavar="x|y"),
         ),
-        ("maps", "map_weights"), 1, 1, AUTO, "graphcut",
+        ("maps", "map_weights"), 1, 1, AUTO, FOR_TILES,
     ),
     "fill": Task(
         _by_name(

@@ -16,14 +16,14 @@ from weftex.method import Method
 from weftex.naming import is_auto, method_for
 from weftex.progress import ProgressCallback, listening
 from weftex.random import Seed
-from weftex.registry import AUTO
+from weftex.registry import AUTO, FOR_TILES
 from weftex.results.synthesis import Synthesis
 from weftex.tasks.fill import fill
 
 _SHARE = 8  # the border that may change is 1 / 8 of the shorter side
 _LEAST = 3  # borders that must fit into a side, so that most of it is kept
 _STRAIN = 0.015  # strain of a lattice up to which no fault is visible
-_ANEW = 8  # pixels at each side of a border of given width that are always filled, or half of it
+_ANEW = 8  # pixels at each side that are always filled if a width is given, or half that width
 
 
 def tile(
@@ -103,7 +103,7 @@ def tile(
     how |= {"tileable": axes, "overlap": border - anew}
     if is_auto(method):
         how["match_tone"] = True
-        method, parameters = method_for("tile", "graphcut", method, parameters), {}
+        method, parameters = method_for("tile", FOR_TILES, method, parameters), {}
     with listening(progress):
         result = fill(exemplar, frame, method=method, **how, **parameters)
         warning = _ill_fitting(exemplar, Canvas(*exemplar.shape, wrap))

@@ -347,10 +347,7 @@ export class App extends Shelf {
     const title = this.material.name;
     if (present && present.label !== t("history.sample") && sameJson(present.state, result.recipe)) history.complete({ label, result: whole, thumb: null });
     else if (present?.passing && !present.sample && !history.children(present).length) history.complete({ state: structuredClone(result.recipe), label, title, result: whole, thumb: null, saved: false, sample: null });
-    else {
-      if (present?.passing && !present.saved) this.save(present);
-      history.push(result.recipe, label, title, whole);
-    }
+    else history.push(result.recipe, label, title, whole);
     const step = history.present;
     step.passing = passing;
     if (!passing) this.save(step);
