@@ -129,14 +129,14 @@ def fill(
     if match_tone is not None and not isinstance(match_tone, bool):
         raise InvalidInputError(f"match_tone is {shown(match_tone)}; it must be True or False")
     seed = seed_number(seed)
-    whole = load_exemplar(photo)
-    masked = hole_of(mask, whole)
-    wrap = as_canvas(whole.shape, tileable).wrap
+    photo = load_exemplar(photo)
+    masked = hole_of(mask, photo)
+    wrap = as_canvas(photo.shape, tileable).wrap
     hole = grown(masked, int(overlap), wrap) if overlap else masked
     inside = sample is None
-    whole, source = (whole, whole) if inside else _load_sample(sample, whole)
-    around: dict[str, Any] = {"known_from": (0, 0)} if inside else {"known_maps": whole.maps}
-    canvas = Canvas(*whole.shape, wrap, whole.pixels, hole, **around)
+    photo, source = (photo, photo) if inside else _load_sample(sample, photo)
+    around: dict[str, Any] = {"known_from": (0, 0)} if inside else {"known_maps": photo.maps}
+    canvas = Canvas(*photo.shape, wrap, photo.pixels, hole, **around)
     chosen.require(canvas)
     if not hole.any():
         return PixelSynthesis(
@@ -149,26 +149,24 @@ def fill(
         )
     if inside and hole.all():
         raise InvalidInputError(
-            f"the mask{' and the overlap cover' if overlap else ' covers'} all of {whole.name}; "
+            f"the mask{' and the overlap cover' if overlap else ' covers'} all of {photo.name}; "
             "no pixels are left to copy from; give another image (--sample)"
         )
     usable = ~hole if inside else np.ones(source.shape, bool)
     if source.mask is not None:
         usable &= source.mask
-    # `whole` and `canvas` are the photo. Only a region of it is filled: `place` is what it shows,
-    # `near` is the sample for it, and `part` its canvas.
     region = Region(hole, wrap, usable if inside else None, max(_LEAST_REACH, chosen.hole_reach))
     if inside:
         usable = region.crop(usable) & region.near
-    place = Exemplar(
-        region.crop(whole.pixels, blank=masked),
-        maps={key: region.crop(whole.aligned(key), blank=masked) for key in whole.maps},
-        weights=whole.weights,
-        alpha=whole.alpha,
+    cropped = Exemplar(
+        region.crop(photo.pixels, blank=masked),
+        maps={key: region.crop(photo.aligned(key), blank=masked) for key in photo.maps},
+        weights=photo.weights,
+        alpha=photo.alpha,
     )
     # On bytes, which distances are taken on anyway, the maps have a say about known pixels too.
-    features = place.matching() if inside else source.matching_of(place)
-    near = Exemplar(
+    features = cropped.matching() if inside else source.matching_of(cropped)
+    supply = Exemplar(
         features if inside else source.matching(),
         mask=usable,
         tileable=source.tileable and (region.whole or not inside),
@@ -176,34 +174,34 @@ def fill(
         name=source.name,
     )
     missing, anew = region.crop(hole), region.crop(masked)
-    part = Canvas(*place.shape, region.wrap, features, missing, canvas.known_from)
-    own = np.arange(missing.size, dtype=np.int32).reshape(part.shape)
+    cropped_canvas = Canvas(*cropped.shape, region.wrap, features, missing, canvas.known_from)
+    own = np.arange(missing.size, dtype=np.int32).reshape(missing.shape)
 
-    def filled(by: Method, given: frozenset[str] | None = None) -> Synthesis:
-        sample, begun = near, part
+    def filled(by: Method, given: frozenset[str] | None) -> Synthesis:
+        fitted, begun = supply, cropped_canvas
         if overlap and inside and by.cuts_known:
             # The method cuts between the photo and its patches itself, by all that is there.
             border = region.near & region.crop(hole & ~masked)
             if source.mask is not None:
                 border &= region.crop(source.mask)
-            sample = near.changed(mask=usable | border)
-            begun = replace(part, shown=np.where(anew, np.int32(-1), own))
-        model = by.for_hole(missing, usable, given).fit(sample)
+            fitted = supply.changed(mask=usable | border)
+            begun = replace(begun, shown=np.where(anew, np.int32(-1), own))
+        model = by.for_hole(missing, usable, given).fit(fitted)
         return model.sample(begun, seed=seed, threads=threads, progress=progress)
 
-    made = None
+    # What was given stays; a method that is an object was given with all its values.
+    given = frozenset(parameters) if isinstance(method, str) or is_auto(method) else None
     with listening(progress):
+        made = None
         if by_auto and inside:
             from weftex.tasks.auto import choose_for_hole
 
-            choice = choose_for_hole(near, part)
+            choice = choose_for_hole(supply, cropped_canvas)
             with suppress(InvalidInputError):  # too few pixels are left for it
-                made = filled(make_method(choice.method, choice.parameters))
+                made = filled(make_method(choice.method, choice.parameters), None)
                 made.provenance["reason"] = choice.reason
         if made is None:
-            # What was given stays; a method that is an object was given with all its values.
-            by_name = isinstance(method, str) or is_auto(method)
-            made = filled(chosen, frozenset(parameters) if by_name else None)
+            made = filled(chosen, given)
     if overlap:
         if isinstance(made, PixelSynthesis) and made.canvas.shown is not None:
             cut = missing & (made.index != own)
