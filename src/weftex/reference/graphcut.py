@@ -93,25 +93,7 @@ def graphcut(
     count, flat = pixels[..., 0].size, pixels.reshape(-1, pixels.shape[2])
     sigma2 = int((count * (flat**2).sum(axis=0) - flat.sum(axis=0) ** 2).sum()) / count**2
     sources = np.full((*shape, 2), -1)
-    colors: Any = pixels.tolist()
-
-    @functools.cache
-    def m(step: Place, a: Place, b: Place) -> int:
-        """M(s, t, A, B) of eq. (1), or M': s shows `a` of the sample, t = s + step shows `b`."""
-
-        def color(y: int, x: int) -> Any:
-            return colors[y][x] if 0 <= y < pixels.shape[0] and 0 <= x < pixels.shape[1] else None
-
-        if (a[0] + step[0], a[1] + step[1]) == b:
-            return 0  # no seam
-        a_s, a_t = color(*a), color(a[0] + step[0], a[1] + step[1])
-        b_s, b_t = color(b[0] - step[0], b[1] - step[1]), color(*b)
-        differences = [norm(p, q) for p, q in ((a_s, b_s), (a_t, b_t)) if p and q]
-        gradient = [norm(p, q) for p, q in ((a_s, a_t), (b_s, b_t)) if p and q]
-        cost, across = sum(differences), sum(gradient)
-        if len(differences) < 2:  # a patch ends: the missing term is the other one; doubled
-            cost, across = (4 * cost, 2 * across) if differences else (4 * WHITE * len(a_s), 0)
-        return 256 * cost // (across + SOFT * len(a_s)) if gradients else cost
+    m = functools.cache(functools.partial(matching_cost, pixels.tolist(), gradients))
 
     def offset(old: Any, known: Any) -> Any:
         """Sub-patch matching (section 4): draw an offset; its chance follows from the mean SSD."""
@@ -123,25 +105,6 @@ def graphcut(
         chosen = int(np.searchsorted(np.cumsum(chances), left, side="right"))
         return np.divmod(chosen, patches.shape[1])
 
-    def connect(graph: Graph, s: Place, t: Place, new: dict[Place, Place]) -> None:
-        """Add to the graph the costs of s and its neighbor t being old or new."""
-        step = t[0] - s[0], t[1] - s[1]
-        old_s, old_t = (tuple(sources[p].tolist()) if sources[p][0] >= 0 else None for p in (s, t))
-        new_s, new_t = new.get(s), new.get(t)
-        if old_s and new_s and old_t and new_t:
-            if m(step, old_s, old_t) == 0:  # Fig. 2: an arc between both
-                graph.join(s, t, m(step, old_s, new_t))
-            else:  # Fig. 3: a seam node for the old seam, joined with the new patch
-                graph.join(s, (s, t), m(step, old_s, new_t))
-                graph.join((s, t), t, m(step, new_s, old_t))
-                graph.join((s, t), NEW, m(step, old_s, old_t))
-        elif old_s and new_s and (old_t or new_t):  # t is constrained to be old or new
-            graph.join(s, NEW, m(step, old_s, old_t or new_t))
-            graph.join(s, OLD, m(step, new_s, old_t) if old_t else 0)
-        elif old_t and new_t and (old_s or new_s):
-            graph.join(t, NEW, m(step, old_s or new_s, old_t))
-            graph.join(t, OLD, m(step, old_s, new_t) if old_s else 0)
-
     number = 0
     while (missing := np.argwhere(sources[..., 0] < 0)).size:
         top, left = (
@@ -152,19 +115,38 @@ def graphcut(
         known = sources[here][..., 0] >= 0
         source = places(*side) + offset(at(pixels, sources[here]), known)
         new = {(top + v, left + u): tuple(source[v, u].tolist()) for v, u in np.ndindex(*side)}
+        old = {p: tuple(sources[p].tolist()) for p in np.ndindex(shape) if sources[p][0] >= 0}
         graph = Graph()
         for y in range(max(top - 1, 0), top + side[0]):
             for x in range(max(left - 1, 0), left + side[1]):
                 if y + 1 < shape[0]:
-                    connect(graph, (y, x), (y + 1, x), new)
+                    connect(graph, (y, x), (y + 1, x), old, new, m)
                 if x + 1 < shape[1]:
-                    connect(graph, (y, x), (y, x + 1), new)
+                    connect(graph, (y, x), (y, x + 1), old, new, m)
         taken = graph.new_side()
         for p, place in new.items():
             if sources[p][0] < 0 or p in taken:
                 sources[p] = place
         number += 1
     return made(sample, at(pixels, sources), sources)
+
+
+def matching_cost(colors: Any, gradients: bool, step: Place, a: Place, b: Place) -> int:
+    """M(s, t, A, B) of eq. (1), or M': s shows `a` of the sample, t = s + step shows `b`."""
+
+    def color(y: int, x: int) -> Any:
+        return colors[y][x] if 0 <= y < len(colors) and 0 <= x < len(colors[0]) else None
+
+    if (a[0] + step[0], a[1] + step[1]) == b:
+        return 0  # no seam
+    a_s, a_t = color(*a), color(a[0] + step[0], a[1] + step[1])
+    b_s, b_t = color(b[0] - step[0], b[1] - step[1]), color(*b)
+    differences = [norm(p, q) for p, q in ((a_s, b_s), (a_t, b_t)) if p and q]
+    gradient = [norm(p, q) for p, q in ((a_s, a_t), (b_s, b_t)) if p and q]
+    cost, across = sum(differences), sum(gradient)
+    if len(differences) < 2:  # a patch ends: the missing term is the other one; doubled
+        cost, across = (4 * cost, 2 * across) if differences else (4 * WHITE * len(a_s), 0)
+    return 256 * cost // (across + SOFT * len(a_s)) if gradients else cost
 
 
 def norm(p: list[int], q: list[int]) -> int:
@@ -180,6 +162,27 @@ def chances_of(cost: Any, spread: float) -> list[int]:
     for _ in range(10):
         power = power * power
     return [int(chance) for chance in 2.0**32 / power]
+
+
+def connect(
+    graph: Graph, s: Place, t: Place, old: dict[Place, Any], new: dict[Place, Any], m: Any
+) -> None:
+    """Add to the graph the costs of s and its neighbor t being old or new (Figs. 2 and 3)."""
+    step = t[0] - s[0], t[1] - s[1]
+    old_s, old_t, new_s, new_t = old.get(s), old.get(t), new.get(s), new.get(t)
+    if old_s and new_s and old_t and new_t:
+        if m(step, old_s, old_t) == 0:  # Fig. 2: an arc between both
+            graph.join(s, t, m(step, old_s, new_t))
+        else:  # Fig. 3: a seam node for the old seam, joined with the new patch
+            graph.join(s, (s, t), m(step, old_s, new_t))
+            graph.join((s, t), t, m(step, new_s, old_t))
+            graph.join((s, t), NEW, m(step, old_s, old_t))
+    elif old_s and new_s and (old_t or new_t):  # t is constrained to be old or new
+        graph.join(s, NEW, m(step, old_s, old_t or new_t))
+        graph.join(s, OLD, m(step, new_s, old_t) if old_t else 0)
+    elif old_t and new_t and (old_s or new_s):
+        graph.join(t, NEW, m(step, old_s or new_s, old_t))
+        graph.join(t, OLD, m(step, old_s, new_t) if old_s else 0)
 
 
 class Graph:

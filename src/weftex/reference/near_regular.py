@@ -95,22 +95,11 @@ def near_regular(
         y, x = similar(i, j)[0]
         return int(y), int(x)
 
-    def full_border(i: int, j: int) -> Any:
-        """Fig. 4.9 (b): the wedges of a gap's border, from the sources of its four neighbors."""
-        to_sides = np.stack([*np.indices((side, side)), *np.indices((side, side))[:, ::-1, ::-1]])
-        depth = to_sides.min(axis=0) - (margin - border // 2)
-        wedges = (depth >= 0) & (depth < border)
-        nearest, colors = to_sides.argmin(axis=0), np.zeros((side, side, pixels.shape[2]), int)
-        for k, (a, b) in enumerate([(-1, 0), (0, -1), (1, 0), (0, 1)]):
-            y, x = np.array(drawn(i + a, j + b)) - (a * block, b * block)
-            v, u = np.nonzero((nearest == k) & wedges)
-            colors[v, u] = pixels[y + v, x + u]
-        return colors, wedges
-
     @functools.cache
     def fitting(i: int, j: int) -> tuple[int, int]:
         """Section 4.2.2: of the patches near similar ones, the one that matches the border best."""
-        g, wedges = full_border(i, j)
+        neighbors = [drawn(i - 1, j), drawn(i, j - 1), drawn(i + 1, j), drawn(i, j + 1)]
+        g, wedges = full_border(pixels, neighbors, block, border, margin)
         near = np.zeros(patches.shape[:2], bool)
         for y, x in similar(i, j):
             near[max(0, y - tolerance) : y + tolerance + 1,
@@ -123,14 +112,9 @@ def near_regular(
             best = ((f - g) ** 2).sum(axis=(1, 2)).argmin()  # chi of eq. (4.4)
         return int(candidates[best][0]), int(candidates[best][1])
 
-    def alpha() -> Any:
-        """Eqs. (4.9) and (4.10): the share of a block along one axis, from both of its edges."""
-        x = np.arange(side) - margin + blend // 2 + 1
-        rising, falling = np.clip(x, 0, blend + 1), np.clip(x - block, 0, blend + 1)
-        return (rising - falling) / (blend + 1)
-
     # Section 4.2.3: eqs. (4.6) to (4.8), the sum of all blocks by their shares.
-    share = np.outer(alpha(), alpha())
+    alpha = share_along_axis(block, blend, margin)
+    share = np.outer(alpha, alpha)
     rows, columns = (-(-n // block) for n in (height, width))
     shape = np.array([rows + 2, columns + 2]) * block + 2 * margin
     total, most = np.zeros((*shape, pixels.shape[2])), np.zeros(shape)
@@ -158,6 +142,30 @@ def multiples_of(v: Any, shape: Any) -> Any:
     inside = (steps + tile.max(axis=0) > -1) & (steps + tile.min(axis=0) < shape)
     steps = steps[inside.all(axis=1)]
     return steps[np.argsort(draw(0, "steps", np.arange(len(steps))), kind="stable")]
+
+
+def full_border(pixels: Any, neighbors: Any, block: int, border: int, margin: int) -> Any:
+    """Fig. 4.9 (b): the wedges of a gap's border, from its neighbors above, left, below and right.
+
+    `neighbors` are the corners of their patches in the sample.
+    """
+    side = block + 2 * margin
+    to_sides = np.stack([*np.indices((side, side)), *np.indices((side, side))[:, ::-1, ::-1]])
+    depth = to_sides.min(axis=0) - (margin - border // 2)
+    wedges = (depth >= 0) & (depth < border)
+    nearest, colors = to_sides.argmin(axis=0), np.zeros((side, side, pixels.shape[2]), int)
+    for k, (a, b) in enumerate([(-1, 0), (0, -1), (1, 0), (0, 1)]):
+        y, x = np.array(neighbors[k]) - (a * block, b * block)
+        v, u = np.nonzero((nearest == k) & wedges)
+        colors[v, u] = pixels[y + v, x + u]
+    return colors, wedges
+
+
+def share_along_axis(block: int, blend: int, margin: int) -> Any:
+    """Eqs. (4.9) and (4.10), alpha: the share of a block along one axis, from both of its edges."""
+    x = np.arange(block + 2 * margin) - margin + blend // 2 + 1
+    rising, falling = np.clip(x, 0, blend + 1), np.clip(x - block, 0, blend + 1)
+    return (rising - falling) / (blend + 1)
 
 
 def correlation(f: Any, g: Any) -> Any:
