@@ -12,7 +12,7 @@ from families import canvas_of, noise
 from weftex.methods.graphcut import GraphCut
 from weftex.methods.graphcut.cutting import WorstSeams
 from weftex.methods.graphcut.placement import chances_of, drawn_places
-from weftex.search.translation import Spectra, overlap_mismatch, window_mismatch
+from weftex.search.fft_mismatch import Spectra, overlap_mismatch, window_mismatch
 
 KINDS = ("plain", "x", "y", "xy", "hole", "wrapped hole")
 

@@ -73,7 +73,7 @@ def test_thinned_out_windows_lose_little(rng):
     model = weftex.PatchSampling(epsilon=0.0, repeat_distance=0.0, **kind).fit(exemplar)
     known = np.zeros((32, 32), bool)
     known[:8] = known[:, :8] = True
-    assert model.analysis.search(known, width=8).stride > 1
+    assert model.analysis.zone_search(known, width=8).stride > 1
     of = {"exemplar": exemplar, "size": 300, **kind}
     best, worst = error(**of, epsilon=0.0, search="exhaustive"), error(**of, epsilon=float("inf"))
     assert error(**of, epsilon=0.0) - best < 0.25 * (worst - best)

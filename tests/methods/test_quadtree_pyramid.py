@@ -8,8 +8,8 @@ from hypothesis import strategies as st
 
 from twins import quadtree_pyramid as reference
 from weftex.methods.patches.boundary_zone import boundary_zone
-from weftex.search import acceleration_kernels as _kernels
-from weftex.search.acceleration import QuadtreePyramid
+from weftex.search import approximate_nearest_kernels as _kernels
+from weftex.search.approximate_nearest import QuadtreePyramid
 
 
 @given(st.sampled_from([1, 2, 4]), st.sampled_from([1, 2, 4]), st.integers(1, 3), st.data())

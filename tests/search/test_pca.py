@@ -9,8 +9,8 @@ from hypothesis import strategies as st
 
 from processes import ENVIRONMENT, run
 from weftex.errors import UnsupportedError
-from weftex.search import acceleration_kernels as _kernels
-from weftex.search.acceleration import fit_pca, kd_tree
+from weftex.search import approximate_nearest_kernels as _kernels
+from weftex.search.approximate_nearest import fit_pca, kd_tree
 
 
 def made_up(seed, size, count):

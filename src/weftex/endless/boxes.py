@@ -12,6 +12,9 @@ from weftex.errors import InvalidInputError, shown, whole_pair
 #: What every block of a plane is, to refuse parameters that have no effect there: a hole.
 A_BLOCK = Canvas(1, 2, known=np.zeros((1, 2), np.uint8), hole=np.array([[True, False]]))
 
+#: Row and column in the plane.
+Corner = tuple[int, int]
+
 
 class Span(NamedTuple):
     """Pixels from `first` to `last` - 1 of an axis."""

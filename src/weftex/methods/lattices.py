@@ -6,7 +6,7 @@ from abc import abstractmethod
 
 from weftex.analysis.canvas_lattice import VISIBLE_STRAIN, Around, CanvasLattice
 from weftex.canvas import Canvas
-from weftex.endless.boxes import Box, PlaneRequest, canvas_of
+from weftex.endless.boxes import Box, Corner, PlaneRequest, canvas_of
 from weftex.errors import UnsupportedError
 from weftex.exemplar import Exemplar
 from weftex.method import Method, Model
@@ -30,17 +30,11 @@ class LatticeModel(Model):
 
     @abstractmethod
     def lay(
-        self,
-        canvas: Canvas,
-        origin: tuple[int, int],
-        seed: int,
-        threads: int,
-        progress: ProgressCallback | None,
-        period: tuple[int, int] | None = None,
+        self, canvas: Canvas, corner: Corner, asked: PlaneRequest, progress: ProgressCallback | None
     ) -> Synthesis:
-        """Return an output whose corner is at `origin` in the plane of the sample's lattice.
+        """Return an output whose corner is at `corner` in the plane of the sample's lattice.
 
-        Where the canvas wraps, or with a `period` the plane, the lattice is stretched until whole
+        Where the canvas wraps, or the plane has a period, the lattice is stretched until whole
         tiles fit; `provenance["strain"]` says how much.
         """
 
@@ -48,15 +42,14 @@ class LatticeModel(Model):
         self, canvas: Canvas, seed: int, threads: int, progress: ProgressCallback | None
     ) -> Synthesis:
         """See `Model.make`; errors name a good size if the lattice would be strained too much."""
-        return self.lay(canvas, canvas.origin, seed, threads, progress)
+        return self.lay(canvas, canvas.origin, PlaneRequest(seed, None, threads), progress)
 
     def make_window(
         self, box: Box, asked: PlaneRequest, progress: ProgressCallback | None = None
     ) -> Synthesis:
         """See `Model.make_window`."""
         corner = box.rows.first, box.columns.first
-        canvas = canvas_of(box)
-        found = self.lay(canvas, corner, asked.seed, asked.threads, progress, asked.period)
+        found = self.lay(canvas_of(box), corner, asked, progress)
         found.is_window = True
         found.provenance |= asked.told
         return found

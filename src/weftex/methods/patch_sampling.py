@@ -94,8 +94,8 @@ def sample_by_patches(output: Output, method: PatchSampling) -> None:
         # Step 1, where nothing is pasted yet, is any patch; see `patch_kernels.choose_window`.
         # Step 2: E_out is the boundary zone of the patches already pasted, `boundary_zone`: Fig. 3
         # (b) to (d), Fig. 5 for tileable output, any shape at a hole. A kd-tree, the quadtree
-        # pyramid or principal components (section 3, `search.acceleration`) list the m patches
-        # whose zones may be nearest to it.
+        # pyramid or principal components (section 3, `search.approximate_nearest`) list the m
+        # patches whose zones may be nearest to it.
         search = output.search_for(run)
         # Of these, Psi_B has those nearer than d_max. Steps 3 and 4: draw B_k from Psi_B, or take
         # the nearest patch if it is empty (`patch_kernels.draw_one`); paste it.

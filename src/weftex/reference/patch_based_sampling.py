@@ -3,7 +3,7 @@
 The method `patch-sampling` makes the same bytes with `repeat_distance=0`, if whole patches cover
 the output; otherwise it spreads its patches evenly. What makes the paper fast (section 3) is not
 here: kd-tree, quadtree pyramid and principal components are `kd_tree`, `QuadtreePyramid` and
-`fit_pca` of `weftex.search.acceleration`.
+`fit_pca` of `weftex.search.approximate_nearest`.
 """
 
 from __future__ import annotations

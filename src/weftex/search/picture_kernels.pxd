@@ -1,4 +1,4 @@
-cdef class Sample:
+cdef class SampleWindows:
     cdef const unsigned char[:, :, ::1] pixels
     cdef const unsigned char[:, ::1] usable
     cdef const int[::1] period
@@ -30,5 +30,5 @@ cpdef Py_ssize_t known_runs(const unsigned char[:, ::1] done, Py_ssize_t y, Py_s
 cpdef Py_ssize_t usable_place(const unsigned char[:, ::1] usable, const int[::1] period,
                              Py_ssize_t y, Py_ssize_t x) noexcept nogil
 
-cdef Py_ssize_t coherent_places(Picture picture, Sample sample, Py_ssize_t y, Py_ssize_t x,
+cdef Py_ssize_t coherent_places(Picture picture, SampleWindows sample, Py_ssize_t y, Py_ssize_t x,
                                 Query query, int[::1] places, Py_ssize_t count) noexcept nogil

@@ -8,7 +8,7 @@ A window is a list of runs (dy, dx, length): stretches of a row, seen from its c
 import cython
 
 
-class Sample:
+class SampleWindows:
     """The windows of a sample, see `weftex.search.windows.Windows`."""
 
     def __init__(self, pixels, usable, period):

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from weftex.errors import InvalidInputError
 from weftex.exemplar import Exemplar
 from weftex.raster.boxes import whole_windows
-from weftex.search.picture_kernels import Query, Sample
+from weftex.search.picture_kernels import Query, SampleWindows
 
 #: How far a window reaches up, down, left and right of its center, in pixels.
 Reach = tuple[int, int, int, int]
@@ -30,9 +30,9 @@ class Windows:
     shape: tuple[int, int]  # of the sample itself
 
     @property
-    def kernel(self) -> Sample:
+    def kernel(self) -> SampleWindows:
         """The windows as kernels take them."""
-        return Sample(self.pixels, self.usable, self.period)
+        return SampleWindows(self.pixels, self.usable, self.period)
 
     @cached_property
     def centers(self) -> NDArray[np.int32]:

@@ -25,7 +25,7 @@ from weftex.results.pixels import PixelSynthesis
 from weftex.results.saved import ABOUT
 from weftex.results.synthesis import Synthesis
 from weftex.seams.boundary import cut_around
-from weftex.search.translation import Spectra, correlations, window_mismatch
+from weftex.search.fft_mismatch import Spectra, correlations, window_mismatch
 from weftex.tasks.auto import AutoModel, Findings, look
 from weftex.tasks.auto.rule import may_place
 

@@ -1,4 +1,4 @@
-from weftex.search.picture_kernels cimport Picture, Query, Sample
+from weftex.search.picture_kernels cimport Picture, Query, SampleWindows
 
 cdef class PixelChoice:
     cdef Py_ssize_t half  # of a window's width
@@ -13,10 +13,10 @@ cdef class PixelChoice:
     cdef bint wrap_y
     cdef bint again  # the pixel was chosen before
 
-cdef Py_ssize_t gather_candidates(Sample sample, Picture picture, PixelChoice choice,
+cdef Py_ssize_t gather_candidates(SampleWindows sample, Picture picture, PixelChoice choice,
                                   const int[:, ::1] random_places, Py_ssize_t row) noexcept nogil
 
-cdef Py_ssize_t best_candidate(Sample sample, Picture picture, PixelChoice choice,
+cdef Py_ssize_t best_candidate(SampleWindows sample, Picture picture, PixelChoice choice,
                                Py_ssize_t count) noexcept nogil
 
 cdef long long guide_distance(Picture picture, PixelChoice choice, Py_ssize_t place) noexcept nogil

@@ -9,7 +9,7 @@ import cython
 from cython.cimports.weftex.raster.difference_kernels import squared
 from cython.cimports.weftex.search.picture_kernels import (
     Picture,
-    Sample,
+    SampleWindows,
     coherent_places,
     known_runs,
 )
@@ -27,7 +27,7 @@ class PixelChoice:
 
 
 def choose(
-    sample: Sample,
+    sample: SampleWindows,
     picture: Picture,
     choice: PixelChoice,
     line: cython.const[cython.int][::1],

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from weftex.analysis.canvas_lattice import Around, CanvasLattice, check_lattice, found_vectors
 from weftex.canvas import Canvas
+from weftex.endless.boxes import Corner, PlaneRequest
 from weftex.errors import InvalidInputError
 from weftex.exemplar import Exemplar
 from weftex.method import Method
@@ -118,16 +119,10 @@ class BestTileModel(LatticeModel):
         super().__init__(method, exemplar, vectors)
 
     def lay(
-        self,
-        canvas: Canvas,
-        origin: tuple[int, int],
-        seed: int,
-        threads: int,
-        progress: ProgressCallback | None,
-        period: tuple[int, int] | None = None,
+        self, canvas: Canvas, corner: Corner, asked: PlaneRequest, progress: ProgressCallback | None
     ) -> PixelSynthesis:
         """Repeat the best tile: f(x) = f(x + a v1 + b v2) (eq. 4.1)."""
-        around = canvas if period is None else Around(*period)
+        around = canvas if asked.period is None else Around(*asked.period)
         lattice = CanvasLattice(self.vectors, around, _LIMIT)
         index = np.full(canvas.shape, -1, np.int32)
         pixels = self.exemplar.pixels.reshape(-1, *self.exemplar.pixels.shape[2:])
@@ -139,9 +134,9 @@ class BestTileModel(LatticeModel):
 
         # Coordinates up to 2**40 are exact to 2**-13 pixel in a float. On a canvas that wraps they
         # count from its corner.
-        lines = [np.arange(n) + at for n, at in zip(canvas.shape, origin, strict=True)]
-        if period is not None:
-            lines = [line % n for line, n in zip(lines, period, strict=True)]
+        lines = [np.arange(n) + at for n, at in zip(canvas.shape, corner, strict=True)]
+        if asked.period is not None:
+            lines = [line % n for line, n in zip(lines, asked.period, strict=True)]
         down, across = (line - at for line, at in zip(lines, self.anchor, strict=True))
         bands = Progress(progress, canvas.height, "rows", preview)
         for top in range(0, canvas.height, _BAND):
@@ -156,7 +151,7 @@ class BestTileModel(LatticeModel):
             y, x = self.rows[row, 0] + self.anchor[0], u + self.anchor[1]
             index[top : top + _BAND] = y * self.exemplar.shape[1] + x
             bands.advance(len(a))
-        about: dict[str, object] = {"seed": seed, "anchor": list(self.anchor)}
+        about: dict[str, object] = {"seed": asked.seed, "anchor": list(self.anchor)}
         if any(around.wrap):
             about["strain"] = round(lattice.strain, 6)
         return PixelSynthesis(

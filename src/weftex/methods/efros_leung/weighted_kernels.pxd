@@ -1,4 +1,4 @@
-from weftex.search.picture_kernels cimport Picture, Query, Sample
+from weftex.search.picture_kernels cimport Picture, Query, SampleWindows
 
 cdef enum:
     BLOCK_WINDOWS = 64  # windows that lower bounds are taken of at a time
@@ -51,7 +51,7 @@ cdef long long largest_bound(long long limit, long long scale) noexcept nogil
 
 cdef long long largest_accepted(long long best, double tolerance) noexcept nogil
 
-cdef long long nearest_coherent(Picture picture, Sample sample, WeightedWindows windows,
+cdef long long nearest_coherent(Picture picture, SampleWindows sample, WeightedWindows windows,
                                 Py_ssize_t y, Py_ssize_t x, Template template) noexcept nogil
 
 cdef Py_ssize_t list_within(WeightedWindows windows, Template template, long long best,

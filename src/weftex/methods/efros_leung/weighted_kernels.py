@@ -12,7 +12,7 @@ from cython.cimports.libc.string import memset
 from cython.cimports.weftex.raster.difference_kernels import weighted_squares
 from cython.cimports.weftex.search.picture_kernels import (
     Picture,
-    Sample,
+    SampleWindows,
     around,
     coherent_places,
     known_runs,
@@ -274,7 +274,7 @@ def list_within(windows, template, best, tolerance):
 
 
 def find_matches(
-    sample: Sample,
+    sample: SampleWindows,
     windows: WeightedWindows,
     picture: Picture,
     template: Template,

@@ -181,7 +181,7 @@ def synthesize(prepared: Prepared, growth: Growth, level: int) -> Sheet:
     matching.scan(range(len(band), top), f"exact {level}", "beginning")
     # Section 4.2: in scanline order, each pixel is copied from the center of the best matching
     # window of the union of its direct neighbors' lists: see `match_kernels.match_pixels`. No
-    # neighborhood is compared twice (section 4.4): `match_kernels.Search.seen`. Nor is a color
+    # neighborhood is compared twice (section 4.4): `match_kernels.PixelSearch.seen`. Nor is a color
     # looked up twice in a row: `list_kernels.slot_of`.
     shown = growth.pixels if level == 0 else None
     matching.scan(range(top, top + height), f"exact {level}", "rows", shown)

@@ -8,7 +8,7 @@ The tree is that of `ColorIndex`: node i at level l, counted from 2**l, has the 
 
 import cython
 from cython.cimports.weftex.raster.difference_kernels import squared
-from cython.cimports.weftex.search.acceleration_kernels import offer
+from cython.cimports.weftex.search.approximate_nearest_kernels import offer
 
 
 class ColorTree:

@@ -1,7 +1,7 @@
 from weftex.methods.exact_matching.list_kernels cimport Lists
 from weftex.search.picture_kernels cimport Picture, Query
 
-cdef class Search:
+cdef class PixelSearch:
     # Which windows are compared.
     cdef bint causal
     cdef Py_ssize_t reach
@@ -36,25 +36,25 @@ cdef class Search:
     cdef int[::1] seen  # the stamp of the search that met it last
     cdef int stamp
 
-cdef void look_around(Lists lists, Picture picture, Search search) noexcept nogil
+cdef void look_around(Lists lists, Picture picture, PixelSearch search) noexcept nogil
 
-cdef void gather_windows(Picture picture, Search search) noexcept nogil
+cdef void gather_windows(Picture picture, PixelSearch search) noexcept nogil
 
-cdef void find_best(Lists lists, Picture picture, Search search) noexcept nogil
+cdef void find_best(Lists lists, Picture picture, PixelSearch search) noexcept nogil
 
-cdef void compare_coherent(Lists lists, Picture picture, Search search) noexcept nogil
+cdef void compare_coherent(Lists lists, Picture picture, PixelSearch search) noexcept nogil
 
-cdef void compare_listed(Lists lists, Picture picture, Search search) noexcept nogil
+cdef void compare_listed(Lists lists, Picture picture, PixelSearch search) noexcept nogil
 
-cdef long long compare_share(Lists lists, Picture picture, Search search,
+cdef long long compare_share(Lists lists, Picture picture, PixelSearch search,
                              long long share) noexcept nogil
 
-cdef void compare_group(Lists lists, Picture picture, Search search, Py_ssize_t group,
+cdef void compare_group(Lists lists, Picture picture, PixelSearch search, Py_ssize_t group,
                         unsigned int key) noexcept nogil
 
-cdef long long window_distance(Lists lists, Picture picture, Search search,
+cdef long long window_distance(Lists lists, Picture picture, PixelSearch search,
                                Py_ssize_t place) noexcept nogil
 
-cdef bint repeats(Picture picture, Search search, Py_ssize_t place) noexcept nogil
+cdef bint repeats(Picture picture, PixelSearch search, Py_ssize_t place) noexcept nogil
 
-cdef void copy_chosen(Lists lists, Picture picture, Search search) noexcept nogil
+cdef void copy_chosen(Lists lists, Picture picture, PixelSearch search) noexcept nogil

@@ -27,7 +27,7 @@ ALL_KEYS = cython.declare(cython.longlong, 2**32)
 MIXER = cython.declare(cython.uint, 2654435761)  # of a place's bits, for its key
 
 
-class Search:
+class PixelSearch:
     """The search for one pixel: the windows that are compared, and what is kept between pixels."""
 
     def __init__(self, windows, coarser, queries, neighbors, colors, last, seen):
@@ -42,7 +42,7 @@ class Search:
 def match_pixels(
     lists: Lists,
     picture: Picture,
-    search: Search,
+    search: PixelSearch,
     order: cython.const[cython.int][::1],
     bits: cython.const[cython.ulonglong][::1],
 ):

@@ -135,7 +135,7 @@ class Matching:
         self.seen = np.zeros(lists.windows.usable.size, np.int32)
         of_neighbors = np.empty(_MOST_NEIGHBORS, np.int32)
         everywhere = np.ones(parents.suggested.shape, np.uint8)
-        self._search = kernels.Search(
+        self._search = kernels.PixelSearch(
             (
                 lists.causal, lists.reach, lists.coarse_reach, method.repeat_distance,
                 method.candidates,

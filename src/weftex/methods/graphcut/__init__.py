@@ -20,7 +20,7 @@ from weftex.method import Method
 from weftex.methods.graphcut.cutting import CutCanvas, WorstSeams
 from weftex.methods.graphcut.entire import EntirePatchMatching
 from weftex.methods.graphcut.placement import Patch, Placement, draw_offsets
-from weftex.methods.graphcut.sample import PATCH_SHARE, Sample, check_boundary, patch_shape_for
+from weftex.methods.graphcut.sample import PATCH_SHARE, CutSample, check_boundary, patch_shape_for
 from weftex.methods.graphcut.subpatch import SubPatchMatching
 from weftex.methods.pixels import Growth, PixelModel
 from weftex.parameters import parameter
@@ -218,7 +218,7 @@ class GraphCutModel(PixelModel):
         self.method: GraphCut = given.resolved(exemplar)
         side = self.method.patch_size
         self.given, self.patch_shape = given, (side, side) if side else given.patch_shape(exemplar)
-        sample = Sample(exemplar, windows, given.seam_cost == "gradient", given.halvings)
+        sample = CutSample(exemplar, windows, given.seam_cost == "gradient", given.halvings)
         super().__init__(self.method, exemplar, sample, self.synthesize)
 
     def block_sizes(self) -> Sizes:
@@ -255,7 +255,7 @@ class GraphCutModel(PixelModel):
         fitting = evenly(self.method.lattice, canvas)
         return super().make(fitting, seed, threads, progress).stretched(canvas)
 
-    def synthesize(self, sample: Sample, growth: Growth) -> None:
+    def synthesize(self, sample: CutSample, growth: Growth) -> None:
         """Cover the canvas with patches, then put more patches over its worst seams."""
         if growth.canvas.shown is not None:  # of a plane's block or a hole, whose border may change
             growth.show(growth.canvas.shown >= 0)
@@ -267,34 +267,35 @@ class GraphCutModel(PixelModel):
 
 
 def placement_of(
-    method: GraphCut, shape: tuple[int, int], sample: Sample, growth: Growth
+    method: GraphCut, shape: tuple[int, int], sample: CutSample, growth: Growth
 ) -> Placement:
     """Random placement, entire patch matching or sub-patch matching (section 4).
 
     Oriented copies, the lattice and the repetition penalty are not in the paper.
     """
-    variety = method.variety
     if method.placement == "random":
         return EntirePatchMatching(sample, growth, random=True)
     if method.placement == "subpatch":
         parts = SubPatchMatching(sample, growth, shape, method.boundary_width or 0)
-        if variety > 0:
-            policy = Repetition(variety, nearby=1.0, in_line=0.25, use=0.25)
+        if method.variety > 0:
+            policy = Repetition(method.variety, nearby=1.0, in_line=0.25, use=0.25)
             step = 2 * parts.reduction
             parts.penalty = PatchPenalty(policy, sample.exemplar, growth, parts.size, step)
         return parts
     boxes = sample.boxes or [(0, 0, *sample.exemplar.shape)]
     penalty = None
-    if variety > 0:
+    if method.variety > 0:
         # Things that are shown both ways up look less alike.
-        policy = Repetition(variety, nearby=0.3 if sample.boxes else 0.4, use=0.05)
+        policy = Repetition(method.variety, nearby=0.3 if sample.boxes else 0.4, use=0.05)
         small = sample.part(boxes[0]).levels(cell_side(boxes))[-1]
         cells = small.pixels, small.mask
         penalty = SaliencePenalty(policy, sample.exemplar, growth, boxes, cells)
     return EntirePatchMatching(sample, growth, lattice=method.lattice, penalty=penalty)
 
 
-def cut_and_paste(method: GraphCut, placement: Placement, sample: Sample, growth: Growth) -> None:
+def cut_and_paste(
+    method: GraphCut, placement: Placement, sample: CutSample, growth: Growth
+) -> None:
     """Cover an output with patches of the sample: sections 3 to 5 of Kwatra et al. (2003)."""
     assert method.candidates is not None and method.refinements is not None
     count, tolerance = method.candidates, _given(method.tolerance, 1.0)  # random: all match
@@ -304,7 +305,7 @@ def cut_and_paste(method: GraphCut, placement: Placement, sample: Sample, growth
     with quick_map(threads) as map_:
 
         def best_patch(pixel: tuple[int, int], number: int, *, centered: bool) -> Patch:
-            # C(t) for all offsets t (section 4), by FFT (section 5): `search.translation`.
+            # C(t) for all offsets t (section 4), by FFT (section 5): `search.fft_mismatch`.
             matches = placement.matches(pixel, number, centered, map_)
             # Some of them, drawn by P(t) = exp(-C(t) / (k sigma**2)) (section 4).
             drawn = draw_offsets(matches, placement, tolerance, (growth.seed, number, count))

@@ -14,7 +14,7 @@ import numpy as np
 from weftex.canvas import Canvas
 from weftex.methods.graphcut import cost_kernels, graph_kernels
 from weftex.methods.graphcut.placement import Patch
-from weftex.methods.graphcut.sample import Sample
+from weftex.methods.graphcut.sample import CutSample
 from weftex.methods.pixels import Growth
 from weftex.raster.boxes import box_sums
 from weftex.seams import search_trees
@@ -33,7 +33,7 @@ class CutCanvas:
 
     def __init__(
         self,
-        sample: Sample,
+        sample: CutSample,
         growth: Growth,
         size: tuple[int, int],
         block: int,

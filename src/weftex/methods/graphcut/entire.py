@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 from weftex.analysis.canvas_lattice import VISIBLE_STRAIN, CanvasLattice, given_lattice
 from weftex.methods.graphcut.placement import Matches, Patch, size_on
 from weftex.methods.graphcut.sample import (
+    CutSample,
     Level,
-    Sample,
     box_of,
     coarsest,
     in_full_size,
@@ -24,7 +24,7 @@ from weftex.methods.graphcut.sample import (
 from weftex.methods.pixels import Growth
 from weftex.raster.arrays import fast_size
 from weftex.repeats.salience import SaliencePenalty
-from weftex.search.translation import Spectra, overlap_mismatch
+from weftex.search.fft_mismatch import Spectra, overlap_mismatch
 
 _AROUND = 32  # pixels around a hole that are matched, or half as many as it is wide
 _DRIFT = 16  # in photos a tile lies up to 1/16 of its shorter side off the lattice
@@ -54,7 +54,7 @@ class EntirePatchMatching:
 
     def __init__(
         self,
-        sample: Sample,
+        sample: CutSample,
         growth: Growth,
         *,
         random: bool = False,

@@ -20,7 +20,7 @@ from weftex.exemplar.turns import copies_in
 from weftex.methods.graphcut import pyramid_kernels as kernels
 from weftex.raster.arrays import fast_size
 from weftex.raster.turning import Box
-from weftex.search.translation import Spectra
+from weftex.search.fft_mismatch import Spectra
 from weftex.search.windows import Windows, windows_of
 
 #: Side of a patch, of the sample's shorter side.
@@ -32,7 +32,7 @@ _TOGETHER = 3  # places that one call looks up
 
 
 @dataclass(frozen=True, eq=False)
-class Sample:
+class CutSample:
     """A sample, with what depends on it alone; that is made once, for many outputs."""
 
     exemplar: Exemplar
@@ -50,15 +50,11 @@ class Sample:
         """Where the sample and its oriented copies lie, if it is a picture of them."""
         return [] if self.exemplar.turn is None else copies_in(self.exemplar)
 
-    def part(self, box: Box) -> Sample:
+    def part(self, box: Box) -> CutSample:
         """One of the oriented copies."""
-        top, left, height, width = box
-        here = np.s_[top : top + height, left : left + width]
-        pixels, usable = (
-            np.ascontiguousarray(a[here]) for a in (self.windows.pixels, self.windows.usable)
-        )
-        part = Windows(pixels, usable, self.windows.period, (height, width))
-        return replace(self, windows=part, made={})
+        part = Level(self.windows.pixels, self.windows.usable).part(*box)
+        windows = Windows(part.pixels, part.mask, self.windows.period, box[2:])
+        return replace(self, windows=windows, made={})
 
     def reduction_for(self, size: tuple[int, int], allowed: NDArray[np.uint8]) -> int:
         """How many times smaller the smallest level is that patches of a size are matched on.

@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 
 from weftex.methods.graphcut.placement import Matches, Patch, size_on
 from weftex.methods.graphcut.sample import (
+    CutSample,
     Level,
-    Sample,
     box_of,
     coarsest,
     in_full_size,
@@ -23,7 +23,7 @@ from weftex.methods.pixels import Growth
 from weftex.random import draw
 from weftex.raster.boxes import box_sums
 from weftex.repeats import Offsets, PatchPenalty
-from weftex.search.translation import window_mismatch
+from weftex.search.fft_mismatch import window_mismatch
 from weftex.search.windows import windows_of
 
 _MOST_PIXELS = 2**20  # of a sample that is searched as a whole
@@ -49,7 +49,7 @@ class Arranged(NamedTuple):
     whole: Part
 
 
-def arranged_for(sample: Sample, size: tuple[int, int]) -> Arranged:
+def arranged_for(sample: CutSample, size: tuple[int, int]) -> Arranged:
     """Arrange a sample for patches of a size."""
     height, width = sample.exemplar.shape
     windows = windows_of(sample.exemplar, (0, size[0] - 1, 0, size[1] - 1))
@@ -69,7 +69,7 @@ class SubPatchMatching:
     """
 
     def __init__(
-        self, sample: Sample, growth: Growth, patch_shape: tuple[int, int], overlap: int
+        self, sample: CutSample, growth: Growth, patch_shape: tuple[int, int], overlap: int
     ) -> None:
         self.exemplar, self.growth, self.canvas = sample.exemplar, growth, growth.canvas
         self.size = size_on(growth.canvas, patch_shape)

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from weftex.canvas import Canvas
+from weftex.endless.boxes import Corner, PlaneRequest
 from weftex.exemplar import Exemplar
 from weftex.method import Method
 from weftex.methods.lattices import LatticeModel
@@ -132,20 +133,14 @@ class NearRegularModel(LatticeModel):
         super().__init__(method, exemplar, method.lattice or ())
 
     def lay(
-        self,
-        canvas: Canvas,
-        origin: tuple[int, int],
-        seed: int,
-        threads: int,
-        progress: ProgressCallback | None,
-        period: tuple[int, int] | None = None,
+        self, canvas: Canvas, corner: Corner, asked: PlaneRequest, progress: ProgressCallback | None
     ) -> PatchSynthesis:
         """Make an output by section 4.2, with the improvements that chapter 6 proposes."""
         method, sample = self.method, self.blocks
-        with thread_map(threads) as each:
+        with thread_map(asked.threads) as each:
             # 4.2: split the output into square blocks; f[x] = f[x + a v1 + b v2] (eq. 4.3) says
             # which windows of the sample are similar to each.
-            layout = divide(method, sample, canvas, origin, seed, period)
+            layout = divide(method, sample, canvas, corner, asked)
             plan = Plan(method, sample, layout, each)
             # 4.2.1: every second block gets a similar window, drawn at random (Fig. 4.7):
             # `block_kernels.draw_blocks`.

@@ -10,7 +10,7 @@ import cython
 from cython.cimports.libc.math import sqrt
 from cython.cimports.libc.string import memcpy
 from cython.cimports.weftex.raster.difference_kernels import squared
-from cython.cimports.weftex.search.picture_kernels import Sample, usable_place
+from cython.cimports.weftex.search.picture_kernels import SampleWindows, usable_place
 
 NEVER = cython.declare(cython.longlong, 1 << 60)  # more than any mismatch
 HALF = cython.declare(cython.longlong, 1 << 15)  # a pixel, in 1/65536
@@ -40,7 +40,7 @@ class Gaps:
     neighbor above, left, below or right. The best windows are listed in `keys` and `places`.
     """
 
-    sample: Sample
+    sample: SampleWindows
     pieces: cython.const[cython.int][:, ::1]
     runs: cython.const[cython.int][:, ::1]
     tolerance: cython.Py_ssize_t
@@ -49,7 +49,7 @@ class Gaps:
     keys: cython.longlong[::1]
     places: cython.int[::1]
 
-    def __init__(self, sample: Sample, pieces, runs, tolerance, by_correlation, scratch):
+    def __init__(self, sample: SampleWindows, pieces, runs, tolerance, by_correlation, scratch):
         self.sample, self.pieces, self.runs = sample, pieces, runs
         self.tolerance, self.by_correlation = tolerance, by_correlation
         self.border, self.keys, self.places = scratch
@@ -60,7 +60,7 @@ class Gaps:
 @cython.nogil
 @cython.exceptval(check=False)
 def similar_window(
-    sample: Sample,
+    sample: SampleWindows,
     offsets: cython.const[cython.longlong][:, ::1], k: cython.Py_ssize_t,
     blocks: cython.const[Block][::1], n: cython.Py_ssize_t,
 ) -> cython.Py_ssize_t:  # fmt: skip
@@ -87,7 +87,7 @@ def common_pixels(
 
 
 def draw_blocks(
-    sample: Sample,
+    sample: SampleWindows,
     offsets: cython.const[cython.longlong][:, ::1],
     blocks: cython.const[Block][::1],
     near: cython.const[Near][:, ::1],

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from weftex.analysis.canvas_lattice import VISIBLE_STRAIN, Around, CanvasLattice
 from weftex.analysis.colored_rows import ColoredRows
 from weftex.canvas import Canvas
-from weftex.endless.boxes import check_period
+from weftex.endless.boxes import Corner, PlaneRequest, check_period
 from weftex.methods.near_regular.sample import BlockSample
 from weftex.random import draw
 
@@ -158,7 +158,7 @@ class Layout:
     """The blocks of one canvas."""
 
     canvas: Canvas
-    origin: tuple[int, int]  # of the canvas in the plane of the sample's lattice
+    origin: Corner  # of the canvas in the plane of the sample's lattice
     seed: int
     lattice: CanvasLattice  # stretched to wrap around the canvas
     rows: Axis
@@ -202,19 +202,14 @@ class Layout:
 
 
 def divide(
-    method: Any,
-    sample: BlockSample,
-    canvas: Canvas,
-    origin: tuple[int, int],
-    seed: int,
-    period: tuple[int, int] | None = None,
+    method: Any, sample: BlockSample, canvas: Canvas, corner: Corner, asked: PlaneRequest
 ) -> Layout:
     """Divide a canvas, or a window of a plane that may have a period, into square blocks.
 
     Raises `InvalidInputError` if the lattice would have to be stretched by more than looks right,
     and than the tolerance makes up for, to wrap.
     """
-    size = method.block_size
+    size, period, seed = method.block_size, asked.period, asked.seed
     check_period(period, max(2 * size, 4))
     around = canvas if period is None else Around(*period)
     limit = max(VISIBLE_STRAIN, method.tolerance / size)
@@ -223,7 +218,7 @@ def divide(
     rows, columns = (
         Axis(*along, method, colored if colored and colored.axis == axis else None)
         for axis, along in enumerate(
-            zip(canvas.shape, origin, canvas.wrap, period or (0, 0), strict=True)
+            zip(canvas.shape, corner, canvas.wrap, period or (0, 0), strict=True)
         )
     )
     phase = lattice.phase(rows.corners[:, None], columns.corners[None, :])
@@ -233,7 +228,7 @@ def divide(
     most = max(0, min(rows.least, columns.least) - 1) // 2
     return Layout(
         canvas=canvas,
-        origin=origin,
+        origin=corner,
         seed=seed,
         lattice=lattice,
         rows=rows,

@@ -14,8 +14,8 @@ from weftex.methods.patches.boundary_zone import BoundaryZone, boundary_zone
 from weftex.methods.patches.method import SEARCHES, PatchMethod
 from weftex.methods.patches.patch_kernels import WindowSearch
 from weftex.raster.boxes import box_sums
-from weftex.search.acceleration import Components, QuadtreePyramid, fit_pca, kd_tree
-from weftex.search.acceleration_kernels import project, square_means
+from weftex.search.approximate_nearest import Components, QuadtreePyramid, fit_pca, kd_tree
+from weftex.search.approximate_nearest_kernels import project, square_means
 
 _MOST_NUMBERS = 288  # of the low resolution that describe one zone
 _MOST_WINDOWS = 16384  # that the default search compares; more are thinned out first
@@ -76,13 +76,13 @@ class PatchAnalysis:
         known = np.zeros((side, side), bool)
         if self.method.pixelwise:
             known.ravel()[: known.size // 2] = True
-            self.search(known, width=width, often=True)
+            self.zone_search(known, width=width, often=True)
             return
         for left, top in ((True, False), (False, True), (True, True)):
             known[:] = False
             known[:, :width] |= left
             known[:width] |= top
-            self.search(known, width=width, often=True)
+            self.zone_search(known, width=width, often=True)
 
     def windows(self, rows: int, columns: int) -> tuple[NDArray[np.uint8], NDArray[np.int32]]:
         """Mark and number the upper left corners of windows in the usable part of the sample."""
@@ -114,7 +114,7 @@ class PatchAnalysis:
             return f"patch_size may be at most {widest} (now {method.patch_size})"
         return f"it has room for {widest}x{widest}; a patch takes 2x2, a pixel and its zone 3x3"
 
-    def search(
+    def zone_search(
         self,
         known: NDArray[np.bool_],
         frozen: NDArray[np.bool_] | None = None,
@@ -245,7 +245,7 @@ class Zones:
         """Return the number of the zone of a window, see `PatchAnalysis.search`."""
         key = known.tobytes(), b"" if frozen is None else frozen.tobytes()
         if key not in self._numbers:
-            search = self._analysis.search(known, frozen, width=self._width, often=often)
+            search = self._analysis.zone_search(known, frozen, width=self._width, often=often)
             weight = search.zone.weight
             if self._analysis.method.blend == "feather-at-end":
                 weight = np.where(weight > 0, 256, 0).astype(np.uint16)

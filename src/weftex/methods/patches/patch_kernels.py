@@ -11,7 +11,7 @@ from cython.cimports.libc.math import sqrt
 from cython.cimports.weftex.methods.patches.cut_kernels import cut_bands
 from cython.cimports.weftex.raster.difference_kernels import squared
 from cython.cimports.weftex.results.paste_kernels import Layout, paste
-from cython.cimports.weftex.search.acceleration_kernels import (
+from cython.cimports.weftex.search.approximate_nearest_kernels import (
     nearest_by_coordinates,
     nearest_by_squares,
     project,

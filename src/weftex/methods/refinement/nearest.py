@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from weftex.methods.refinement import nearest_kernels
-from weftex.search.acceleration import Components, coordinates_of, main_components
+from weftex.search.approximate_nearest import Components, coordinates_of, main_components
 from weftex.search.windows import Windows
 from weftex.threads import one_blas_thread
 

@@ -4,7 +4,7 @@
 
 import cython
 from cython.cimports.libc.math import sqrt
-from cython.cimports.weftex.search.acceleration_kernels import all_distances, project
+from cython.cimports.weftex.search.approximate_nearest_kernels import all_distances, project
 from cython.cimports.weftex.search.window_kernels import run_distance
 
 

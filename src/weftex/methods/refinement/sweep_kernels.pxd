@@ -1,4 +1,4 @@
-from weftex.search.picture_kernels cimport Picture, Query, Sample
+from weftex.search.picture_kernels cimport Picture, Query, SampleWindows
 
 cdef class Sources:
     cdef Py_ssize_t reach  # of a window
@@ -18,7 +18,7 @@ cdef class GuidePair:
     cdef const unsigned char[:, ::1] everywhere  # 1
     cdef Query query
 
-cdef bint take(Picture picture, Sample sample, Py_ssize_t y, Py_ssize_t x,
+cdef bint take(Picture picture, SampleWindows sample, Py_ssize_t y, Py_ssize_t x,
                Py_ssize_t place) noexcept nogil
 
 cdef long long excess(Sources sources, Py_ssize_t cell) noexcept nogil
@@ -29,10 +29,10 @@ cdef void gather_guide(Picture picture, GuidePair guide, Py_ssize_t y, Py_ssize_
 cdef long long guide_distance(GuidePair guide, Py_ssize_t y, Py_ssize_t x, Py_ssize_t v,
                               Py_ssize_t u, long long bound) noexcept nogil
 
-cdef Py_ssize_t gather_coherent(Picture picture, Sample sample, Query query, int[::1] candidates,
+cdef Py_ssize_t gather_coherent(Picture picture, SampleWindows sample, Query query, int[::1] candidates,
                                 Py_ssize_t y, Py_ssize_t x, Py_ssize_t reach) noexcept nogil
 
-cdef Py_ssize_t gather_similar(Sample sample, Sources sources, int[::1] candidates,
+cdef Py_ssize_t gather_similar(SampleWindows sample, Sources sources, int[::1] candidates,
                                Py_ssize_t coherent) noexcept nogil
 
 cdef void look(Picture picture, Query query, Py_ssize_t y, Py_ssize_t x,

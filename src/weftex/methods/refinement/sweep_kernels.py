@@ -8,7 +8,7 @@ from cython.cimports.weftex.raster.difference_kernels import squared
 from cython.cimports.weftex.search.picture_kernels import (
     Picture,
     Query,
-    Sample,
+    SampleWindows,
     coherent_places,
     known_runs,
 )
@@ -115,7 +115,7 @@ def look(picture, query, y, x, reach):
 
 
 def refine_coherently(
-    picture: Picture, sample: Sample, sources: Sources, guide: GuidePair, query: Query,
+    picture: Picture, sample: SampleWindows, sources: Sources, guide: GuidePair, query: Query,
     candidates: cython.int[::1], order: cython.const[cython.int][::1],
     tried: cython.const[cython.int][::1],
 ):  # fmt: skip
@@ -169,8 +169,8 @@ def refine_coherently(
 
 
 def refine_to_nearest(
-    picture: Picture, sample: Sample, whole: NearestWindows, above: NearestWindows, query: Query,
-    candidates: cython.int[::1], order: cython.const[cython.int][::1],
+    picture: Picture, sample: SampleWindows, whole: NearestWindows, above: NearestWindows,
+    query: Query, candidates: cython.int[::1], order: cython.const[cython.int][::1],
 ):  # fmt: skip
     """Give each pixel in `order` the nearest of all windows; return how many changed."""
     width = picture.pixels.shape[1]

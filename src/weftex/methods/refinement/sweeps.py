@@ -10,7 +10,7 @@ from weftex.methods.refinement.levels import ONE, CoherentLevel, NearestLevel, P
 from weftex.methods.refinement.output import Guide, OutputLevel
 from weftex.progress import Progress
 from weftex.random import draw
-from weftex.search.picture_kernels import Sample
+from weftex.search.picture_kernels import SampleWindows
 from weftex.search.windows import new_query
 
 #: The cell of each pixel of the sample, how often cells are used and may be, and the weight.
@@ -174,9 +174,9 @@ class Convergence:
         return iteration + 1 >= self._at_least and total / output.count < self._threshold
 
 
-def _sample(level: SampleLevel) -> Sample:
+def _sample(level: SampleLevel) -> SampleWindows:
     """The sample at a level, without a period: the pixels beyond a border that tiles are there."""
-    return Sample(level.pixels, level.usable, np.zeros(4, np.int32))
+    return SampleWindows(level.pixels, level.usable, np.zeros(4, np.int32))
 
 
 def _usage_on(level: CoherentLevel, output: OutputLevel, guide: Guide, weight: int) -> Usage:

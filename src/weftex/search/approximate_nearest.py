@@ -79,7 +79,7 @@ class QuadtreePyramid:
 
 
 def _square_means(level: NDArray[np.uint8], side: int) -> NDArray[Any]:
-    """Means over squares at every pixel, rounded as `acceleration_kernels.square_means` rounds."""
+    """Means over squares at every pixel, rounded as the kernel `square_means` rounds them."""
     total: NDArray[Any] = level.astype(np.uint16 if side <= 16 else np.uint32)  # holds sums
     step = 1
     while step < side:
