@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import weftex
+from twins.windows import window_centers
 
 SEED = int(os.environ.get("WEFTEX_RANDOM_SEED", "1"))
 
@@ -55,23 +56,7 @@ def random_canvas(rng, height, width):
 
 def centers_of(exemplar, half):
     """Pixels of a sample whose whole window is usable, in scan order: (n, 2)."""
-    mask = np.pad(exemplar.mask, half, "wrap" if exemplar.tileable else "constant")
-    windows = np.lib.stride_tricks.sliding_window_view(mask, (2 * half + 1, 2 * half + 1))
-    return np.argwhere(windows.all(axis=(2, 3)))
-
-
-def known_steps(done, pixel, half, wrap):
-    """Steps from a pixel to the known pixels of its window, (n, 2); no pixel is there twice."""
-    lines = []
-    for at, length, wraps in zip(pixel, done.shape, wrap, strict=True):
-        steps = np.arange(-half, half + 1)
-        if wraps:
-            lines.append(steps[max(0, half - (length - 1) // 2) : half + length // 2 + 1])
-        else:
-            lines.append(steps[(at + steps >= 0) & (at + steps < length)])
-    steps = np.stack(np.meshgrid(*lines, indexing="ij"), axis=-1).reshape(-1, 2)
-    y, x = ((pixel + steps) % done.shape).T
-    return steps[(done[y, x] > 0) & steps.any(axis=1)]
+    return np.reshape(window_centers(exemplar.mask, half, exemplar.tileable), (-1, 2))
 
 
 def distances(exemplar, places, picture, pixel, steps, weights=1):

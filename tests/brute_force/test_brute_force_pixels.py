@@ -5,14 +5,8 @@ from dataclasses import replace
 import numpy as np
 
 import weftex
-from random_cases import (
-    centers_of,
-    distances,
-    known_steps,
-    random_canvas,
-    random_cases,
-    random_exemplar,
-)  # fmt: skip
+from random_cases import centers_of, distances, random_canvas, random_cases, random_exemplar
+from twins.windows import known_steps
 from weftex import reference
 from weftex.methods import refinement, wei_levoy
 from weftex.methods.ashikhmin import Choice

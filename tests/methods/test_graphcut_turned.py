@@ -1,11 +1,16 @@
 """Entire patches of a sample and of copies that are turned."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
 import weftex
+from twins.salience import copy_sums
 from weftex.exemplar.turns import copies_in
 from weftex.raster.turning import TURNS, turned_pixels
+from weftex.repeats import Repetition
+from weftex.repeats.salience import SaliencePenalty, cell_side
 
 
 def laid(sample, size=(330, 300), **given):
@@ -27,6 +32,24 @@ def test_every_patch_is_of_one_copy(turn, shape):
         copy_of[top : top + height, left : left + width] = number
     shown, counts = np.unique(copy_of[y, x], return_counts=True)
     assert len(shown) > 1 and counts.max() < 0.98 * y.size
+
+
+@pytest.mark.parametrize("turn", [None, "half", "8"])
+def test_what_copies_would_repeat_is_summed_as_defined(turn, rng):
+    sample = weftex.Exemplar(rng.integers(0, 255, (24, 22, 3), np.uint8))
+    sample = sample if turn is None else weftex.prepare.turned(sample, turn)
+    boxes = copies_in(sample) if turn else [(0, 0, *sample.shape)]
+    usable = np.flatnonzero(sample.mask if turn else np.ones(528)).astype(np.int32)
+    source = np.where(rng.random((33, 40)) < 0.6, np.int32(-1), rng.choice(usable, (33, 40)))
+    canvas, side = weftex.Canvas(33, 40, wrap=(True, False)), cell_side(boxes)
+    output = SimpleNamespace(canvas=canvas, source=source, done=(source >= 0).astype(np.uint8))
+    small, policy = sample.pixels[:24:side, :22:side], Repetition(1.0, nearby=0.4, use=0.05)
+    penalty = SaliencePenalty(policy, sample, output, boxes, (small, np.ones(small.shape[:2])))
+    for pixel in ((0, 3), (32, 25)):
+        first, size = np.array([1, 0]), np.array([2, 3])
+        found = penalty.sums(pixel, len(boxes), first, size)
+        assert found[:, [0, 3, 4]].any()
+        np.testing.assert_array_equal(found, copy_sums(penalty, boxes, pixel, first, size))
 
 
 def test_nothing_meets_its_mirror_image():

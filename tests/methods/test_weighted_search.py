@@ -7,7 +7,8 @@ from hypothesis import strategies as st
 import families
 import weftex
 from materials import made_up, states
-from random_cases import centers_of, distances, known_steps
+from random_cases import centers_of, distances
+from twins.windows import known_steps
 from weftex.methods.efros_leung.weighted_search import ExactSearch, gaussian_weights
 from weftex.search.picture_kernels import Picture
 from weftex.search.windows import windows_of

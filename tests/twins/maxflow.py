@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from twins.windows import ARCS
+from weftex.reference.graphcut import Graph
 
 
 def cut_value(side, arcs, source, sink):
@@ -33,23 +34,13 @@ def cut_by_scipy(arcs, source, sink):
 def least_labelling(unary, arc):
     """Labels 0 and 1 that minimize sum of unary[i] x_i + sum of arc[i, j] x_i (1 - x_j).
 
-    Of all that do, the one with the fewest 1; from SciPy's maximum flow.
+    Of all that do, the one with the fewest 1; by the reference of graph cut.
     """
-    from scipy.sparse import coo_array
-    from scipy.sparse.csgraph import breadth_first_order, maximum_flow
-
-    count = len(unary)
-    edges = [(count, i, -u) for i, u in enumerate(unary) if u < 0]
-    edges += [(i, count + 1, u) for i, u in enumerate(unary) if u > 0]
-    edges += [(i, j, weight) for (i, j), weight in arc.items() if weight]
-    if not edges:
-        return [False] * count, 0
-    rows, columns, weights = zip(*edges, strict=True)
-    shape = count + 2, count + 2
-    graph = coo_array((np.array(weights, np.int32), (rows, columns)), shape).tocsr()
-    flow = maximum_flow(graph, count, count + 1)
-    residual = graph - flow.flow
-    residual.eliminate_zeros()
-    reached = set(breadth_first_order(residual, count, return_predecessors=False).tolist())
-    value = flow.flow_value + sum(u for u in unary if u < 0)
-    return [i in reached for i in range(count)], int(value)
+    graph, count = Graph(), len(unary)
+    graph.numbers |= {i: i + 2 for i in range(count)}  # after the terminals
+    graph.arcs += [(0, i + 2, -u) for i, u in enumerate(unary) if u < 0]
+    graph.arcs += [(i + 2, 1, u) for i, u in enumerate(unary) if u > 0]
+    graph.arcs += [(i + 2, j + 2, weight) for (i, j), weight in arc.items() if weight]
+    side = graph.new_side()
+    cut = sum(c for i, j, c in graph.arcs if (i == 0 or i - 2 in side) and j - 2 not in side)
+    return [i in side for i in range(count)], cut + sum(u for u in unary if u < 0)

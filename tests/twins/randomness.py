@@ -18,8 +18,3 @@ def random_bits(seed, purpose, *place):
     for word in (*purpose.encode(), 0xFF, *place):
         state = splitmix(state ^ (int(word) & (2**64 - 1)))  # negative ones in two's complement
     return state
-
-
-def pick(bits, count):
-    """One of `count` with even chances, by the upper half of the 64 random bits."""
-    return (int(bits) >> 32) * count >> 32

@@ -12,7 +12,7 @@ from twins.pyramids import coarser, coarser_mask, pyramid, stacked
 from twins.randomness import random_bits
 from twins.seed_points import seed_points
 from twins.similar import registered_similar
-from twins.windows import by_rows, known_window, nearest_center, steps_away, usable, window_centers
+from twins.windows import by_rows, known_steps, nearest_center, steps_away, window_centers
 from weftex.analysis.scale import structure_scale
 
 
@@ -89,11 +89,11 @@ def refinement(method, exemplar, canvas, seed, start=None):
             break
         depth += 1
     tiles = (exemplar.tileable,) * 2
-    masks = [usable(exemplar)]
+    masks = [np.ones(exemplar.shape, bool) if exemplar.mask is None else exemplar.mask]
     pictures = [exemplar.matching()]
     for _ in range(depth - 1):
         mask = coarser_mask(masks[-1], tiles)
-        if not window_centers(mask, [reach] * 4, exemplar.tileable):
+        if not window_centers(mask, reach, exemplar.tileable):
             break  # the mask leaves nothing
         masks.append(mask)
         pictures.append(coarser(pictures[-1], tiles))
@@ -292,9 +292,9 @@ def _sweep(
         ] or level.centers
     for y, x in line:
         own = source[y][x]
-        beside = known_window(done, y, x, canvas.wrap, [min(1, level.reach)] * 4)
+        beside = known_steps(done, (y, x), min(1, level.reach), canvas.wrap)
         places = [own] if own in level.center_set else []
-        for dy, dx in reversed(beside):
+        for dy, dx in beside[::-1].tolist():
             other = source[(y + dy) % len(source)][(x + dx) % len(source[0])]
             place = None if other is None else level.beside(other, -dy, -dx)
             places += [place] if place is not None and place not in places else []
@@ -303,7 +303,7 @@ def _sweep(
         places += tried
         if not places:
             continue
-        known = known_window(done, y, x, canvas.wrap, [level.reach] * 4)
+        known = known_steps(done, (y, x), level.reach, canvas.wrap)
         costs = _known_distances(level, steps_away(picture, y, x, known), known, places)
         factors = {cell: factor(cell) for cell in {level.cell(place) for place in places}}
         for k, place in enumerate(places):
@@ -311,8 +311,8 @@ def _sweep(
             costs[k] *= factors[level.cell(place)] * more // 256
         if level.guide:
             shown, theirs, heavy = level.guide
-            every = known_window(np.ones_like(done), y, x, canvas.wrap, [level.reach] * 4)
-            every += [(0, 0)]
+            every = known_steps(np.ones_like(done), (y, x), level.reach, canvas.wrap)
+            every = np.append(every, [(0, 0)], axis=0)
             away = theirs[level.around(places, every)] - steps_away(shown, y, x, every)
             apart = (away**2).sum(axis=(1, 2)).tolist()
             costs = [cost + heavy * more for cost, more in zip(costs, apart, strict=True)]

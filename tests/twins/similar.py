@@ -39,7 +39,7 @@ def registered_similar(pictures, masks, tileable, reach, count):
     """The places like each: exactly on the coarsest level, then around parents' similar places."""
     parents, parents_similar = None, None
     for pixels, mask in list(zip(pictures, masks, strict=True))[::-1]:
-        centers = window_centers(mask, [reach] * 4, tileable)
+        centers = window_centers(mask, reach, tileable)
         center_set = set(centers)
         step = -(-(len(centers) ** 2) // 2**24)
 

@@ -2,18 +2,11 @@
 
 from __future__ import annotations
 
-import itertools
-
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 
 #: Steps to the neighbors of a pixel: right, down, left and up.
 ARCS = ((0, 1), (1, 0), (0, -1), (-1, 0))
-
-
-def usable(exemplar):
-    """The sample's mask, all of it without one."""
-    return np.ones(exemplar.shape, bool) if exemplar.mask is None else exemplar.mask
 
 
 def rectangle(pixels, corner, size):
@@ -22,30 +15,27 @@ def rectangle(pixels, corner, size):
     return pixels[np.ix_(rows % pixels.shape[0], columns % pixels.shape[1])]
 
 
-def window_centers(mask, reach, tileable):
+def window_centers(mask, half, tileable):
     """Pixels of a sample around which a whole window is usable, in scan order."""
-    up, down, left, right = reach
-    mode = "wrap" if tileable else "constant"
-    around = np.pad(mask, ((up, down), (left, right)), mode)
-    windows = sliding_window_view(around, (up + down + 1, left + right + 1))
+    around = np.pad(mask, half, "wrap" if tileable else "constant")
+    windows = sliding_window_view(around, (2 * half + 1, 2 * half + 1))
     return [tuple(at) for at in np.argwhere(windows.all(axis=(2, 3))).tolist()]
 
 
-def known_window(done, y, x, wrap, reach):
-    """The known pixels around (y, x), as sorted steps from it; none is there twice."""
-    steps = [[], []]
-    for axis, (at, length) in enumerate(zip((y, x), done.shape, strict=True)):
-        before, after = reach[2 * axis], reach[2 * axis + 1]
-        if wrap[axis]:
+def known_steps(done, pixel, reach, wrap):
+    """Steps from a pixel to the known ones of its window, (n, 2), sorted; no pixel is there twice.
+
+    `reach` is how far the window goes up, down, left and right, or one number for all.
+    """
+    lines, reach = [], np.broadcast_to(reach, 4).reshape(2, 2)
+    for at, length, wraps, (before, after) in zip(pixel, done.shape, wrap, reach, strict=True):
+        if wraps:
             before, after = min(before, (length - 1) // 2), min(after, length // 2)
-        steps[axis] = [
-            step for step in range(-before, after + 1) if wrap[axis] or 0 <= at + step < length
-        ]
-    return [
-        (dy, dx)
-        for dy, dx in itertools.product(*steps)
-        if (dy or dx) and done[(y + dy) % done.shape[0], (x + dx) % done.shape[1]]
-    ]
+        steps = np.arange(-before, after + 1)
+        lines.append(steps if wraps else steps[(at + steps >= 0) & (at + steps < length)])
+    steps = np.stack(np.meshgrid(*lines, indexing="ij"), axis=-1).reshape(-1, 2)
+    y, x = ((pixel + steps) % done.shape).T
+    return steps[(done[y, x] > 0) & steps.any(axis=1)]
 
 
 def windows_at(pixels, places, reach):
