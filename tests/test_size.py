@@ -20,7 +20,7 @@ CEILINGS = {
     "modules": 259,
     "kernel classes": 23,
     "names that several kernel classes have": 0,
-    "lines of tests": 24_117,
+    "lines of tests": 24_115,
     "quilting: files to read": 11,
     "quilting: lines to read": 2_496,
     "graphcut: files to read": 18,
