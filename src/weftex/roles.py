@@ -20,6 +20,8 @@ __all__ = ["COLOR", "ROLES", "Role", "is_preview", "role_of", "words_of"]
 #: What the values of a map are, which decides how they are blended: light, vectors, a surface,
 #: names without an order, or plain numbers.
 KINDS = ("color", "normal", "height", "labels", "data")
+#: A channel that nothing is stored in.
+UNUSED = "unused"
 
 
 @dataclass(frozen=True)
@@ -119,6 +121,11 @@ _ABOUT_FILE = re.compile(
     r"\d+|\d+k|\d+x\d+|\d+(bit|px)|png|jpe?g|exr|tiff?|webp|lod\d*|srgb|linear|raw|map|texture|tex|v\d+"
 )
 _PREVIEW = re.compile(r"previews?|thumb|thumbs|thumbnails?|render|renders|icon")
+
+
+def width_of(role: str) -> int:
+    """Return the number of channels of a role in a packed file."""
+    return 3 if role != UNUSED and ROLES[role].kind in ("color", "normal") else 1
 
 
 def as_role(role: Any) -> Role:

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import lru_cache
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,8 +21,7 @@ _ONE_LINE = 1e-10  # of the square of its trace: what the determinant of multipl
 _LARGEST_DOMINANCE = 64  # pixels; larger regions count as this
 
 
-@dataclass(frozen=True, eq=False)
-class Autocorrelations:
+class Autocorrelations(NamedTuple):
     """A sample without slow lighting, its correlation, the whitened one, and chance in that."""
 
     flat: Relief
@@ -86,8 +85,7 @@ class Field:
         return found[0], found[1]
 
 
-@dataclass(frozen=True, eq=False)
-class Peaks:
+class Peaks(NamedTuple):
     """Local maxima of the right half of an autocorrelation, the highest first (observation i).
 
     `dominance` is half the side of the largest square around a peak, 1, 2, 4 ... 64 pixels, in

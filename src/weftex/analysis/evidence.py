@@ -16,8 +16,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
 from functools import partial
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -74,8 +74,7 @@ _HALF = 0.05  # contrast that counts half as much as any contrast could
 _MOST = 40.0  # exponents beyond this are no numbers
 
 
-@dataclass(frozen=True, eq=False)
-class Evidence:
+class Evidence(NamedTuple):
     """The evidence for vectors (x, y) in pixels of the relief: two, or one from row to row.
 
     `kind` is a key of `WEIGHTS`; what it gives no weight may be left out.
@@ -178,7 +177,7 @@ def better_pair(pairs: Sequence[Evidence]) -> Evidence | None:
 def predicted(fields: Autocorrelations, one: Evidence) -> Evidence | None:
     """Return the pair, or one of a larger tile, that maps joints onto joints; None without."""
     vectors = predicting(fields, one.vectors)
-    return None if vectors is None else replace(one, vectors=vectors)
+    return None if vectors is None else one._replace(vectors=vectors)
 
 
 def with_alternation(fields: Autocorrelations, one: Evidence) -> Evidence:
@@ -186,7 +185,7 @@ def with_alternation(fields: Autocorrelations, one: Evidence) -> Evidence:
     whole = alternating(fields.flat, one.vectors)
     if whole is None:
         return one
-    return replace(one, vectors=fitted(fields.field, reduced(whole @ one.vectors)))
+    return one._replace(vectors=fitted(fields.field, reduced(whole @ one.vectors)))
 
 
 def evidence_of(fields: Autocorrelations, vectors: Floats) -> Evidence:
@@ -278,8 +277,8 @@ def lattice_of_rows(fields: Autocorrelations, rows: Evidence) -> Evidence:
     least = {"crossings": _LEAST_CROSSINGS, "bonds": _LEAST_BOND, "both": _LEAST_BOND}
     if len(found) == 2:
         across, within = found
-        told = replace(within, lines=across.lines, kind="both")
-        found += [replace(told, vectors=one.vectors) for one in found]
+        told = within._replace(lines=across.lines, kind="both")
+        found += [told._replace(vectors=one.vectors) for one in found]
     sure = [one for one in found if one.confidence >= least[one.kind]]
     return max(sure, key=lambda one: (_clear(fields, one.vectors), one.confidence), default=rows)
 

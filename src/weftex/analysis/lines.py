@@ -12,8 +12,7 @@ are at the same places in every strip, and rows are at one distance; stones and 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 from weakref import WeakKeyDictionary
 
 import numpy as np
@@ -55,8 +54,7 @@ _HIGHER = 0.8  # of its height: the most that every second ridge lies above the 
 _TAKEN: WeakKeyDictionary[Relief, dict[int, Joints]] = WeakKeyDictionary()
 
 
-@dataclass(frozen=True, eq=False)
-class Courses:
+class Courses(NamedTuple):
     """Rows and the evidence of joints for them, by the correlation of different strips."""
 
     vector: Floats  # (x, y) from one row to the next
@@ -69,8 +67,7 @@ class Courses:
         return math.sqrt(max(self.contrast, 0.0) * max(self.alike, 0.0))
 
 
-@dataclass(frozen=True, eq=False)
-class Joints:
+class Joints(NamedTuple):
     """The edges of a sample, which can be added up along lines of any direction."""
 
     parts: Floats  # (3, H, W): products of the slopes: along twice, along and down, down twice

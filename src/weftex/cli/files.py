@@ -15,7 +15,6 @@ from weftex.errors import InvalidInputError
 from weftex.exemplar import Exemplar
 from weftex.exemplar.material import Material, read_material
 from weftex.io.outputs import OutputSet, fitted_file, kept_file
-from weftex.io.packing import pack_set
 from weftex.io.pictures import (
     MAX_PIXELS,
     check_output,
@@ -23,7 +22,6 @@ from weftex.io.pictures import (
     read_image,
     write_image,
 )
-from weftex.io.presets import read_preset
 from weftex.recipe import Recipe
 from weftex.recipe.command_line import described_material, path_of
 from weftex.recipe.opening import (
@@ -125,6 +123,9 @@ def plan(
         kept = (kept_file(stems[k], k, p) for k, p in pictures.items())
         files = OutputSet(args.output, pictures, tuple(kept))
     else:
+        from weftex.io.packing import pack_set  # few runs have a preset
+        from weftex.io.presets import read_preset
+
         own = os.path.basename(os.path.abspath(str(args.output)))
         roles = {first.main: first.roles[first.main], **template.roles}
         files = pack_set(read_preset(args.preset), args.output, own, pictures, roles)

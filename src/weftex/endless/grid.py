@@ -29,8 +29,7 @@ from weftex.endless.boxes import Box, Span
 CORNER, ACROSS, DOWN, INSIDE = range(4)
 
 
-@dataclass(frozen=True)
-class Sizes:
+class Sizes(NamedTuple):
     """Block sizes in pixels: `pitch` between nodes, even `belt` width of corners and edges.
 
     `loose` is how far a block may change earlier ones, at most belt / 3; `around` is how much of
@@ -79,8 +78,7 @@ class Axis:
         return number + 1 if self.node(number + 1) <= pixel else number
 
 
-@dataclass(frozen=True)
-class Grid:
+class Grid(NamedTuple):
     """The blocks of a plane."""
 
     sizes: Sizes

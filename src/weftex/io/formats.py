@@ -5,8 +5,7 @@ from __future__ import annotations
 import os
 import re
 import zlib
-from dataclasses import dataclass
-from typing import IO, Any
+from typing import IO, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -34,8 +33,7 @@ FLOATS = dict.fromkeys(("half", "float", "double"), "float")
 READ_AS = {"uint8": "uint8", "uint16": "uint16"} | FLOATS
 
 
-@dataclass(frozen=True)
-class Format:
+class Format(NamedTuple):
     """What a format can hold, and how it is written."""
 
     name: str

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import errno
-import json
 import math
 import os
 import stat
@@ -40,6 +39,8 @@ class Arrays:
         lengths = {name: self._lengths(name) for name in self._names}
         if max(lengths["about"]) > MOST_FACTS:
             raise DamageError("its description is too long")
+        import json  # few runs save or load
+
         self.facts = json.loads(str(file["about"]))
         if not isinstance(self.facts, dict):
             raise ValueError("its description is not an object")
@@ -70,7 +71,9 @@ def write_npz(
     path: str | os.PathLike[str], facts: Mapping[str, Any], arrays: Mapping[str, NDArray[Any]]
 ) -> None:
     """Write facts and arrays, compressed; the file appears whole or not at all."""
-    from weftex.io.pictures import atomic  # a run on arrays needs no files
+    import json  # few runs save, and a run on arrays needs no files
+
+    from weftex.io.pictures import atomic
 
     about = np.array(json.dumps(facts))
     with atomic(path) as temporary, open(temporary, "wb") as file:

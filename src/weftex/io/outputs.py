@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
-from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -13,11 +11,10 @@ from numpy.typing import NDArray
 
 from weftex.errors import InvalidInputError
 from weftex.io.formats import FORMATS, suffix_of, written_as
-from weftex.io.pictures import Picture, check_output, write_bytes, write_image
-from weftex.io.presets import UNUSED, width_of
+from weftex.io.pictures import Picture, check_output, read_bytes, write_bytes, write_image
 from weftex.raster.levels import to_light, to_stored
 from weftex.raster.mixing import middle_of, opposite, vectors_of
-from weftex.roles import ROLES
+from weftex.roles import ROLES, UNUSED, width_of
 from weftex.threads import in_turn, thread_count
 
 Pixels = NDArray[Any]
@@ -36,8 +33,7 @@ class Part(NamedTuple):
     value: float = 0.0
 
 
-@dataclass(frozen=True)
-class OutputFile:
+class OutputFile(NamedTuple):
     """A file to write."""
 
     name: str
@@ -108,8 +104,7 @@ def _converted(pixels: Pixels, role: str, dtype: np.dtype[Any], alpha: bool) -> 
     )
 
 
-@dataclass(frozen=True)
-class OutputSet:
+class OutputSet(NamedTuple):
     """The files of a picture or a set in a folder, and what else is to be said about them."""
 
     folder: str
@@ -205,7 +200,7 @@ class OutputSet:
 
         for _ in in_turn(write_one, range(len(files)), min(at_once, len(files))):
             pass  # the first that fails ends it
-        documents = self.documents(lambda name: Path(temporary[name]).read_bytes(), shapes[0])
+        documents = self.documents(lambda name: read_bytes(temporary[name]), shapes[0])
         for name, data in documents.items():
             write_bytes(reserve(os.path.join(self.folder, name)), data)
         return [*temporary, *documents]
@@ -213,20 +208,20 @@ class OutputSet:
 
 def fitted_file(name: str, key: str, like: Picture, role: str) -> tuple[OutputFile, list[str]]:
     """Return a file of one map in the format of its name, and notes on what that loses."""
-    kept = replace(kept_file("", key, like, role), name=name)
+    kept = kept_file("", key, like, role)._replace(name=name)
     form, given, notes = FORMATS.get(suffix_of(name)), like.pixels.dtype.name, list[str]()
     data = given.startswith("float") and not ROLES[role].srgb  # which may lie outside 0 to 1
     if form is None or data:
         return kept, notes
     if given not in form.types:
         dtype = next(one for one in ("float32", "uint16", "uint8") if one in form.types)
-        kept = replace(kept, dtype=np.dtype(dtype))
+        kept = kept._replace(dtype=np.dtype(dtype))
         bits = ["float32 (linear light)", "float32"][not ROLES[role].srgb]
         what = bits if dtype == "float32" else f"{8 * kept.dtype.itemsize} bits"
         notes.append(f"{given} became {what}, as {suffix_of(name)} does not hold {given}")
     if kept.alpha and not form.alpha:
         notes.append(f"alpha is left out, because {suffix_of(name)} cannot store it")
-        kept = replace(kept, parts=(kept.parts[0]._replace(strip=True),), alpha=False)
+        kept = kept._replace(parts=(kept.parts[0]._replace(strip=True),), alpha=False)
     return kept, notes
 
 

@@ -16,10 +16,10 @@ from weftex.errors import InvalidInputError
 from weftex.io.formats import FORMATS, StrPath, show, written_as
 from weftex.io.outputs import OutputFile, OutputSet, Part, kept_file, reversed_map
 from weftex.io.pictures import Picture, atomic, read_image
-from weftex.io.presets import UNUSED, Preset, PresetFile, read_preset, width_of
+from weftex.io.presets import Preset, PresetFile, read_preset
 from weftex.raster.arrays import check_pixels
 from weftex.raster.mixing import Kind, mixing_of
-from weftex.roles import ROLES, Role, as_role
+from weftex.roles import ROLES, UNUSED, Role, as_role, width_of
 
 Pixels = NDArray[Any]
 

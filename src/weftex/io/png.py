@@ -6,7 +6,7 @@ ends at a whole byte, so the bands of one picture, one after the other, are one 
 
 from __future__ import annotations
 
-import base64
+import binascii
 import io
 import struct
 import zlib
@@ -94,7 +94,7 @@ def png_bytes(pixels: NDArray[Any], level: int = _SMALLER) -> bytes:
 
 def data_url(pixels: NDArray[Any]) -> str:
     """Return a PNG file as a URL, for pages that contain their images."""
-    return "data:image/png;base64," + base64.b64encode(png_bytes(pixels)).decode("ascii")
+    return "data:image/png;base64," + binascii.b2a_base64(png_bytes(pixels), newline=False).decode()
 
 
 def _filtered(pixels: NDArray[Any], first: int, last: int) -> NDArray[np.uint8]:

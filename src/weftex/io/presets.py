@@ -15,7 +15,7 @@ from typing import Any
 
 from weftex.errors import FileError, InvalidInputError, did_you_mean, shown
 from weftex.io.formats import FORMATS, StrPath, file_error, path_text
-from weftex.roles import ROLES, Role
+from weftex.roles import ROLES, UNUSED, Role, width_of
 
 __all__ = ["Preset", "PresetFile", "presets", "read_preset"]
 
@@ -23,8 +23,6 @@ _FOLDER = Path(__file__).parent.parent / "presets"
 _SUFFIX = ".toml"
 #: Files of a whole material that a preset may ask for.
 MATERIALS = ("gltf", "materialx", "materialx-hextiled", "usd")
-#: A channel that nothing is stored in.
-UNUSED = "unused"
 _KEYS: dict[str, type] = {
     "about": str, "url": str, "format": str, "bits": int, "material": str, "others": str,
     "missing": dict, "file": list,
@@ -65,11 +63,6 @@ class Preset:
         joined = "".join(map(str.capitalize, role.name.split("_")))
         stem = self.others.replace("{role}", role.name).replace("{Role}", joined)
         return stem.replace("{name}", material)
-
-
-def width_of(role: str) -> int:
-    """Return the number of channels of a role in a packed file."""
-    return 3 if role != UNUSED and ROLES[role].kind in ("color", "normal") else 1
 
 
 def presets() -> dict[str, str]:

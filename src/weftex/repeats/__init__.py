@@ -10,7 +10,6 @@ blocks of near-regular synthesis are compared with those around by their offsets
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import NamedTuple, Protocol
 
 import numpy as np
@@ -51,8 +50,7 @@ class Offsets(NamedTuple):
     first: tuple[int, int] = (0, 0)  # the pixel of the sample that `allowed` begins with
 
 
-@dataclass(frozen=True)
-class Repetition:
+class Repetition(NamedTuple):
     """How much repeats cost, as shares of what a match costs: factor = 1 + strength * sum."""
 
     strength: float
