@@ -232,22 +232,14 @@ def paste(out, source, layout, k, zone):
             u += run
 
 
-def paste_all(
-    out: value[:, :, ::1],
-    source: cython.const[value][:, :, ::1],
-    layout: Layout,
-):
+def paste_all(out: value[:, :, ::1], source: cython.const[value][:, :, ::1], layout: Layout):
     """Replay the patches of a layout in their order."""
     with cython.nogil:
         for k in range(layout.placements.shape[0]):
             paste(out, source, layout, k, layout.placements[k, 4])
 
 
-def layer_all(
-    patch: cython.int[:, :, ::1],
-    share: cython.float[:, :, ::1],
-    layout: Layout,
-):
+def layer_all(patch: cython.int[:, :, ::1], share: cython.float[:, :, ::1], layout: Layout):
     """Write which patches show at each pixel and their shares, heaviest first; -1 is none.
 
     Both arrays are (rows, columns, layers).

@@ -63,11 +63,7 @@ def gather_runs(levels, y, x, runs, n, query):
         left = runs[r, 2]
         while left > 0:
             part = min(left, width - cx)
-            memcpy(
-                cython.address(query[at]),
-                cython.address(levels[cy, cx, 0]),
-                part * channels,
-            )
+            memcpy(cython.address(query[at]), cython.address(levels[cy, cx, 0]), part * channels)
             at += part * channels
             left -= part
             cx = 0

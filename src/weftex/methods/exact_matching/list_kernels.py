@@ -59,8 +59,7 @@ def slot_of(lists, color, stamp):
         lists.kept[oldest, 1] = 1
     else:
         lists.kept[oldest, 1] = cython.cast(
-            cython.int,
-            near_colors(lists.tree, color, lists.radius[color], lists.intervals, oldest),
+            cython.int, near_colors(lists.tree, color, lists.radius[color], lists.intervals, oldest)
         )
     return oldest
 

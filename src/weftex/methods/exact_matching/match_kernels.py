@@ -8,12 +8,7 @@ indices into the pixels of the sample's windows.
 
 import cython
 from cython.cimports.weftex.methods.exact_matching.list_kernels import Lists, near_lists
-from cython.cimports.weftex.search.picture_kernels import (
-    Picture,
-    known_runs,
-    portion,
-    usable_place,
-)
+from cython.cimports.weftex.search.picture_kernels import Picture, known_runs, portion, usable_place
 from cython.cimports.weftex.search.window_kernels import (
     causal_runs,
     copy_pixel,
