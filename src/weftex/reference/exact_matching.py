@@ -67,8 +67,8 @@ def exact_matching(
     """
     pixels, (height, width) = checked(sample, size, seed)
     half = fits("window", window, pixels, odd=True, least=3) // 2
-    # Section 4.3: the upper band, as high as the causal neighborhood.
-    if structured:  # it is made in the rotated sample, so its beginning is a block at the left
+    # Synthesis initialization (section 4.3): the upper band, as high as the causal neighborhood.
+    if structured:  # a structured band begins as a block at the left of the rotated sample
         rotated = pixels.swapaxes(0, 1)
         sources = np.zeros((width, half, 2), np.int64)
         centers = centers_of(rotated, half)
@@ -91,7 +91,7 @@ def exact_matching(
 def synthesize(
     pixels: Any, sources: Any, first: int, half: int, tolerance: float, seed: int, purpose: str
 ) -> None:
-    """Section 4.2: choose the sources of the rows from `first` on, in scanline order."""
+    """Texture synthesis (section 4.2): sources of the rows from `first` on, in scanline order."""
     height, width = sources.shape[:2]
     image = at(pixels, sources)
     causal = window_steps(half)[: (2 * half + 1) ** 2 // 2]
@@ -127,7 +127,7 @@ def synthesize(
 
 
 def texture_analysis(pixels: Any, centers: Any, tolerance: float) -> Any:
-    """Section 4.1: for each color and neighbor, the centers that have it there.
+    """Texture analysis (section 4.1): for each color and neighbor, the centers that have it there.
 
     A plain search stands in for the paper's kd-tree. Returns the function of section 4.2.
     """

@@ -26,7 +26,7 @@ def iterative_refinement(
     """Plant a grid of seed points, and refine the texture until it no longer changes.
 
     S. Shin, T. Nishita, S. Y. Shin: On pixel-based texture synthesis by non-parametric sampling,
-    2006, section 3: iterative refinement with an exhaustive search.
+    2006, section 3, with an exhaustive search in place of step 2, BuildSearchTree.
 
     Parameters
     ----------
@@ -66,7 +66,7 @@ def iterative_refinement(
     (12, 14)
     """
     pixels, shape = checked(sample, size, seed)
-    # Steps 1 to 3: the window is twice as wide as the scale; seed points lie one scale apart.
+    # Steps 1 and 3: the window is twice as wide as the scale; seed points lie one scale apart.
     if scale is None:
         scale = max(1, min(round(dominant_scale(sample)), (min(pixels.shape[:2]) - 1) // 2))
     fits("window", 2 * scale + 1, pixels, odd=True, least=3)
@@ -74,7 +74,7 @@ def iterative_refinement(
     image, sources = np.zeros((*shape, pixels.shape[2]), np.int64), np.full((*shape, 2), -1)
     for p, place in planted.items():
         image[p], sources[p] = pixels[place], place
-    # Steps 4 to 9.
+    # Steps 4 to 9: RefineTexture until little changes.
     everywhere = np.ones(shape, bool)
     for iteration in range(iterations):
         before = image.copy()
@@ -86,7 +86,7 @@ def iterative_refinement(
 
 
 def dominant_scale(sample: Any) -> float:
-    """Window size estimation: s = N / r of the ring of the power spectrum with the most power.
+    """ComputeDominantScale: s = N / r of the ring of the power spectrum with the most power.
 
     Parameters
     ----------
@@ -118,7 +118,7 @@ def dominant_scale(sample: Any) -> float:
 def plant_seeds(
     pixels: Any, reach: int, shape: tuple[int, int], spacing: int, matches: int, seed: int
 ) -> dict[tuple[int, int], tuple[int, int]]:
-    """Seed point planting (Fig. 5): {pixel of the output: pixel of the sample}.
+    """PlantSeed, seed point planting (Fig. 5): {pixel of the output: pixel of the sample}.
 
     Seed points are `spacing` pixels apart. If the sample's part with whole windows, which `reach`
     so far, is smaller than a unit tile, each is any pixel of it.

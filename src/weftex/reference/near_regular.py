@@ -91,13 +91,13 @@ def near_regular(
 
     @functools.cache
     def drawn(i: int, j: int) -> tuple[int, int]:
-        """Section 4.2.1: one of the similar patches at random, for every second block."""
+        """Constrained random sampling (4.2.1): every second block is a similar patch at random."""
         y, x = similar(i, j)[0]
         return int(y), int(x)
 
     @functools.cache
     def fitting(i: int, j: int) -> tuple[int, int]:
-        """Section 4.2.2: of the patches near similar ones, the one that matches the border best."""
+        """Constrained gap filling (4.2.2): near similar patches, the one that fits the border."""
         neighbors = [drawn(i - 1, j), drawn(i, j - 1), drawn(i + 1, j), drawn(i, j + 1)]
         g, wedges = full_border(pixels, neighbors, block, border, margin)
         near = np.zeros(patches.shape[:2], bool)
@@ -112,7 +112,7 @@ def near_regular(
             best = ((f - g) ** 2).sum(axis=(1, 2)).argmin()  # chi of eq. (4.4)
         return int(candidates[best][0]), int(candidates[best][1])
 
-    # Section 4.2.3: eqs. (4.6) to (4.8), the sum of all blocks by their shares.
+    # Final composition and blending (4.2.3), eqs. (4.6) to (4.8): all blocks by their shares.
     alpha = share_along_axis(block, blend, margin)
     share = np.outer(alpha, alpha)
     rows, columns = (-(-n // block) for n in (height, width))

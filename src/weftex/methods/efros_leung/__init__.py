@@ -108,7 +108,7 @@ def grow_in_layers(prepared: Prepared, growth: Growth) -> None:
     waves = Waves(growth.canvas.shape, wrap, method.window_width, growth.seed)
     # The context is the "already synthesized pixels in a square window"; similarity is the
     # "Gaussian weighted sum of differences": "find the best match [...] and take all samples
-    # within some distance from that match", one of which is picked: `weighted_kernels`.
+    # within some distance from that match", one of which is picked: FindMatches, RandomPick.
     matchers = [prepared.search.on(growth.picture, method.tolerance) for _ in range(growth.threads)]
     with in_threads(matchers) as find_matches:
         while (layer := unfilled_neighbors(growth.done, wrap)).size:

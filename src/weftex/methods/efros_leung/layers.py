@@ -35,7 +35,7 @@ def seed_piece(
 
 
 def unfilled_neighbors(done: NDArray[np.uint8], wrap: tuple[bool, bool]) -> NDArray[np.int32]:
-    """Return a layer: flat indices of unfilled pixels with a filled pixel beside or diagonal."""
+    """GetUnfilledNeighbors: flat indices of unfilled pixels beside or diagonal to filled ones."""
     filled = done > 0
     return np.flatnonzero(grown(filled, 1, wrap) & ~filled).astype(np.int32)
 

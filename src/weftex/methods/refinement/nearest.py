@@ -59,7 +59,7 @@ class NearestSearch:
 
 
 def nearest_search(windows: Windows, reach: int) -> NearestSearch:
-    """Prepare a search among windows that reach `reach` pixels to each side."""
+    """BuildSearchTree: prepare a search among windows with `reach` pixels to each side."""
     width, channels = 2 * reach + 1, windows.pixels.shape[2]
     number = np.arange(width * width).reshape(width, width, 1).repeat(channels, axis=2)
     middle = width * width // 2

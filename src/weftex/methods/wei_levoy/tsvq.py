@@ -46,7 +46,7 @@ class TSVQ:
 
 
 def build_tsvq(vectors: NDArray[np.uint8], places: NDArray[np.int32], tree_size: int = 0) -> TSVQ:
-    """Return a tree over vectors (n, D), split at the node that its centroid describes worst.
+    """Return a tree over vectors (n, D), split at the node that its codeword describes worst.
 
     It has at most `tree_size` leaves; with 0, leaves hold at most `LEAF_VECTORS`. `places` number
     the vectors; of equally near ones the lowest number is found.
