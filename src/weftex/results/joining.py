@@ -85,9 +85,8 @@ def join_steps(laid: PastedPieces, given: Exemplar, reach: float, window: Window
     top, left, height, width = window
     side = max(1, _BLOCK // laid.scale)
     margin = int(_MARGIN * reach)
-    corners = product(
-        range(top // side * side, top + height, side),
-        range(left // side * side, left + width, side),
+    rows, columns = (
+        range(start // side * side, start + n, side) for start, n in ((top, height), (left, width))
     )
 
     def join(corner: tuple[int, int]) -> None:
@@ -109,8 +108,8 @@ def join_steps(laid: PastedPieces, given: Exemplar, reach: float, window: Window
             shifts = spread(one.take(lines[0], 0).take(lines[1], 1), *inside)
             kernels.add_shifts(result[here][..., k], shifts[None], least[k], most[k], _GRAIN)
 
-    with thread_map(laid.threads) as map_:
-        for _ in map_(join, corners):
+    with thread_map(min(laid.threads, len(rows) * len(columns))) as map_:
+        for _ in map_(join, product(rows, columns)):
             pass  # the first that fails ends it
     return result.reshape(made.shape)
 
