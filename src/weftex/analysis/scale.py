@@ -26,8 +26,7 @@ Stones whose texture hides both are told by the joints around them; see `widths.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Literal, NamedTuple
 from weakref import WeakKeyDictionary
 
 import numpy as np
@@ -57,8 +56,7 @@ _ONE_SIZE, _MANY = 0.633, 0.27
 _SUREST = 0.95
 
 
-@dataclass(frozen=True, eq=False)
-class StructureScale:
+class StructureScale(NamedTuple):
     """The scale of the structure in a sample.
 
     The three arrays are empty for a constant sample and for one of less than 8 pixels a side.

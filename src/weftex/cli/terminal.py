@@ -184,13 +184,11 @@ def run(work: Callable[[Bar, Outputs], Result], quiet: bool) -> tuple[Result, Ba
     The main thread gets signals while compiled code runs. Outputs appear when the work ends well; a
     signal after that is ignored. Raises `Stopped`, or ends the process if the work does not stop.
     """
-    import numpy as np
-
     from weftex.io.formats import image_library
 
     image_library()  # in a thread its 25 MiB would be mapped a page at a time: 8 ms
     # Once memory of this size is freed, glibc keeps what smaller arrays free: 20 ms of page faults.
-    np.empty(2**22, np.uint8)
+    bytes(2**22)
     outputs = Outputs()
     bar, ended = Bar(quiet), threading.Event()
     outcome: list[tuple[Result | None, BaseException | None]] = []

@@ -9,9 +9,8 @@ import os
 import re
 import tomllib
 from collections.abc import Mapping
-from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from weftex.errors import FileError, InvalidInputError, did_you_mean, shown
 from weftex.io.formats import FORMATS, StrPath, file_error, path_text
@@ -33,8 +32,7 @@ _MOST_CHANNELS = 4
 _GLTF = {"ao": 0, "roughness": 1, "metallic": 2}
 
 
-@dataclass(frozen=True)
-class PresetFile:
+class PresetFile(NamedTuple):
     """A file of a preset: its name with ``{name}``, and the roles of its channels in order."""
 
     name: str
@@ -44,8 +42,7 @@ class PresetFile:
     bits: int = 16  # at most, for each channel
 
 
-@dataclass(frozen=True)
-class Preset:
+class Preset(NamedTuple):
     """What a program wants of a map set."""
 
     name: str
@@ -53,7 +50,7 @@ class Preset:
     about: str = ""
     material: str = ""  # one of `MATERIALS`
     others: str = ""  # the name of each map that no file lists; such a preset only renames
-    missing: Mapping[str, float] = field(default_factory=dict)  # neutral values by role
+    missing: Mapping[str, float] = {}  # neutral values by role
 
     def stem(self, material: str, role: Role) -> str:
         """Return the file name without suffix of a map, for a preset that only renames."""
