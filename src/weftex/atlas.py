@@ -260,8 +260,7 @@ def atlas(
         chosen = make_method("graphcut", WHOLE | ({"lattice": vectors} if vectors else {}))
     else:
         hole = np.pad(np.ones([side - belt_of(size) for side in size], bool), belt_of(size))
-        usable = np.ones(exemplar.shape, bool) if exemplar.mask is None else exemplar.mask
-        chosen = chosen.for_hole(hole, usable, frozenset(parameters))
+        chosen = chosen.for_hole(hole, exemplar.usable, frozenset(parameters))
     model = chosen.fit(exemplar)
     request = PlaneRequest(number, None, thread_count(threads))
     torus_box = box_of(0, 0, *(side * colors**2 for side in size))
@@ -320,9 +319,7 @@ def _without_landmarks(exemplar: Exemplar, belt: int) -> tuple[Exemplar, int]:
     masks, count = find_landmarks(exemplar, others=False)
     if not count:
         return exemplar, 0
-    usable = ~np.logical_or.reduce(masks)
-    usable &= True if exemplar.mask is None else exemplar.mask
-    plain = exemplar.changed(mask=usable)
+    plain = exemplar.changed(mask=exemplar.usable & ~np.logical_or.reduce(masks))
     return (plain, count) if usable_corners(plain, belt).any() else (exemplar, 0)
 
 

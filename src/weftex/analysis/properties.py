@@ -74,7 +74,7 @@ def border_steps(exemplar: Exemplar) -> tuple[float, float]:
     as in an image that was enlarged by repeating pixels, do not count.
     """
     levels = exemplar.matching()
-    usable = np.ones(exemplar.shape, bool) if exemplar.mask is None else exemplar.mask
+    usable = exemplar.usable
     found = []
     for axis in (0, 1):
         lines, whole = np.moveaxis(levels, axis, 0), np.moveaxis(usable, axis, 0)
@@ -165,9 +165,7 @@ def evenness(exemplar: Exemplar) -> Evenness:
     """Return how far a sample is from looking the same everywhere."""
     flat = relief(exemplar)
     levels = flat.levels.mean(axis=0)
-    gray = exemplar.matching().mean(axis=2)
-    if exemplar.mask is not None:
-        gray = np.where(exemplar.mask, gray, 0)
+    gray = np.where(exemplar.usable, exemplar.matching().mean(axis=2), 0)
     surface = means(gray[usable_box(exemplar)], flat.step) * flat.usable - levels
     inside = flat.usable > 0
     rest, slow = float((levels[inside] ** 2).mean()), float(surface[inside].var())

@@ -39,9 +39,8 @@ def relief(exemplar: Exemplar) -> Relief:
 
 
 def _taken(exemplar: Exemplar) -> Relief:
-    usable = np.ones(exemplar.shape, bool) if exemplar.mask is None else exemplar.mask
     box = usable_box(exemplar)
-    levels, usable = exemplar.matching()[box], usable[box]
+    levels, usable = exemplar.matching()[box], exemplar.usable[box]
     step = -(-max(usable.shape) // _LARGEST_SIDE)
     share = means(usable, step)
     down, along = (

@@ -101,8 +101,7 @@ def sure_lattice(exemplar: Exemplar) -> Lattice | None:
     from weftex.analysis.canvas_lattice import is_sure  # only where methods ask
 
     lattice = structure_scale(exemplar).lattice
-    usable = np.ones(exemplar.shape, bool) if exemplar.mask is None else exemplar.mask
-    return lattice if is_sure(lattice, int(np.count_nonzero(usable))) else None
+    return lattice if is_sure(lattice, int(np.count_nonzero(exemplar.usable))) else None
 
 
 def _estimated(exemplar: Exemplar, lattice: Lattice | Literal["find"] | None) -> StructureScale:

@@ -106,7 +106,7 @@ def kept_of(model: Filler) -> tuple[BlockCache, SamplePieces | None]:
 def usable_corners(exemplar: Exemplar, belt: int) -> NDArray[np.uint8]:
     """1 at the top left corners of the squares of `belt` pixels that may be copied."""
     last = belt - 1
-    mask = np.ones(exemplar.shape, bool) if exemplar.mask is None else exemplar.mask
+    mask = exemplar.usable
     if exemplar.tileable:
         mask = np.pad(mask, (0, last), mode="wrap")
     height, width = exemplar.shape

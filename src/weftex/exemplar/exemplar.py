@@ -176,6 +176,11 @@ class Exemplar(Displayable):
         return self._maps[name]
 
     @property
+    def usable(self) -> NDArray[np.bool_]:
+        """Return which pixels may be used, bool (H, W): the mask, or all without one."""
+        return np.ones(self.shape, bool) if self.mask is None else self.mask
+
+    @property
     def roles(self) -> dict[str, Role]:
         """What each of the maps shows."""
         return {name: one.role for name, one in self._maps.items()}

@@ -51,11 +51,10 @@ def turned(sample: Sample, turn: str) -> Exemplar:
         raise InvalidInputError(f"turn is {shown(turn)}; it must be one of {', '.join(TURNS)}")
     if exemplar.turn is not None:
         raise InvalidInputError(f"{exemplar.name} already consists of rotated copies")
-    own = np.ones(exemplar.shape, bool) if exemplar.mask is None else exemplar.mask
     return exemplar.changed(
         pixels=turned_pixels(exemplar.pixels, turn, exemplar.role),
         maps={name: _turned_map(exemplar, name, turn) for name in exemplar.maps},
-        mask=turned_pixels(own, turn, between=np.False_),
+        mask=turned_pixels(exemplar.usable, turn, between=np.False_),
         guide=None if exemplar.guide is None else turned_pixels(exemplar.guide, turn),
         tileable=False,
         turn=turn,

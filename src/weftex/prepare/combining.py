@@ -58,7 +58,6 @@ def combined(exemplars: Sequence[Exemplar], *, apart: bool = False) -> Exemplar:
     first = exemplars[0]
     # As high as a pixel of the map that has the fewest.
     gap = math.lcm(*(first.scale_of(k).denominator for k in first.maps)) if apart else 0
-    masks = [np.ones(e.shape, bool) if e.mask is None else e.mask for e in exemplars]
 
     def stacked(name: str) -> Exemplar:
         lines = int(gap * first.scale_of(name))
@@ -67,7 +66,7 @@ def combined(exemplars: Sequence[Exemplar], *, apart: bool = False) -> Exemplar:
     return Exemplar(
         _stacked([e.pixels for e in exemplars], gap),
         maps={name: stacked(name) for name in first.maps},
-        mask=_stacked(masks, gap, mode="constant"),
+        mask=_stacked([e.usable for e in exemplars], gap, mode="constant"),
         weights=first.weights,
         alpha=first.alpha,
         icc=first.icc,

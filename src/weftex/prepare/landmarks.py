@@ -52,7 +52,7 @@ def find_landmarks(exemplar: Exemplar, others: bool = True) -> tuple[list[Mask],
     maps have no say. `others` are less salient, but are recognized where they repeat nearby.
     """
     small, step = smaller_copy(exemplar.changed(maps={}, guide=None), LOOK)
-    usable = np.ones(small.shape, bool) if small.mask is None else small.mask
+    usable = small.usable
     if min(small.shape) < _SMALLEST:
         return [], 0
     half, _ = smaller_copy(small, (max(small.shape) + 1) // 2)
@@ -70,7 +70,7 @@ def has_joint_network(exemplar: Exemplar) -> bool:
     So joints do, and cracks. Of grain, the darkest three tenths of the pixels are islands.
     """
     small, _ = smaller_copy(exemplar.changed(maps={}, guide=None), LOOK)
-    usable = np.ones(small.shape, bool) if small.mask is None else small.mask
+    usable = small.usable
     gray = np.where(usable, small.matching().sum(axis=2, dtype=np.int64), 0)
     fine, wide = (
         _UNIT * _smooth(gray, radius) // np.maximum(_smooth(usable.astype(np.int64), radius), 1)
@@ -87,7 +87,7 @@ def has_joint_network(exemplar: Exemplar) -> bool:
 def _distances(exemplar: Exemplar, radius: int) -> tuple[NDArray[np.float64], float]:
     """Return the Mahalanobis distance of the mean around each pixel, and the 95 % quantile."""
     pixels = exemplar.matching()
-    usable = np.ones(exemplar.shape, bool) if exemplar.mask is None else exemplar.mask
+    usable = exemplar.usable
     weight = _smooth(usable.astype(np.int64), radius)
     sums = _smooth(pixels.astype(np.int64) * usable[..., None], radius)
     means = _UNIT * sums // np.maximum(weight, 1)[..., None]

@@ -66,7 +66,7 @@ def even_light(sample: Sample, degree: int = 2) -> Exemplar:
         raise InvalidInputError(f"degree is {shown(degree)}; it must be from 1 to {_HIGHEST}")
     exemplar = load_exemplar(sample)
     pixels = exemplar.pixels.reshape(*exemplar.shape, -1)
-    usable = np.ones(exemplar.shape, bool) if exemplar.mask is None else exemplar.mask
+    usable = exemplar.usable
     if exemplar.alpha:
         usable = usable & (pixels[..., -1] > 0)
     even = pixels.copy()

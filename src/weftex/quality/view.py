@@ -114,7 +114,7 @@ def middle(values: NDArray[Kind], shape: tuple[int, int]) -> NDArray[Kind]:
 def view_of(sample: Exemplar) -> View:
     """Return the view of a sample."""
     values = sample.as_matching(sample.pixels)
-    usable = np.ones(sample.shape, bool) if sample.mask is None else sample.mask
+    usable = sample.usable
     colors = values.reshape(-1, values.shape[2]) if sample.mask is None else values[usable]
     return View(values, usable, _axis(colors), sample.shape)
 

@@ -25,12 +25,11 @@ def sample_pyramid(exemplar: Exemplar, count: int) -> list[Exemplar]:
     Pixels are bytes, as of `Exemplar.matching`. A tileable sample is tileable at every level.
     """
     wrap = (exemplar.tileable, exemplar.tileable)
-    mask = np.ones(exemplar.shape, bool) if exemplar.mask is None else exemplar.mask
     return [
         Exemplar(pixels, mask=usable, tileable=exemplar.tileable, alpha=False, name=exemplar.name)
         for pixels, usable in zip(
             gaussian_pyramid(exemplar.matching(), count, wrap),
-            mask_pyramid(mask, count, wrap),
+            mask_pyramid(exemplar.usable, count, wrap),
             strict=True,
         )
         if usable.any()

@@ -66,7 +66,7 @@ def windows_of(
     """
     pixels = exemplar.matching() if pixels is None else pixels
     up, down, left, right = reach
-    mask = np.ones(exemplar.shape, bool) if exemplar.mask is None else exemplar.mask
+    mask = exemplar.usable
     period = np.zeros(4, np.int32)
     if exemplar.tileable:
         period[:] = (up, left, *exemplar.shape)

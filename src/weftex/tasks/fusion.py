@@ -152,7 +152,7 @@ class Fusion:
     def _merged_sample(self, a: int, b: int) -> tuple[Exemplar, NDArray[np.int32]]:
         """Return each sample with islands of the other, stacked, and the indices of its pixels."""
         bytes_of = self.whole.matching().reshape(-1, self.whole.matching().shape[2])
-        usable = np.ones(self.whole.shape, bool) if self.whole.mask is None else self.whole.mask
+        usable = self.whole.usable
         own = [self._stacked_index(k) for k in (a, b)]
         scale = max(1, max(self.window_widths[k] for k in (a, b)) // 2)
         parts = []

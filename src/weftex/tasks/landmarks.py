@@ -124,7 +124,7 @@ class _Filler:
         small, self.step = smaller_copy(exemplar, _MATCHED)
         self.small, self.pixels = small.matching(), exemplar.matching()
         self.wrap, self.hole = (exemplar.tileable,) * 2, np.logical_or.reduce(masks)
-        usable = np.ones(exemplar.shape, bool) if exemplar.mask is None else exemplar.mask
+        usable = exemplar.usable
         self.spectra = Spectra(self.small, np.ones(small.shape), small.shape)
         self.unknown = self._smaller(self.hole | ~usable)
         self.lost = self._smaller(grown(~usable, _OVERLAP + self.step, self.wrap))

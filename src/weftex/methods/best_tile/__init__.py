@@ -240,8 +240,8 @@ def tile_errors(exemplar: Exemplar, vectors: tuple[float, ...], border: int) -> 
     (0, 25)
     """
     height, width = shape = exemplar.shape
-    mask = np.ones(shape, bool) if exemplar.mask is None else exemplar.mask
-    fits = integrated((~mask).astype(np.int64), tile_rows(vectors, border), outside=1) == 0
+    unusable = (~exemplar.usable).astype(np.int64)
+    fits = integrated(unusable, tile_rows(vectors, border), outside=1) == 0
     total = np.zeros(shape, np.int64)
     if not fits.any():
         return total - 1

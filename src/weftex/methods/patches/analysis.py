@@ -35,7 +35,7 @@ class PatchAnalysis:
     def __init__(self, method: PatchMethod, exemplar: Exemplar, *, ahead: bool = True) -> None:
         self.method, self.exemplar = method, exemplar
         self.pixels = exemplar.matching()
-        self.mask = np.ones(exemplar.shape, bool) if exemplar.mask is None else exemplar.mask
+        self.mask = exemplar.usable
         side = method.window_side
         if exemplar.tileable:  # edge handling of Liang et al., section 2.4
             beyond = ((0, side - 1), (0, side - 1))

@@ -229,7 +229,7 @@ def _nearest_level(exemplar: Exemplar, reach: int) -> NearestLevel:
 def _pyramid_levels(method: Any, exemplar: Exemplar, reach: int, count: int) -> list[CoherentLevel]:
     """Return the refined levels of a Gaussian stack of `count` levels; for belts, the finest."""
     tiles = (exemplar.tileable,) * 2
-    mask = np.ones(exemplar.shape, bool) if exemplar.mask is None else exemplar.mask
+    mask = exemplar.usable
     pictures = gaussian_stack(exemplar.matching(), count, tiles)
     masks = mask_stack(mask, count, tiles)
     samples = [

@@ -211,9 +211,8 @@ def result_of(prepared: Prepared, growth: Growth) -> tuple[str, NDArray[np.int32
 
 def hole_start(name: str, hole: NDArray[np.bool_], exemplar: Exemplar) -> Model:
     """Return the start's model, with parameters that suit a hole where `init` leaves them open."""
-    usable = np.ones(exemplar.shape, bool) if exemplar.mask is None else exemplar.mask
     given = None if " " in name else frozenset[str]()
-    return method_of(name).for_hole(hole, usable, given).fit(exemplar)
+    return method_of(name).for_hole(hole, exemplar.usable, given).fit(exemplar)
 
 
 def start_window(

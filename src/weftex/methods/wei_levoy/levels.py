@@ -126,7 +126,7 @@ def noise(sample: Exemplar, seed: int, number: int, shape: tuple[int, ...]) -> N
 
     The noise has the histogram of the sample.
     """
-    usable = np.flatnonzero(np.ones(sample.shape, bool) if sample.mask is None else sample.mask)
+    usable = np.flatnonzero(sample.usable)
     order = np.argsort(draw(seed, "wei-levoy share", number, usable), kind="stable")
     at = np.arange(int(np.prod(shape)))
     each = np.resize(usable[order], at.size)

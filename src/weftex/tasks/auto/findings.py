@@ -95,7 +95,7 @@ def _of_whole(found: Lattice | None, step: int, exemplar: Exemplar) -> Lattice |
 
 def _part(exemplar: Exemplar) -> Exemplar:
     """Return the middle of the usable part of the sample."""
-    usable = np.ones(exemplar.shape, bool) if exemplar.mask is None else exemplar.mask
+    usable = exemplar.usable
     corner = []
     for axis in (0, 1):
         places = np.flatnonzero(usable.any(axis=1 - axis))
