@@ -152,9 +152,7 @@ def fill(
             f"the mask{' and the overlap cover' if overlap else ' covers'} all of {photo.name}; "
             "no pixels are left to copy from; give another image (--sample)"
         )
-    usable = ~hole if inside else np.ones(source.shape, bool)
-    if source.mask is not None:
-        usable &= source.mask
+    usable = ~hole & source.usable if inside else source.usable
     region = Region(hole, wrap, usable if inside else None, max(_LEAST_REACH, chosen.hole_reach))
     if inside:
         usable = region.crop(usable) & region.near
@@ -181,9 +179,7 @@ def fill(
         fitted, begun = supply, cropped_canvas
         if overlap and inside and by.cuts_known:
             # The method cuts between the photo and its patches itself, by all that is there.
-            border = region.near & region.crop(hole & ~masked)
-            if source.mask is not None:
-                border &= region.crop(source.mask)
+            border = region.near & region.crop(hole & ~masked & source.usable)
             fitted = supply.changed(mask=usable | border)
             begun = replace(begun, shown=np.where(anew, np.int32(-1), own))
         model = by.for_hole(missing, usable, given).fit(fitted)
