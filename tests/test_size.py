@@ -15,8 +15,8 @@ TESTS = Path(__file__).parent
 READ = ("methods", "repeats", "search", "seams")
 #: Lower a ceiling when the code has become smaller; a feature that needs room removes something.
 CEILINGS = {
-    "lines of Python in src": 43_515,
-    "of these code": 29_869,
+    "lines of Python in src": 43_511,
+    "of these code": 29_865,
     "modules": 259,
     "kernel classes": 23,
     "names that several kernel classes have": 0,
