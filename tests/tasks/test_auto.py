@@ -9,7 +9,7 @@ import pytest
 
 import weftex
 from families import canvas_of, kinds_of, noise
-from weftex.analysis.lattice import Lattice
+from weftex.analysis.lattice import Lattice, find_lattice
 from weftex.analysis.properties import Evenness
 from weftex.canvas import Canvas
 from weftex.errors import InvalidInputError
@@ -44,7 +44,8 @@ RULE = [
     (with_(scale=60.0, shape=(600, 600)), Canvas(8192, 8192), "graphcut", "67.1 megapixels"),
     (with_(colors=2), Canvas(512, 512), "quilting", r"few colors \(2\)"),
     (with_(lattice=ROWS), Canvas(512, 512), "graphcut", "has rows 46 px apart"),
-    (with_(lattice=ROWS), Canvas(1024, 1025), "near-regular", "has rows 46 px apart"),
+    (with_(lattice=ROWS), Canvas(2048, 2048), "graphcut", "has rows 46 px apart"),
+    (with_(lattice=ROWS), Canvas(2048, 2049), "near-regular", "has rows 46 px apart"),
     (with_(lattice=ROWS, exact=False), Canvas(512, 512), "near-regular", "has rows 46 px apart"),
     (with_(lattice=ROWS), Canvas(466, 99, (True, True)), "graphcut", "has rows 46 px apart"),
     (with_(lattice=Lattice(((0.0, 46.0),), 0.5)), Canvas(512, 512), "graphcut", "small"),
@@ -126,27 +127,22 @@ WEAK = Lattice(((31.05, 0.0), (-0.25, 102.17)), 0.4)
 @pytest.mark.parametrize(
     ("changes", "tried"),
     [
-        ({}, [[], ["refinement", "graphcut"]]),
-        ({"scale": 40.0}, [[], ["refinement", "graphcut"]]),
-        ({"lattice": TILES}, [[], []]),
-        ({"lattice": TILES, "exact": False}, [["refinement"], ["refinement"]]),
-        ({"lattice": ROWS}, [[], []]),
-        ({"lattice": WEAK}, [["graphcut"], ["graphcut", "refinement", "graphcut"]]),
-        (
-            {"lattice": WEAK, "exact": False},
-            [["near-regular"], ["near-regular", "refinement", "graphcut"]],
-        ),
-        ({"colors": 2}, [[], []]),
+        ({}, []),
+        ({"scale": 40.0}, []),
+        ({"lattice": TILES}, []),
+        ({"lattice": TILES, "exact": False}, ["refinement"]),
+        ({"lattice": ROWS}, []),
+        ({"lattice": WEAK}, ["graphcut"]),
+        ({"lattice": WEAK, "exact": False}, ["near-regular"]),
+        ({"colors": 2}, []),
     ],
 )
 def test_what_is_tried(changes, tried):
-    """Against a sure lattice only what begins with it, nothing in a hurry."""
+    """Against a sure lattice only what begins with it."""
     findings = with_(**changes)
     first = choose(findings, Canvas(512, 512))
-    for effort, names in zip(("quick", "normal", "best"), ([], *tried), strict=True):
-        found = others(first, findings, Canvas(512, 512), effort)
-        assert [choice.method for choice in found] == names
-        assert others(first, findings, Canvas(1100, 1100), effort) == []
+    assert [choice.method for choice in others(first, findings, Canvas(512, 512))] == tried
+    assert others(first, findings, Canvas(1100, 1100)) == []
 
 
 def test_another_picture_is_kept_only_if_it_is_clearly_better():
@@ -197,13 +193,39 @@ def test_effort_is_a_parameter_of_auto():
     normal = weftex.synthesize(exemplar, 90, seed=1)
     assert np.array_equal(quick.image, normal.image)
     assert quick.provenance["method"] == normal.provenance["method"] == "graphcut"
-    best = [weftex.synthesize(exemplar, 90, seed=1, effort="best", threads=n) for n in (1, 2)]
-    assert ", refinement " in best[0].provenance["reason"]
-    assert np.array_equal(*(one.image for one in best))
     with pytest.raises(InvalidInputError, match="effort is 'fast'"):
         weftex.Auto(effort="fast")
     with pytest.raises(InvalidInputError, match="effort has no effect on tile"):
         weftex.tile(exemplar, method=weftex.Auto(effort="best"))
+
+
+@pytest.mark.parametrize(
+    ("findings", "parameters"),
+    [
+        (with_(scale=9.5), {}),
+        (with_(scale=20.0), ENTIRE),
+        (with_(scale=60.0, shape=(600, 600)), ENTIRE),
+        (with_(lattice=ROWS), ENTIRE | ROW),
+        (with_(lattice=TILES), {"lattice": tuple(TILES)}),
+    ],
+)
+def test_patience_places_entire_samples_in_outputs_of_any_size(findings, parameters):
+    assert choose(findings, Canvas(4096, 4096), patient=True).parameters == parameters
+
+
+def test_best_is_patient_but_not_for_planes():
+    exemplar = weftex.load_exemplar("sample:grass")
+    models = [weftex.Auto(effort=effort).fit(exemplar) for effort in ("normal", "best")]
+    normal, best = ([model.choose(n).method for n in (2048, 2**15)] for model in models)
+    assert normal == ["patch-sampling", "patch-sampling"] and best == ["graphcut", "patch-sampling"]
+
+
+def test_the_lattice_of_a_large_sample_is_found_exactly():
+    bricks = weftex.load_exemplar("sample:bricks").pixels.repeat(2, 0).repeat(2, 1)
+    choice = weftex.Auto().fit(weftex.Exemplar(bricks)).choose(600)
+    assert choice.method == "graphcut"
+    own = Lattice(tuple(zip(*[iter(choice.parameters["lattice"])] * 2, strict=True)), 1.0)
+    assert own.same_as(find_lattice(weftex.Exemplar(bricks)))
 
 
 @pytest.mark.parametrize(

@@ -229,6 +229,15 @@ def test_auto_thins_in_large_outputs_and_says_why(spotted, thinned):
     )
 
 
+def test_best_thins_in_smaller_outputs_if_three_landmarks_are_rare():
+    pixels, spot = with_spot()
+    for rolled, thins in ((0, False), (30, False), (60, True)):
+        pixels[np.roll(spot, rolled, 0)] = RED
+        made = weftex.synthesize(pixels, 2 * SIDE, seed=1, effort="best")
+        assert ("landmarks are thinned" in made.provenance["reason"]) == thins
+    assert "thinned" not in weftex.synthesize(pixels, 2 * SIDE, seed=1).provenance["reason"]
+
+
 def test_auto_thins_what_is_coarser_if_it_looks_the_same_from_all_sides():
     made = weftex.synthesize(with_spot(coarse(0))[0], 3 * SIDE, seed=1)
     assert "all sides; landmarks are thinned" in made.provenance["reason"]

@@ -65,7 +65,7 @@ class Auto(Method):
 
     effort: str = parameter(
         "normal",
-        "methods to try: one (quick), a few if the choice is unclear (normal), more (best)",
+        "try nothing (quick), compare if unclear (normal), allow slower methods, too (best)",
         choices=("quick", "normal", "best"),
     )
 
@@ -105,9 +105,8 @@ class AutoModel(Model):
             return Choice("refinement", {}, "there is a guide to follow")
         if canvas.known is not None:
             return choose_for_hole(self.exemplar, canvas)
-        lattice = self.findings.lattice
-        exactly = any(canvas.wrap) or (lattice is not None and not lattice.area)
-        return choose(self._exactly if exactly else self.findings, canvas)
+        patient = self._effort == "best" and canvas.shape != _ENDLESS
+        return choose(self._exactly, canvas, patient=patient)
 
     def chosen(self, size: Canvas | int | tuple[int, int]) -> tuple[Choice, Model]:
         """Return the rule's choice and its model, or the next method that can be fitted."""
@@ -144,7 +143,7 @@ class AutoModel(Model):
         choice, _ = self.chosen(canvas)
         choices = [choice]
         if canvas.guide is None and canvas.known is None and self._effort != "quick":
-            choices += others(choice, self.findings, canvas, self._effort)
+            choices += others(choice, self.findings, canvas)
         lattice = self.findings.lattice if len(choices) > 1 else None
         seen: dict[str, Synthesis] = {}  # previews by their parameters
         if lattice is not None and choice.method == "near-regular":

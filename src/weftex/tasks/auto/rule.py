@@ -32,8 +32,9 @@ _GRAIN = 1 / 20  # scale over the side up to which cut features do not show, but
 _STIFF_ROWS = 0.04  # strain of rows that cannot be stretched evenly; at 6 % ribs were torn
 #: Sidedness up to which a material looks the same upside down, or turned and in a mirror.
 _SIDED = 0.06
-#: Pixels of the output above which no rotated copies are used, as they take 60 % more time.
-_TURNED = 2**22
+#: Pixels of the output above which no rotated copies are used, as they take 60 % more time, and
+#: blocks are placed by rows, in a fifth of the time.
+_LARGE = 2**22
 _FEW_COLORS = 32  # drawings and labels, which must not be blended
 #: Pixels of the output above which entire samples are placed only to keep large features whole, as
 #: other methods take a tenth of the time.
@@ -83,16 +84,18 @@ class Choice:
         return "; ".join((self.reason, *(f"but {text}" for text in self.warnings)))
 
 
-def choose(findings: Findings, canvas: Canvas) -> Choice:
+def choose(findings: Findings, canvas: Canvas, *, patient: bool = False) -> Choice:
     """Return the method for a sample and a canvas without known pixels and without a guide.
 
-    It is that of the first rule that applies.
+    It is that of the first rule that applies. `patient`: entire samples in outputs of any size,
+    but for lattices, which other methods follow as well.
     """
+    entire = patient or math.prod(canvas.shape) <= PATIENCE
     choice = (
         _too_small(findings)
-        or _regular(findings, canvas)
-        or _fine(findings, canvas)
-        or _irregular(findings, canvas)
+        or _regular(findings, canvas, patient)
+        or _fine(findings, canvas, entire)
+        or _irregular(findings, canvas, entire)
     )
     return replace(choice, warnings=(*_warnings(findings), *choice.warnings))
 
@@ -105,30 +108,29 @@ def _too_small(findings: Findings) -> Choice | None:
     return Choice("graphcut", {}, because)
 
 
-def _regular(findings: Findings, canvas: Canvas) -> Choice | None:
+def _regular(findings: Findings, canvas: Canvas, patient: bool) -> Choice | None:
     """Return what follows a sure lattice or rows, and what does not where they do not fit."""
-    lattice = findings.lattice
+    lattice, exact = findings.full or findings.lattice, findings.exact or findings.full is not None
     if lattice is None or not may_place(lattice, findings.shape):
         return None
     because = f"the sample has {words(lattice)}"
-    used, quick = findings.full or lattice, _quickly_cut(canvas)
-    vectors, rows = tuple(used), len(used.vectors) == 1
+    vectors, rows = tuple(lattice), len(lattice.vectors) == 1
+    entire = (rows and patient) or math.prod(canvas.shape) <= (_LARGE if rows else PATIENCE)
     strain, notes = CanvasLattice(vectors, canvas).strain, strain_notes(vectors, canvas)
     even = evenly(vectors, canvas) is not canvas
-    if strain > (_STIFF_ROWS if rows and quick and not even else VISIBLE_STRAIN):
+    if strain > (_STIFF_ROWS if rows and entire and not even else VISIBLE_STRAIN):
         because = f"{because}; this pattern does not fit a tileable {_size(canvas.shape)}"
         if rows:  # entire samples keep their distance, as they are cut seldom
             return replace(_whole(findings, canvas, because), warnings=notes)
         return Choice("quilting", {}, because, notes)
-    exact = findings.exact or (findings.full is not None and (rows or even))
     given = {"lattice": vectors} if exact else {}
-    if exact and quick and (rows or even or strain <= STIFF):
+    if exact and entire and (rows or even or strain <= STIFF):
         return Choice("graphcut", {**WHOLE, **given}, because, notes)
     return Choice("near-regular", given, because, notes)
 
 
-def _fine(findings: Findings, canvas: Canvas) -> Choice | None:
-    """Return patches where the structure is fine; quilting for drawings, graph cut if quick."""
+def _fine(findings: Findings, canvas: Canvas, entire: bool) -> Choice | None:
+    """Return patches where the structure is fine; quilting for drawings, graph cut if `entire`."""
     scale, shorter = findings.scale, min(findings.shape)
     if scale > _FINE * shorter:
         return None
@@ -138,19 +140,19 @@ def _fine(findings: Findings, canvas: Canvas) -> Choice | None:
     if findings.colors <= _FEW_COLORS:
         because = f"{because} and its few colors ({findings.colors}) must not be blended"
         return Choice("quilting", {}, because)
-    if not _quickly_cut(canvas):
+    if not entire:
         return Choice("patch-sampling", {}, because)
     if scale <= _GRAIN * shorter and _orientations(findings, canvas) != "all":
         return Choice("graphcut", {}, because)
     return _whole(findings, canvas, because)
 
 
-def _irregular(findings: Findings, canvas: Canvas) -> Choice:
+def _irregular(findings: Findings, canvas: Canvas, entire: bool) -> Choice:
     """Return graph cut for anything else: entire samples where the output is not too large."""
     because = f"the structure is irregular (features of {findings.scale:.3g} px)"
     if not findings.exact:
         because = "the structure is irregular"
-    if _quickly_cut(canvas) or _is_small(findings.shape):
+    if entire or _is_small(findings.shape):
         return _whole(findings, canvas, because)
     megapixels = canvas.height * canvas.width / 1e6
     because = f"{because} and the output is large ({megapixels:.3g} megapixels)"
@@ -169,7 +171,7 @@ def _whole(findings: Findings, canvas: Canvas, because: str) -> Choice:
 
 def _orientations(findings: Findings, canvas: Canvas) -> str:
     upside_down, turned = findings.sidedness
-    if upside_down > _SIDED or canvas.height * canvas.width > _TURNED:
+    if upside_down > _SIDED or canvas.height * canvas.width > _LARGE:
         return "upright"
     return "half-turns" if turned > _SIDED else "all"
 
@@ -177,10 +179,6 @@ def _orientations(findings: Findings, canvas: Canvas) -> str:
 def places_freely(choice: Choice) -> bool:
     """Return whether entire samples are placed, and not by a lattice."""
     return choice.parameters.get("placement") == "entire" and "lattice" not in choice.parameters
-
-
-def _quickly_cut(canvas: Canvas) -> bool:
-    return canvas.height * canvas.width <= PATIENCE
 
 
 def _is_small(shape: tuple[int, int]) -> bool:

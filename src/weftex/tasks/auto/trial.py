@@ -16,7 +16,7 @@ from weftex.naming import make_method, text_of
 from weftex.raster.boxes import box_sums
 from weftex.results.synthesis import Synthesis
 from weftex.tasks.auto.findings import Findings
-from weftex.tasks.auto.rule import WHOLE, Choice, may_place, places_freely
+from weftex.tasks.auto.rule import WHOLE, Choice, may_place
 
 #: How much lower another score must be: judges agree in three of four cases then.
 MARGIN = 1.0
@@ -34,32 +34,24 @@ _KEPT = 0.85
 _FAINT = 0.1  # correlation below which it says nothing; wires before stones have less
 
 
-def others(first: Choice, findings: Findings, canvas: Canvas, effort: str) -> list[Choice]:
+def others(first: Choice, findings: Findings, canvas: Canvas) -> list[Choice]:
     """Return what is tried beside the rule's choice: nothing where the rule is sure."""
     pixels, lattice = canvas.height * canvas.width, findings.lattice
-    if effort == "quick" or pixels > _LARGEST:
+    if pixels > _LARGEST:
         return []
     if first.method == "near-regular" and lattice is not None and lattice.area:
-        if pixels > _REFINED and effort == "normal":
+        if pixels > _REFINED:
             return []
         start = text_of(make_method(first.method, first.parameters))
         return [Choice("refinement", {"init": start})]
     if first.method not in ("graphcut", "patch-sampling") or "lattice" in first.parameters:
         return []
-    found = []
-    if (
-        lattice is not None
-        and not may_place(lattice, findings.shape)
-        and lattice.confidence >= _WEAK
-    ):
-        vectors = {"lattice": tuple(lattice)} if findings.exact else {}
-        stiff = first.method == "graphcut" and findings.exact
-        slug, placed = ("graphcut", WHOLE) if stiff else ("near-regular", {})
-        found.append(Choice(slug, {**placed, **vectors}))
-    if effort == "best":
-        found.append(Choice("refinement"))
-        found.append(Choice("graphcut", {} if places_freely(first) else dict(WHOLE)))
-    return found
+    if lattice is None or lattice.confidence < _WEAK or may_place(lattice, findings.shape):
+        return []
+    vectors = {"lattice": tuple(lattice)} if findings.exact else {}
+    stiff = first.method == "graphcut" and findings.exact
+    slug, placed = ("graphcut", WHOLE) if stiff else ("near-regular", {})
+    return [Choice(slug, {**placed, **vectors})]
 
 
 def best_of_choices(
