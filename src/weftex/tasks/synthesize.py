@@ -74,10 +74,9 @@ def synthesize(
         score and fewest broken features is returned. Its provenance has all scores.
     landmarks : {"auto", "keep", "thin", "remove"}
         What to do with landmarks, small salient regions that reveal repeats: keep them, show each
-        only at places far apart, or remove them. With "auto", the method `Auto` thins them if the
-        output has at least 8 times the sample's area (4, if effort is "best" and three landmarks are
-        rare) and features are small. All other methods keep
-        them. Samples with a lattice or rows are not changed.
+        only at places far apart, or remove them. With "auto", the method `Auto` thins them if
+        features are small and the output has at least 8 times the sample's area (4 if effort is
+        "best"). All other methods keep them. Samples with a lattice or rows are not changed.
     threads : int, optional
         Maximum number of threads; one for each processor by default.
     progress : callable, optional
