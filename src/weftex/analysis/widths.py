@@ -39,10 +39,9 @@ def between_joints(flat: Relief) -> float:
         high, low = (float(ranked[len(ranked) * share // 100]) for share in (92, 40))
         found.append((high - low, runs))
     (other, _), (clear, runs) = sorted(found, key=lambda one: one[0])
-    if clear < max(_CLEAR, _ONE_SIGN * other):
-        return 0.0
     joints = runs.max(axis=0) > _LINE
-    if abs(np.exp(2j * np.pi / _WAYS * runs.argmax(axis=0)[joints]).mean()) > _ONE_WAY:
+    ways = np.exp(2j * np.pi / _WAYS * runs.argmax(axis=0)[joints])
+    if clear < max(_CLEAR, _ONE_SIGN * other) or abs(ways.mean()) > _ONE_WAY:
         return 0.0
     octaves, left = _openings(np.where(joints, 0, 255).astype(np.uint8), 0)
     half = distance_at(left / left[0], 0.5)
