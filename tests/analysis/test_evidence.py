@@ -48,21 +48,24 @@ def test_what_crosses_rows_says_how_they_are_shifted(rng, shift):
     assert Lattice(tuple(map(tuple, vectors))).same_as(truth, 0.03)
 
 
-def test_blocks_of_bricks_that_turn(rng):
-    pixels, brick = np.empty((144, 144)), 12
-    for top, left in np.ndindex(6, 6):
-        block = np.full((24, 24), 60.0)
+@pytest.mark.parametrize("brick, number, speckles", [(12, 6, 0), (30, 4, 0.12)])
+def test_blocks_of_bricks_that_turn(brick, number, speckles):
+    rng = np.random.default_rng(0)
+    wide, pixels = 2 * brick, np.empty((2 * brick * number, 2 * brick * number))
+    for top, left in np.ndindex(number, number):
+        block = np.full((wide, wide), 60.0)
         for k in (0, 1):
             block[k * brick + 1 : (k + 1) * brick, 1:] = rng.uniform(110, 200)
         turned = block if (top + left) % 2 else block.T
-        pixels[24 * top : 24 * (top + 1), 24 * left : 24 * (left + 1)] = turned
-    assert find_lattice(sample(pixels)).same_as(Lattice(((24, 24), (24, -24))))
+        pixels[wide * top : wide * (top + 1), wide * left : wide * (left + 1)] = turned
+    dark = smooth(rng.normal(size=(*pixels.shape, 1)), 1.5)[..., 0]
+    pixels[dark > np.quantile(dark, 1 - speckles)] *= 0.4
+    assert find_lattice(sample(pixels)).same_as(Lattice(((wide, wide), (wide, -wide))))
     assert made_of(np.array([[24, 24], [24, -24]]), np.array([[12, 0], [0, 12.5]])) is not None
     assert made_of(np.array([[24, 24], [24, -24]]), np.array([[16, 0], [0, 12]])) is None
 
 
 def test_threads_of_any_tone_do_not_alternate(rng):
-    """All tiles of a line are alike; whether every second line is, the tones of lines say."""
     lines = np.repeat(np.arange(12), 12)
     kinds = lines % 2
     tones = rng.normal(size=(12, 40))

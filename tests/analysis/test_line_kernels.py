@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from weftex.analysis.autocorrelations import _tops
+from weftex.analysis import kernels
 from weftex.analysis.lines import _profiles, edges_of
 from weftex.analysis.relief import Relief
 
@@ -54,7 +54,8 @@ def test_profiles_are_means_along_lines(rng):
 def test_tops_are_peaks_within_a_window(window, rng):
     correlation = rng.normal(size=(21, 27))
     places = np.stack([rng.integers(-14, 15, 80), rng.integers(-11, 12, 80)], axis=1)
-    found, heights = _tops(correlation, places, window)
+    found, heights = np.empty((80, 2)), np.empty(80)
+    kernels.tops(correlation, places, window, found, heights)
     framed = np.pad(correlation, 9, mode="edge")
     for (x, y), at, height in zip(places, found, heights, strict=True):
         row, column = y + 10 + 9, x + 13 + 9

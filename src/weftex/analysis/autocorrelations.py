@@ -15,6 +15,7 @@ from weftex.exemplar import Exemplar
 from weftex.progress import counted
 from weftex.raster.arrays import Floats
 
+SHORTEST = 3.0  # pixels; a shorter vector is grain
 _SIGMAS = 3.0  # standard errors of one multiple that count as chance
 _CLOSE = 10.0  # pixels; shorter vectors are rated by single pixels
 _ONE_LINE = 1e-10  # of the square of its trace: what the determinant of multiples on a line has
@@ -104,7 +105,7 @@ def find_peaks(correlation: NDArray[np.float64]) -> Peaks:
     margin = min(_LARGEST_DOMINANCE, center)  # columns of the left half, for squares around peaks
     # Rounded, so that peaks that differ by rounding alone are equal on every machine.
     part = np.rint(correlation[:, center - margin :] * 1e9) / 1e9
-    around, radius = _wider(part, 1, first=True), 1
+    around, radius = _around(part), 1
     high = (part > 0) & (part >= around)
     high[:, :margin] = False
     high[: middle + 1, margin] = False  # no shift at all, and mirror images of shifts straight down
@@ -119,14 +120,13 @@ def find_peaks(correlation: NDArray[np.float64]) -> Peaks:
     return Peaks(shifts[order], heights[order], dominance[order])
 
 
-def _wider(values: NDArray[np.float64], by: int, first: bool = False) -> NDArray[np.float64]:
+def _wider(values: NDArray[np.float64], by: int) -> NDArray[np.float64]:
     """Maxima over squares that reach `by` pixels further than the squares of `values`."""
     for axis in (0, 1):
         place = np.arange(values.shape[axis])
         before = values.take(np.maximum(place - by, 0), axis)
         after = values.take(np.minimum(place + by, len(place) - 1), axis)
-        both = np.maximum(before, after)
-        values = np.maximum(both, values) if first else both
+        values = np.maximum(before, after)
     return values
 
 
@@ -152,7 +152,8 @@ def fit_vectors(
         # None is near where a vector is longer than that; the same say the same vectors again.
         if len(times) and not np.array_equal(looked_at, before):
             before = looked_at
-            found, heights = _tops(correlation, nearest, window)
+            found, heights = np.empty((len(nearest), 2)), np.empty(len(nearest))
+            kernels.tops(correlation, nearest, window, found, heights)  # 0 where there is no peak
             good = heights > 0
             if good.any():
                 share = (1 - abs(found[:, 0]) / width) * (1 - abs(found[:, 1]) / height)
@@ -184,15 +185,6 @@ def _all_times(limit: int, number: int) -> NDArray[np.int64]:
     times = times[times.any(axis=1)]
     times.flags.writeable = False
     return times
-
-
-def _tops(
-    correlation: NDArray[np.float64], places: NDArray[np.int64], window: int
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """The peak within a window around each place, below a pixel; height 0 where there is none."""
-    found, heights = np.empty((len(places), 2)), np.empty(len(places))
-    kernels.tops(correlation, places, window, found, heights)
-    return found, heights
 
 
 def _around(table: Floats) -> Floats:

@@ -1,8 +1,7 @@
 """The bond of rows: how long their pieces are, and how far each row is moved against the next.
 
-The courses of a wall have most of what its picture correlates with, and hide the joints within
-them. Where rows are known, the correlation is looked at along them, at so many rows away: what is
-the same everywhere along a row is taken off, and what is left comes back piece by piece.
+The courses of a wall hide the joints within them. So where rows are known, the correlation along
+them is taken less its mean, at each number of rows away: what is left repeats piece by piece.
 """
 
 from __future__ import annotations
@@ -69,9 +68,11 @@ class Bonds:
         steps, places = sums @ self.rows / self.distance**2, sums @ self.along
         off = _OFF + _SLANT * abs(places) / self.distance
         same, next_one = (abs(steps) < off) & (places > 0), abs(steps - 1) < off
-        if not same.any() or not next_one.any():
+        if not same.any():
             return None
         length = float(places[same].min())
+        if not next_one.any():  # two rows of pieces longer than any are chance
+            return 0.0 if length > _FLATTEST * self.distance else None
         return float(self._rated(length, places[next_one][:1] % length)[0])
 
     def _rated(self, length: float, shifts: Floats) -> Floats:

@@ -33,16 +33,12 @@ class Around(NamedTuple):
 
     height: int
     width: int
+    wrap: tuple[bool, bool] = (True, True)
 
     @property
     def shape(self) -> tuple[int, int]:
         """Height and width."""
         return self.height, self.width
-
-    @property
-    def wrap(self) -> tuple[bool, bool]:
-        """Both axes wrap around."""
-        return True, True
 
 
 class CanvasLattice:

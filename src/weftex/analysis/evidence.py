@@ -1,15 +1,12 @@
 """The evidence for a lattice of a sample, or for its rows: beyond the thesis.
 
 Pairs of vectors come from the correlation, as it is and whitened; rows from its ridges and from
-joints. Where rows are known, a second family of joints or the joints within the rows give the
-vector along them.
+joints, which also give the vector along them.
 
 `contrast` is how far the correlation at multiples is above that between them; `clear` is the same
-of the whitened sample, less chance and in units of it, which falls with the root of the number of
-multiples. Lines (`weftex.analysis.lines`) have the contrast of edges in different strips, and how
-alike these are; the bond of rows has one figure. A logistic regression combines them.
-`python benchmarks/quality/lattices.py --fit` prints weights; their reliability is in
-docs/background/lattice.md.
+of the whitened sample, in units of chance, which falls with the root of the number of multiples.
+Lines (`weftex.analysis.lines`) have the contrast of edges in different strips, and how alike these
+are. A logistic regression combines them: `python benchmarks/quality/lattices.py --fit`.
 """
 
 from __future__ import annotations
@@ -24,17 +21,8 @@ from numpy.typing import NDArray
 
 from weftex.analysis.autocorrelations import Autocorrelations
 from weftex.analysis.bonds import Bonds
-from weftex.analysis.lines import Courses, checked, find_courses, find_rows, rated, ridges
-from weftex.analysis.pairs import (
-    MOST_MULTIPLES,
-    contrast_of,
-    fitted,
-    highest,
-    rate,
-    rated_pairs,
-    reach_of,
-    reduced,
-)
+from weftex.analysis.lines import checked, find_courses, find_rows, find_uneven, rated, ridges
+from weftex.analysis.pairs import contrast_of, fitted, highest, rate, rated_pairs, reach_of, reduced
 from weftex.analysis.prediction import predicting
 from weftex.analysis.tile_multiples import alternating, made_of, settled
 from weftex.raster.arrays import Floats
@@ -62,6 +50,7 @@ _CROSSINGS += [whole[::-1, ::-1] for whole in _CROSSINGS[2:]]
 WEIGHTS: dict[str, tuple[float, ...]] = {
     "pairs": (-4.32, 6.32, 1.54, 0.0, 0.0),
     "rows": (-7.08, 2.38, 2.18, 16.71, 0.0),
+    "uneven": (-6.0, 0.0, 0.0, 5.0, 0.0),  # rows by lines at uneven distances
     "crossings": (-4.78, 0.0, 0.0, 15.82, 0.0),  # of joints across rows
     "stripes": (-2.09, 0.0, 0.0, 12.34, 0.0),  # along both vectors
     "bonds": (-9.02, 0.0, 0.0, 0.0, 3.06),  # joints within rows
@@ -85,7 +74,7 @@ class Evidence(NamedTuple):
     contrast: float = 0.0  # of the correlation at multiples, less its standard error
     clear: float = 0.0  # the same of the whitened correlation, in units of chance
     number: int = 1  # of multiples
-    lines: float = 0.0  # `Courses.sure` of joints or stripes
+    lines: float = 0.0  # `Courses.sure` of joints or stripes; how clear uneven rows are
     bond: float = 0.0  # of joints within rows, see `Bonds.best`
 
     @property
@@ -158,7 +147,7 @@ def better_pair(pairs: Sequence[Evidence]) -> Evidence | None:
     """Return the second pair if it is clearer or the first consists of its tiles, else the first.
 
     It must have half of the first one's contrast, as the threads of a checked cloth are clear too.
-    Chance makes some larger tile better than the right one.
+    Chance makes some larger tile better than the right one, so all multiples count together.
     """
     if len(pairs) < 2:
         return pairs[0] if pairs else None
@@ -171,7 +160,7 @@ def better_pair(pairs: Sequence[Evidence]) -> Evidence | None:
         return first
     if made_of(first.vectors, second.vectors) is not None:
         return second
-    return second if second.clear > first.clear else first
+    return second if second.figures[2] > first.figures[2] else first
 
 
 def predicted(fields: Autocorrelations, one: Evidence) -> Evidence | None:
@@ -190,12 +179,12 @@ def with_alternation(fields: Autocorrelations, one: Evidence) -> Evidence:
 
 def evidence_of(fields: Autocorrelations, vectors: Floats) -> Evidence:
     """Return the evidence for two vectors."""
-    reach = reach_of(fields.field, vectors, MOST_MULTIPLES)
+    reach = reach_of(fields.field, vectors)
     return Evidence(
         vectors,
         "pairs",
-        contrast_of(fields.field, vectors, reach),
-        contrast_of(fields.white, vectors, reach) / max(fields.chance, 1e-12),
+        contrast_of(fields.field, vectors),
+        contrast_of(fields.white, vectors) / max(fields.chance, 1e-12),
         int(rate(fields.field, vectors[None], reach, "contrast").count[0]),
     )
 
@@ -203,32 +192,31 @@ def evidence_of(fields: Autocorrelations, vectors: Floats) -> Evidence:
 def row_candidate(fields: Autocorrelations) -> Evidence | None:
     """Return the rows by ridges, or those by joints where these are clearly surer, or None."""
     ridged, joined = find_rows(fields.flat), find_courses(fields.flat)
-    found = None if ridged is None else _by_ridges(fields, *ridged)
+    found = None if ridged is None else _rows_by(fields, *ridged)
+    if found is not None and found.clear <= 0:  # ridges must be clear in the whitened sample
+        found = None
     other = None if joined is None else _rows_by(fields, joined.vector, 0.0)
     if found is None or other is None:
         return found or other
     return other if other.confidence > found.confidence + _SURER else found
 
 
-def _by_ridges(fields: Autocorrelations, vector: Floats, contrast: float) -> Evidence | None:
-    """Return the evidence for rows by ridges, which must be clear in the whitened sample."""
-    found = _rows_by(fields, vector, contrast)
-    return None if found is None or found.clear <= 0 else found
+def uneven_rows(fields: Autocorrelations) -> Evidence | None:
+    """Return the rows whose heights vary, if lines tell them surely."""
+    found = find_uneven(fields.flat)
+    best = None if found is None else Evidence(found[0][None], "uneven", lines=found[1])
+    return best if best is not None and best.confidence >= LEAST else None
 
 
 def _rows_by(fields: Autocorrelations, vector: Floats, contrast: float) -> Evidence | None:
     """Return the evidence for rows; None for faint lines at irregular distances."""
     # Joints at both sides of what repeats are two to a row.
     lines = [rated(fields.flat, vector / parts) for parts in (1, 2)]
-    if contrast < _FAINT and not any(map(_is_regular, lines)):
+    if contrast < _FAINT and all(one.contrast < _REGULAR * one.alike for one in lines):
         return None
     height, number = ridges(fields.white.correlation, vector)
     clear, sure = height / max(fields.chance, 1e-12), max(one.sure for one in lines)
     return Evidence(vector[None], "rows", contrast, clear, number, sure)
-
-
-def _is_regular(lines: Courses) -> bool:
-    return lines.contrast >= _REGULAR * lines.alike
 
 
 def bond_candidate(fields: Autocorrelations, rows: Evidence) -> Evidence | None:
@@ -252,7 +240,7 @@ def checked_by_rows(fields: Autocorrelations, pair: Evidence) -> Evidence:
         times = made_of(pair.vectors, found.vectors)
         if times is not None and abs(np.linalg.det(times)) < 1.5:  # they are one lattice
             return pair
-    if found is not None and found.confidence >= _LEAST_CROSSINGS:
+    if found is not None and _sure(found):
         return found if _clear(fields, found.vectors) > _clear(fields, pair.vectors) else pair
     down = rows.vectors[0]
     sure = Bonds(fields.white.correlation, down).of(pair.vectors)
@@ -274,13 +262,19 @@ def lattice_of_rows(fields: Autocorrelations, rows: Evidence) -> Evidence:
         for one in (crossing_candidate(fields, rows), bond_candidate(fields, rows))
         if one is not None
     ]
-    least = {"crossings": _LEAST_CROSSINGS, "bonds": _LEAST_BOND, "both": _LEAST_BOND}
     if len(found) == 2:
         across, within = found
         told = within._replace(lines=across.lines, kind="both")
         found += [told._replace(vectors=one.vectors) for one in found]
-    sure = [one for one in found if one.confidence >= least[one.kind]]
+    sure = filter(_sure, found)
     return max(sure, key=lambda one: (_clear(fields, one.vectors), one.confidence), default=rows)
+
+
+def _sure(one: Evidence) -> bool:
+    """Return whether a lattice of rows is sure; joints that cross them also in white."""
+    if one.kind == "crossings":
+        return one.confidence >= _LEAST_CROSSINGS and one.clear > 0
+    return one.confidence >= _LEAST_BOND
 
 
 def crossing_candidate(fields: Autocorrelations, rows: Evidence) -> Evidence | None:
@@ -296,11 +290,10 @@ def crossing_candidate(fields: Autocorrelations, rows: Evidence) -> Evidence | N
     crossings = np.linalg.inv(lines).T
     found = max((whole @ crossings for whole in _CROSSINGS), key=partial(_clear, fields))
     near = (found, *(fitted(field, reduced(found)) for field in (fields.field, fields.white)))
-    vectors = max(near, key=partial(_clear, fields))
-    return Evidence(reduced(vectors), "crossings", lines=second.sure)
+    vectors = reduced(max(near, key=partial(_clear, fields)))
+    return Evidence(vectors, "crossings", clear=_clear(fields, vectors), lines=second.sure)
 
 
 def _clear(fields: Autocorrelations, vectors: Floats) -> float:
     """Return the contrast of multiples in the whitened correlation."""
-    vectors = reduced(vectors)
-    return contrast_of(fields.white, vectors, reach_of(fields.white, vectors, MOST_MULTIPLES))
+    return contrast_of(fields.white, reduced(vectors))

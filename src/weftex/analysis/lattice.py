@@ -14,30 +14,11 @@ from weakref import WeakKeyDictionary
 import numpy as np
 from numpy.typing import NDArray
 
+from weftex.analysis import evidence
 from weftex.analysis.autocorrelations import Autocorrelations, Field, autocorrelations
-from weftex.analysis.evidence import (
-    CLEAR,
-    LEAST,
-    Evidence,
-    better_pair,
-    checked_by_rows,
-    evidence_of,
-    lattice_of_rows,
-    pair_candidates,
-    predicted,
-    row_candidate,
-    with_alternation,
-)
+from weftex.analysis.evidence import CLEAR, LEAST, Evidence
 from weftex.analysis.lines import ridges
-from weftex.analysis.pairs import (
-    MOST_MULTIPLES,
-    goodness_of,
-    highest,
-    rate,
-    rated_pairs,
-    reach_of,
-    reduced,
-)
+from weftex.analysis.pairs import goodness_of, highest, rate, rated_pairs, reach_of, reduced
 from weftex.analysis.relief import maps_alone
 from weftex.errors import InvalidInputError
 from weftex.exemplar import Exemplar
@@ -199,33 +180,33 @@ def lattice_in(fields: Autocorrelations, goodness: str = "contrast") -> Lattice 
 def _as_in_thesis(fields: Autocorrelations, goodness: str) -> Evidence | None:
     """Return the pair with the highest goodness (section 3.3), or rows where it is not sure."""
     vectors = highest(rated_pairs(fields.field, goodness))
-    best = None if vectors is None else evidence_of(fields, vectors)
+    best = None if vectors is None else evidence.evidence_of(fields, vectors)
     return best if best is not None and best.confidence >= LEAST else _rows(fields)
 
 
 def _by_contrast(fields: Autocorrelations) -> Evidence | None:
     """Return the pair or rows with the best evidence."""
     with counted(2, "analysis") as step:
-        best = better_pair(pair_candidates(fields))
+        best = evidence.better_pair(evidence.pair_candidates(fields))
         step(1)
         if best is not None and best.confidence >= LEAST:
             if best.confidence < CLEAR and best.kind != "stripes":
-                best = checked_by_rows(fields, best)
+                best = evidence.checked_by_rows(fields, best)
             if len(best.vectors) == 1:
                 return best
-            best = predicted(fields, best)
+            best = evidence.predicted(fields, best)
             if best is not None:
-                return with_alternation(fields, best)
+                return evidence.with_alternation(fields, best)
         rows = _rows(fields)
         if rows is None:
-            return None
-        best = lattice_of_rows(fields, rows)
-        return best if best is rows else predicted(fields, best) or rows
+            return evidence.uneven_rows(fields)
+        best = evidence.lattice_of_rows(fields, rows)
+        return best if best is rows else evidence.predicted(fields, best) or rows
 
 
 def _rows(fields: Autocorrelations) -> Evidence | None:
     """Return the rows that are sure enough."""
-    best = row_candidate(fields)
+    best = evidence.row_candidate(fields)
     return best if best is not None and best.confidence >= LEAST else None
 
 
@@ -271,7 +252,7 @@ def rate_lattices(
     field, step = fields.field, fields.flat.step
 
     def rated(vectors: NDArray[np.float64]) -> Rated:
-        reach = reach_of(field, vectors, MOST_MULTIPLES)
+        reach = reach_of(field, vectors)
         found = rate(field, vectors[None], reach, goodness, exact=True)
         return Rated(
             _plain(vectors * step),
@@ -299,5 +280,5 @@ def rate_lattices(
 
 def _rated_rows(lattice: Lattice, field: Field, vector: NDArray[np.float64]) -> Rated:
     mean, number = ridges(field.correlation, vector)
-    goodness = float(goodness_of(mean, number))
-    return Rated(lattice.reduced().vectors, round(goodness, 4), round(mean, 4), number)
+    goodness = round(float(goodness_of(mean, number)), 4)
+    return Rated(lattice.reduced().vectors, goodness, round(mean, 4), number)

@@ -1,17 +1,16 @@
 """Rows, such as boards or courses: by ridges of the autocorrelation, and by joints.
 
-Along a row nothing repeats, so the autocorrelation has ridges and no peaks. Its mean along lines
-of one direction leaves the ridges. The rows have the direction and distance at which the ridges
-are highest above the places half and a third of the way between them.
+Along a row nothing repeats, so the mean autocorrelation along lines of one direction has ridges.
+The rows have the direction and distance at which these are highest above what is between them.
 
-A joint is thin, and often faint beside the tones that it separates, but long. So the sample is
-cut across into strips, and edges are added up along lines in each of them. Lines of one direction
-are at the same places in every strip, and rows are at one distance; stones and grain have neither.
+A joint is thin, and often faint beside the tones that it separates, but long. So edges are added
+up along lines in strips across the sample: rows are at the same places in each, stones are not.
 """
 
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from typing import Any, NamedTuple
 from weakref import WeakKeyDictionary
 
@@ -47,11 +46,15 @@ _CHANCE = 0.1  # standard error of one ridge, about
 _BLUR = 0.04  # of the distance, by which rows may be off
 _PARTS = 7  # closer rows that are tried
 _AS_HIGH = 0.8  # of the contrast, that closer rows must have
+_THROUGH = 0.3  # correlation of strips, from which lines run through all of them
+_LINE = 0.38  # of the height of the highest line, that others must have
+_UNEVEN = 0.2  # of the mean height of rows, by which single ones may differ
 _HIGHER = 0.8  # of its height: the most that every second ridge lies above the others
 
 
 #: Cached by `Joints.step`, as rows and the joints that cross them use the same edges.
 _TAKEN: WeakKeyDictionary[Relief, dict[int, Joints]] = WeakKeyDictionary()
+_TRIED: WeakKeyDictionary[Relief, list[Floats]] = WeakKeyDictionary()  # profiles by direction
 
 
 class Courses(NamedTuple):
@@ -140,17 +143,22 @@ def joints_of(flat: Relief, side: int | None = None) -> Joints:
     return known[step]
 
 
+def _tried(flat: Relief) -> list[Floats]:
+    """Return what `Joints.alike` returns for each of the coarse directions."""
+    if flat not in _TRIED:
+        _TRIED[flat] = [joints_of(flat, _SIDES[0]).alike(turn) for turn in _COARSE]
+    return _TRIED[flat]
+
+
 def find_courses(flat: Relief, across: Floats | None = None) -> Courses | None:
     """Return the rows with the best evidence of joints, right or not."""
     if min(flat.usable.shape) < _CLOSEST * (_FEWEST + 1):
         return None
     coarse, fine = (joints_of(flat, side) for side in _SIDES)
     best, angle, distance = 0.0, 0.0, 0.0
-    turns = _COARSE
-    if across is not None:  # directions of lines that cross rows
-        turns = turns[abs(np.sin(turns - np.arctan2(-across[0], across[1]))) > _CROSSING]
-    for turn in turns:
-        profile = coarse.alike(turn)
+    for turn, profile in zip(_COARSE, _tried(flat), strict=True):
+        if across is not None and abs(np.sin(turn - _angle(across))) <= _CROSSING:
+            continue  # such lines do not cross the rows
         far = _REACH * len(profile) / _FEWEST
         distances = np.arange(max(_CLOSEST / coarse.step, _FINEST), far, _STEP)
         found, rated = _highest(profile, distances)
@@ -158,15 +166,76 @@ def find_courses(flat: Relief, across: Floats | None = None) -> Courses | None:
             best, angle, distance = rated, float(turn), found * coarse.step
     if best <= 0:
         return None
-    for joints, offs in zip((coarse, coarse, fine), _FINE, strict=True):
-        away = distance / joints.step
-        tried = [joints.alike(angle + off) for off in offs]
-        near = [contrast(_blurred(one, _BLUR * away), away * _NEAR)[0].max() for one in tried]
-        angle += float(offs[int(np.argmax(near))])
-        plain = tried[int(np.argmax(near))]
+
+    def highest(profile: Floats, step: int) -> float:
+        away = distance / step
+        return float(contrast(_blurred(profile, _BLUR * away), away * _NEAR)[0].max())
+
+    angle, plain = _turned(flat, angle, highest)
     distance /= fine.step
     distance = _settled(plain, distance, _CLOSEST / fine.step, 2 * _FEWEST)
     return _rated(fine, distance * fine.step * np.array([-np.sin(angle), np.cos(angle)]))
+
+
+def _turned(
+    flat: Relief, angle: float, rated: Callable[[Floats, int], float]
+) -> tuple[float, Floats]:
+    """Return the direction near an angle with the best profile, and that profile."""
+    coarse, fine = (joints_of(flat, side) for side in _SIDES)
+    for joints, offs in zip((coarse, coarse, fine), _FINE, strict=True):
+        tried = [joints.alike(angle + off) for off in offs]
+        k = int(np.argmax([rated(one, joints.step) for one in tried]))
+        angle, plain = angle + float(offs[k]), tried[k]
+    return angle, plain
+
+
+def _angle(vector: Floats) -> float:
+    """Return the direction of rows by the vector from one to the next."""
+    return float(np.arctan2(-vector[0], vector[1]))
+
+
+def find_uneven(flat: Relief) -> tuple[Floats, float] | None:
+    """Return the mean vector of rows whose heights vary, and how clear they are.
+
+    Pale joints in rough grain have few edges, but the mean of a strip along them stands out.
+    """
+    if min(flat.usable.shape) < _CLOSEST * (_FEWEST + 1):
+        return None
+    across = [float(profile[0]) for profile in _tried(flat)]
+    angle, plain = _turned(flat, float(_COARSE[np.argmax(across)]), lambda one, _: float(one[0]))
+    if plain[0] < _THROUGH:
+        return None
+    tones = _tones(flat, _SIDES[1])
+    total, count = tones.lines(angle)
+    strips = total / np.maximum(count, 1)
+    side = max(4, strips.shape[1] // 16)
+    strips = np.stack([_blurred(one, 0.7) - _blurred(one, side / 2) for one in strips])
+    strips /= np.maximum(strips.std(axis=1, keepdims=True), 1e-12)
+    # A stone may cover a joint in one of the strips.
+    lines = (np.sort(signed, axis=0)[1] for signed in (strips, -strips))
+    distance, clear = _even_enough(max(lines, key=np.max), side)
+    vector = distance * tones.step * np.array([-np.sin(angle), np.cos(angle)])
+    return (vector, clear) if clear else None
+
+
+def _even_enough(line: Floats, side: int) -> tuple[float, float]:
+    """Return the mean distance of the peaks of a profile, and their height; zeros if uneven."""
+    found: list[int] = []
+    order = np.argsort(-line, kind="stable")
+    for place in order[line[order] >= _LINE * line.max()].tolist():
+        if all(abs(place - other) > side for other in found):
+            found.append(place)
+    gaps = np.diff(sorted(found))
+    if len(gaps) < 2:
+        return 0.0, 0.0
+    rows = np.maximum(np.rint(gaps / (1.1 * gaps.min())), 1)  # a faint line may lack
+    distance = float(gaps.sum() / rows.sum())
+    uneven = abs(gaps / rows - distance).max() > _UNEVEN * distance or rows.max() > 2
+    ends = max(min(found), len(line) - 1 - max(found)) > (1 + _UNEVEN) * distance
+    # More rows than that have ridges; and of stripes closer than `side` some are passed over.
+    if uneven or ends or rows.sum() < 3 or distance < 3 * side:
+        return 0.0, 0.0
+    return distance, float(line[found].mean())
 
 
 def find_rows(flat: Relief) -> tuple[Floats, float] | None:
@@ -195,8 +264,8 @@ def ridges(correlation: Floats, vector: Floats) -> tuple[float, int]:
     Rows of many heights have some ridges by chance, which are not at all multiples.
     """
     reach = int(_NEARER * min(side // 2 + 1 for side in correlation.shape))
-    angle, distance = np.arctan2(-vector[0], vector[1]), float(np.hypot(*vector))
-    profile = _profiles(correlation, np.array([angle]), reach)[0]
+    distance = float(np.hypot(*vector))
+    profile = _profiles(correlation, np.array([_angle(vector)]), reach)[0]
     number = max(1, min(_RIDGES, int((reach - 1) / distance)))
     times, places = np.arange(1, number + 1), np.arange(reach)
     own, *others = (np.interp((times - phase) * distance, places, profile) for phase in PHASES)
@@ -211,9 +280,7 @@ def rated(flat: Relief, vector: Floats) -> Courses:
 
 def checked(flat: Relief, vectors: Floats) -> Courses | None:
     """Return the weaker evidence of stripes along the two vectors, as checked cloth has."""
-    gray = mixed(flat.levels)
-    stripes = Joints(np.stack([gray, 0 * gray, gray]), flat.usable >= 0.5)  # of any direction
-    stripes = stripes.averaged(max(1, round(max(gray.shape) / _SIDES[0])))
+    stripes = _tones(flat, _SIDES[0])
     turned = vectors[::-1, ::-1] * [-1, 1]  # at right angles to the other vector
     rows = turned * (np.linalg.det(vectors) / (turned**2).sum(axis=1))[:, None]
     if np.hypot(*rows.T).min() < _CLOSEST * stripes.step:
@@ -221,9 +288,16 @@ def checked(flat: Relief, vectors: Floats) -> Courses | None:
     return min((_rated(stripes, row) for row in rows), key=lambda one: one.contrast * one.alike)
 
 
+def _tones(flat: Relief, side: int) -> Joints:
+    """Return the levels in place of the edges, averaged to about `side` pixels a side."""
+    gray = mixed(flat.levels)
+    tones = Joints(np.stack([gray, 0 * gray, gray]), flat.usable >= 0.5)  # of any direction
+    return tones.averaged(max(1, round(max(gray.shape) / side)))
+
+
 def _rated(joints: Joints, vector: Floats) -> Courses:
     distance = float(np.hypot(*vector)) / joints.step
-    plain = joints.alike(float(np.arctan2(-vector[0], vector[1])))
+    plain = joints.alike(_angle(vector))
     own = contrast(_blurred(plain, _BLUR * distance), np.array([distance]))[0]
     return Courses(vector, float(own[0]), float(plain[0]))
 

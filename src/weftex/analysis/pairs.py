@@ -1,12 +1,10 @@
 """The pair of peaks of an autocorrelation that are the vectors of the lattice, by their goodness.
 
-Section 3.3 of the thesis, steps 2 to 6: pairs of up to some hundred peaks are rated by their
-nearest multiples; the best are fitted below a pixel and rated by all multiples.
+Section 3.3 of the thesis, steps 2 to 6. Pairs are rated by their nearest multiples; the best are
+fitted below a pixel and rated by all multiples whose overlap holds at least 85 % of a tile.
 
-A pair is rated by the correlation at its multiples (eq. 3.22), of those at which what overlaps
-holds at least 85 % of a tile (section 3.3.1). `height` is that. A ridge, such as the courses of a
-wall, is high everywhere, so weftex's own `contrast` is what the multiples have above the places
-half and a third of the way between them.
+`height` is the correlation there (eq. 3.22). A ridge, such as the courses of a wall, is high
+everywhere, so weftex's own `contrast` is what multiples have above places between them.
 """
 
 from __future__ import annotations
@@ -18,10 +16,9 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from weftex.analysis.autocorrelations import Field, Peaks, fit_vectors
+from weftex.analysis.autocorrelations import SHORTEST, Field, Peaks, fit_vectors
 from weftex.raster.arrays import Floats
 
-SHORTEST = 3.0  # pixels; a shorter vector is grain
 MOST_MULTIPLES = 24  # multiples of each vector that are rated
 
 _PEAKS = 40  # that pairs are made of, of each octave of lengths the highest
@@ -62,7 +59,7 @@ def rated_pairs(field: Field, goodness: str) -> list[tuple[Floats, float]]:
         found = fitted(field, pairs[k])
         if any(abs(found - other).max() < 0.5 for other, _ in tried):
             continue
-        reach = reach_of(field, found, MOST_MULTIPLES)
+        reach = reach_of(field, found)
         rated = rate(field, found[None], reach, goodness, exact=True)
         tried.append((found, float(rated.goodness[0])))
     return tried
@@ -152,9 +149,9 @@ def goodness_of(mean: Floats | float, number: Floats | float) -> Floats:
     return found
 
 
-def contrast_of(field: Field, pair: Floats, reach: int) -> float:
+def contrast_of(field: Field, pair: Floats) -> float:
     """Return the correlation at multiples above that between them, less its error."""
-    found = rate(field, pair[None], reach, "contrast")
+    found = rate(field, pair[None], reach_of(field, pair), "contrast")
     if field.unsure is not None:
         return float(found.value[0])
     return float(found.value[0] - UNSURE / max(found.count[0], 1) ** 0.5)
@@ -196,10 +193,10 @@ def _arcs(rows: int, moved: int, around: int, length: int) -> int:
     return int(np.minimum(starts[1:] - starts[:-1], length).sum()) + min(last, length)
 
 
-def reach_of(field: Field, vectors: Floats, most: int) -> int:
-    """Return how many times each vector, at most `most`, leads to a shift within the picture."""
+def reach_of(field: Field, vectors: Floats) -> int:
+    """Return how many times each vector, at most 24, leads to a shift within the picture."""
     far = abs(np.linalg.inv(vectors)).T @ [field.width, field.height]
-    return max(1, min(most, int(np.ceil(far.max()))))
+    return max(1, min(MOST_MULTIPLES, int(np.ceil(far.max()))))
 
 
 @lru_cache(maxsize=256)

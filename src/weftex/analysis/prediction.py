@@ -1,8 +1,8 @@
 """Whether a lattice maps edges onto edges, and lying pieces not onto standing ones.
 
-Vectors are found where colors match. Pieces have any color, so a shift may map the joints of a
-lying brick onto those of a standing one. The correlation of edges by direction shows it: a wrong
-lattice has high and low multiples, and the high ones are the larger tile, as of herringbone.
+Pieces have any color, so a shift may map the joints of a lying brick onto those of a standing one.
+In the correlation of edges by direction a wrong lattice has high and low multiples, and the high
+ones are the larger tile, as of herringbone.
 """
 
 from __future__ import annotations
@@ -28,10 +28,10 @@ _FAINT = 0.15  # contrast of a vector beside the other one's, that is chance: ro
 _BELOW = -0.02  # contrast beside the highest place between, of a vector that is wrong
 _UNEQUAL = 0.12  # spread of multiples beside their mean, from which a larger tile is looked for
 _INDEX = 18  # tiles in a larger one, at most
-_FEWEST = 8  # multiples that a larger tile must have
-#: Share and standard errors by which a larger tile's multiples are higher: herringbone of pairs has
-#: 0.27 and 30, other herringbone 0.41 and 6.7 or more; uneven bricks had up to 0.30 and 7.2.
-_HIGHER = ((0.33, 6.0), (0.27, 9.0), (0.22, 20.0))
+_FEWEST, _MANY = 6, 8  # multiples that a larger tile must have; from which they are not few
+#: Share and standard errors by which a larger tile's multiples are higher, if many or few. Pairs
+#: in herringbone have 0.27 and 30, others 0.41 and 6.6 or more; uneven bricks had 0.30 and 7.2.
+_HIGHER = ((0.33, 6.35, True), (0.27, 9.0, True), (0.22, 20.0, True), (0.28, 6.7, False))
 _OFF = 0.75  # of the mean of a larger tile's multiples off any line, that is above the others
 _ROUNDS = 3  # larger tiles of larger tiles, at most
 
@@ -44,7 +44,7 @@ def predicting(fields: Autocorrelations, vectors: Floats) -> Floats | None:
     shortest = float(np.hypot(*vectors.T).min())
     if shortest < _CLOSE:
         return vectors
-    edges = Edges(fields.flat, shortest)
+    edges, given = Edges(fields.flat, shortest), vectors
     for _ in range(_ROUNDS):
         whole = edges.larger_tile(vectors / edges.step)
         if whole is None:
@@ -53,7 +53,8 @@ def predicting(fields: Autocorrelations, vectors: Floats) -> Floats | None:
     pairs = vectors / edges.step
     (one, above), (other, over) = (edges.contrast(pair) for pair in (pairs, pairs[::-1]))
     sure = min(one, other) > _FAINT * max(one, other) and min(above, over) > _BELOW
-    return vectors if sure else None
+    # Of a larger tile multiples off any line are higher, so neither vector is chance.
+    return vectors if sure or vectors is not given else None
 
 
 class Edges:
@@ -78,7 +79,8 @@ class Edges:
         """Return the correlation of all edges, or of those across a direction, wrapped."""
         one, both, other = self._waves
         if normal is None:
-            power = abs(one) ** 2 + 2 * abs(both) ** 2 + abs(other) ** 2
+            # Without their strength, which speckles share in any direction.
+            power = abs(one - other) ** 2 / 2 + 2 * abs(both) ** 2
         else:
             x, y = normal
             power = abs(x * x * one + 2 * x * y * both + y * y * other) ** 2
@@ -116,7 +118,7 @@ class Edges:
         heights, weights = self.at(self.correlation(), times @ vectors)
         seen = weights > 0
         times, heights, weights = times[seen].astype(int), heights[seen], weights[seen]
-        spread = heights.std() if len(times) >= 2 * _FEWEST else 0.0
+        spread = heights.std() if len(times) >= 2 * _MANY else 0.0
         if spread <= _UNEQUAL * np.average(heights, None, weights):
             return None
         a, b = times.T
@@ -128,7 +130,8 @@ class Edges:
             (high, error), (low, other) = (_mean(heights[x], weights[x]) for x in (own, ~own))
             gap, sure = (1 - low / max(high, 1e-9), (high - low) / (error + other + 1e-9) ** 0.5)
             explained = (high - low) ** 2 * weights[own].sum() * weights[~own].sum()
-            if explained <= most or not any(gap > least and sure > n for least, n in _HIGHER):
+            limits = [one[:2] for one in _HIGHER if one[2] == (own.sum() >= _MANY)]
+            if explained <= most or not any(gap > least and sure > n for least, n in limits):
                 continue
             # Courses match themselves along one line, and by chance those of another one.
             off = [(own & (line != 0), line) for line in (a, b, a - b, a + b)]

@@ -7,21 +7,11 @@ right for stripes. A joint's overtones have more power than its period, strewn t
 at all, and slow lighting has the most power of all. So the scale is the first of these:
 
 * The distance of those lines of its lattice that hold the most power, or of its rows.
-* The strongest ring, if it stands out, or is surer than the things are. Slow lighting is taken off
-  and the borders are faded out; what repeats less than 2.5 times is not looked at. Faded borders
-  spread each wave over its neighbors, so rings are averaged over a distance of 1.
-* The size of the things: how large stones, leaves, blades or stains are where nothing repeats.
-
-The size of things is the geometric mean of two measures, which fail on different materials:
-
-* The correlation length: how far apart two places are alike to 1/e, in the mean over directions.
-  Pits in a tile and grain in a stone make it short, slow changes of tone make it long.
-* The granulometry (after Matheron, 1975): openings by squares take off what is bright and narrower
-  than the square, closings what is dark and narrower. What each square takes off beyond the one
-  before it is the share of things of that width; joints and pits do not hide the stones between
-  them. Those shares count by their fourth power, which makes the highest of them decide.
-
-Stones whose texture hides both are told by the joints around them; see `widths.between_joints`.
+* The strongest ring of at least 2.5 waves, if it stands out, or is surer than the things are.
+* The size of the things: the distance of stones by their joints (`widths.between_joints`), or the
+  geometric mean of two measures that fail on different materials: how far apart two places are
+  alike to 1/e, and the width of squares whose openings or closings take off most (granulometry,
+  after Matheron, 1975).
 """
 
 from __future__ import annotations

@@ -1,13 +1,8 @@
 """Which multiple of a tile is the tile: smaller ones it consists of, larger ones that alternate.
 
-Some larger tile is rated better than the right one by chance, so the smaller tiles that the best
-could consist of are tried. Two or three times the tile is better where its multiples stand out,
-because colors may alternate.
-
-The correlation of a faint checkerboard is nearly as high from dark to light as from dark to dark,
-so its peaks do not show alternation. Means of every second tile do. A real difference between the
-means is the same in both random halves of the tiles; the variance of single tiles gives the mean
-over all ways to halve them (analysis of variance).
+Chance makes some larger tile better than the right one, so the smaller tiles that the best could
+consist of are tried. Two or three times the tile is better where its multiples stand out.
+Peaks do not show a faint checkerboard; means of every second tile do, in random halves of them.
 """
 
 from __future__ import annotations
@@ -15,17 +10,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from weftex.analysis.autocorrelations import Field
-from weftex.analysis.pairs import (
-    MOST_MULTIPLES,
-    SHORTEST,
-    contrast_of,
-    fitted,
-    multiples,
-    places,
-    reach_of,
-    reduced,
-)
+from weftex.analysis.autocorrelations import SHORTEST, Field
+from weftex.analysis.pairs import contrast_of, fitted, multiples, places, reach_of, reduced
 from weftex.analysis.relief import Relief
 from weftex.raster.arrays import Floats
 
@@ -54,7 +40,7 @@ def settled(field: Field, vectors: Floats) -> Floats:
 
 def _divide(field: Field, vectors: Floats) -> Floats:
     """Return the smallest tile that this one consists of and that is as good at its multiples."""
-    own = contrast_of(field, vectors, reach_of(field, vectors, MOST_MULTIPLES))
+    own = contrast_of(field, vectors)
     for index in range(_INDEX, 1, -1):
         for across in (n for n in range(1, index + 1) if index % n == 0):
             for slant in range(index // across):
@@ -64,31 +50,29 @@ def _divide(field: Field, vectors: Floats) -> Floats:
                 if np.hypot(*basis[0]) < SHORTEST:
                     continue
                 whole = np.rint(vectors @ np.linalg.inv(basis))
-                reach = reach_of(field, basis, MOST_MULTIPLES)
                 # Multiples that fall between pixels are lower, the more the closer they are.
                 lower = _LOWER + 0.5 / float(np.hypot(*basis[0]))
-                gap, errors, count = _stand_out(field, basis, whole, reach)
+                gap, errors, count = _stand_out(field, basis, whole)
                 if count and lower <= gap < _REFIT * lower:
                     # A tile whose own vectors are a little off divides into some that are too.
                     basis = fitted(field, basis)
-                    gap, errors, count = _stand_out(field, basis, whole, reach)
+                    gap, errors, count = _stand_out(field, basis, whole)
                 alike = gap < lower or (gap < _UNSURE[0] and errors < _UNSURE[1])
-                if count and alike and contrast_of(field, basis, reach) > own / 2:
+                if count and alike and contrast_of(field, basis) > own / 2:
                     return fitted(field, basis)
     return vectors
 
 
 def _multiply(field: Field, vectors: Floats) -> Floats:
     """Return two or three times the tile where its multiples correlate more: colors alternate."""
-    reach = reach_of(field, vectors, MOST_MULTIPLES)
     for index in (2, 3):
         for across in (1, index):
             for slant in range(index // across):
                 whole = np.array([[across, slant], [0.0, index // across]])
-                gap, errors, count = _stand_out(field, vectors, whole, reach, _NEAR)
+                gap, errors, count = _stand_out(field, vectors, whole, _NEAR)
                 higher = any(gap > least and errors > sure for least, sure in _HIGHER)
                 if not count:  # all of them lie between pixels, which explains half of a gap
-                    gap, _, count = _stand_out(field, vectors, whole, reach)
+                    gap, _, count = _stand_out(field, vectors, whole)
                     higher = gap > 0.5
                 if higher and count >= _OWN:
                     larger = reduced(whole @ vectors)
@@ -109,14 +93,14 @@ def made_of(larger: Floats, smaller: Floats) -> Floats | None:
 
 
 def _stand_out(
-    field: Field, vectors: Floats, whole: Floats, reach: int, near: float = 0.5
+    field: Field, vectors: Floats, whole: Floats, near: float = 0.5
 ) -> tuple[float, float, int]:
     """Compare the multiples of a larger tile, `whole @ vectors`, with the smaller tile's others.
 
     Returns the gap as a share of the larger tile's mean, its size in standard errors, and how many
     multiples the larger tile has. Only others within `near` pixels of a whole shift are compared.
     """
-    times = multiples(reach, (0, 0))
+    times = multiples(reach_of(field, vectors), (0, 0))
     x, y, significant = places(field, vectors[None], times)
     heights, far = field.values(x, y, vectors[None])[significant], np.hypot(x, y)[significant]
     parts = times[significant[0]] @ np.linalg.inv(whole)

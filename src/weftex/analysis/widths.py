@@ -16,17 +16,18 @@ _WAYS = 8  # directions that are tried
 _LINE = 2.55  # standard deviations of the mean along runs, from which pixels are joints
 #: The same from the highest 8 to the lowest 40 % of the pixels, from which there are joints, and
 #: its ratio to that of the other sign: of things that overlap, bright and dark rests are narrow.
-_CLEAR, _ONE_SIGN = 2.0, 1.12
+#: Then of pixels twice as large, in which grain is averaged that hides pale or wide joints.
+_CLEAR, _ONE_SIGN = (2.0, 1.8), (1.12, 1.17)
 _ONE_WAY = 0.6  # of joints in one direction; of grain and boards
 _PITCH = 1.55  # distance of stones over the width of squares between joints, which fit half of them
 
 
-def between_joints(flat: Relief) -> float:
+def between_joints(flat: Relief, coarser: int = 0) -> float:
     """Return the distance of stones by the joints around them, in pixels; 0 without joints.
 
     What is narrow (top-hats) is averaged along short lines: joints run on, texture and pits do not.
     """
-    step = -(-max(flat.usable.shape) // LOOK)
+    step = -(-max(flat.usable.shape) // LOOK) << coarser
     if min(flat.usable.shape) < _SMALLEST * step:
         return 0.0
     levels, found = _bytes(means(flat.levels, step)), []
@@ -41,8 +42,8 @@ def between_joints(flat: Relief) -> float:
     (other, _), (clear, runs) = sorted(found, key=lambda one: one[0])
     joints = runs.max(axis=0) > _LINE
     ways = np.exp(2j * np.pi / _WAYS * runs.argmax(axis=0)[joints])
-    if clear < max(_CLEAR, _ONE_SIGN * other) or abs(ways.mean()) > _ONE_WAY:
-        return 0.0
+    if clear < max(_CLEAR[coarser], _ONE_SIGN[coarser] * other) or abs(ways.mean()) > _ONE_WAY:
+        return 0.0 if coarser else between_joints(flat, 1)
     octaves, left = _openings(np.where(joints, 0, 255).astype(np.uint8), 0)
     half = distance_at(left / left[0], 0.5)
     width = float(np.exp2(np.interp(half, np.arange(len(left)), octaves)))

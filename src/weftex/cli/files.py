@@ -15,13 +15,7 @@ from weftex.errors import InvalidInputError
 from weftex.exemplar import Exemplar
 from weftex.exemplar.material import Material, read_material
 from weftex.io.outputs import OutputSet, fitted_file, kept_file
-from weftex.io.pictures import (
-    MAX_PIXELS,
-    check_output,
-    is_folder,
-    read_image,
-    write_image,
-)
+from weftex.io.pictures import MAX_PIXELS, check_output, is_folder, read_image, write_image
 from weftex.recipe import Recipe
 from weftex.recipe.command_line import described_material, path_of
 from weftex.recipe.opening import (

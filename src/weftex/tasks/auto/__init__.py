@@ -9,12 +9,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import ClassVar
 
-from weftex.analysis.canvas_lattice import (
-    FITTING_STRAIN,
-    VISIBLE_STRAIN,
-    Around,
-    fitting_sizes,
-)
+from weftex.analysis.canvas_lattice import FITTING_STRAIN, VISIBLE_STRAIN, Around, fitting_sizes
 from weftex.analysis.lattice import Lattice
 from weftex.canvas import Canvas, as_canvas
 from weftex.endless.boxes import Box, PlaneRequest
