@@ -1,7 +1,5 @@
 """Sums along lines, and what follows from them, beside slow twins."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -118,7 +118,6 @@ def test_checks_of_which_two_are_seen_are_as_sure_as_others(rng):
 
 
 def test_stripes_of_any_width_are_no_checks(rng):
-    """They run on, and come at no distance."""
     ends = np.zeros(208)
     ends[np.cumsum(rng.integers(12, 60, 8))[:6] % 208] = 1
     tone = np.cumsum(ends) % 2 * 100 + 60

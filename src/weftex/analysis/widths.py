@@ -16,8 +16,7 @@ _WAYS = 8  # directions that are tried
 _LINE = 2.55  # standard deviations of the mean along runs, from which pixels are joints
 #: The same from the highest 8 to the lowest 40 % of the pixels, from which there are joints, and
 #: its ratio to that of the other sign: of things that overlap, bright and dark rests are narrow.
-#: Then of pixels twice as large, in which grain is averaged that hides pale or wide joints.
-_CLEAR, _ONE_SIGN = (2.0, 1.8), (1.12, 1.17)
+_CLEAR, _ONE_SIGN = (2.0, 1.8), (1.12, 1.17)  # then in pixels twice as large, against grain
 _ONE_WAY = 0.6  # of joints in one direction; of grain and boards
 _PITCH = 1.55  # distance of stones over the width of squares between joints, which fit half of them
 
