@@ -3,7 +3,7 @@
 The method `graphcut` makes the same bytes with `candidates=1, halvings=0, variety=0, tone_reach=0`
 and `seam_cost="difference"`, here `gradients=False`. Costs by gradients are not a metric: there the
 method, which has arcs for old seams instead of seam nodes, cuts about one patch in fifty
-differently at a few pixels. It alone has sections 3.2, 5 (FFT), random and entire patch placement.
+differently at a few pixels. Only the method has sections 3.2, 5 (FFT), random and entire placement.
 """
 
 from __future__ import annotations

@@ -45,8 +45,8 @@ class Offsets(NamedTuple):
     """Candidate offsets of a patch: the pixels of the sample that may come to lie on one pixel."""
 
     pixel: tuple[int, int]  # of the canvas
-    allowed: NDArray[np.bool_]  # of every 2**halvings-th pixel of the sample, both ways
-    halvings: int
+    allowed: NDArray[np.bool_]  # of every 2**level-th pixel of the sample, both ways
+    level: int  # of the sample's pyramid
     first: tuple[int, int] = (0, 0)  # the pixel of the sample that `allowed` begins with
 
 
@@ -93,12 +93,12 @@ class Usage:
             inside = (line >= 0) & (line < count)
             self._changing.append(line % count if wraps else line[inside])
 
-    def counts(self, halvings: int) -> NDArray[np.int64]:
-        """How often the output shows each square of 2**halvings pixels a side of the sample."""
+    def counts(self, level: int) -> NDArray[np.int64]:
+        """How often the output shows each square of 2**level pixels a side of the sample."""
         apart = self._sparse // self.step
         source = np.ascontiguousarray(self.source[::apart, ::apart])
-        counts = np.zeros([(n - 1 >> halvings) + 1 for n in self.sample_shape], np.int64)
-        kernels.count_squares(source, self.sample_shape[1], halvings, counts)
+        counts = np.zeros([(n - 1 >> level) + 1 for n in self.sample_shape], np.int64)
+        kernels.count_squares(source, self.sample_shape[1], level, counts)
         return counts
 
 
@@ -126,28 +126,28 @@ class PatchPenalty:
     def of(self, offsets: Offsets) -> NDArray[np.float64]:
         """Factor for the cost of each offset, 1 or more; the pixel is the patch's corner."""
         here = tuple(
-            slice(first >> offsets.halvings, (first >> offsets.halvings) + n)
+            slice(first >> offsets.level, (first >> offsets.level) + n)
             for first, n in zip(offsets.first, offsets.allowed.shape, strict=True)
         )
-        nearby, in_line = self._repeats(*offsets.pixel, offsets.halvings)
-        use = self._use(offsets.halvings)
+        nearby, in_line = self._repeats(*offsets.pixel, offsets.level)
+        use = self._use(offsets.level)
         policy = self.policy
         factors = np.ones(offsets.allowed.shape)
         for weight, each in ((policy.nearby, nearby), (policy.in_line, in_line), (policy.use, use)):
             factors += policy.strength * (weight * np.minimum(each[here], policy.most))
         return factors
 
-    def _repeats(self, top: int, left: int, halvings: int) -> NDArray[np.float64]:
+    def _repeats(self, top: int, left: int, level: int) -> NDArray[np.float64]:
         """How much of the patch from each offset is shown already, 1 for all of it once.
 
         (2, H, W): nearby, and in line.
         """
-        shape = [(n - 1 >> halvings) + 2 for n in self.exemplar.shape]
+        shape = [(n - 1 >> level) + 2 for n in self.exemplar.shape]
         marks = np.zeros([2, *shape], np.int32)
         near, rest, over = zip(self._lines(0, top), self._lines(1, left), strict=True)
         for rows, columns in ((near[0], near[1]), (rest[0], over[1]), (over[0], rest[1])):
             kernels.mark_repeats(
-                self.usage.source, rows, columns, self._sample, self._reach, halvings, marks
+                self.usage.source, rows, columns, self._sample, self._reach, level, marks
             )
         once = self.size[0] * self.size[1] / self.usage.step**2
         for axis in (1, 2):
@@ -155,9 +155,9 @@ class PatchPenalty:
         result: NDArray[np.float64] = marks[:, :-1, :-1] / once
         return result
 
-    def _use(self, halvings: int) -> NDArray[np.float64]:
+    def _use(self, level: int) -> NDArray[np.float64]:
         """How often the canvas shows the pixels of each offset, 1 as often as the mean."""
-        counts, sides = self.usage.counts(halvings), [max(1, n >> halvings) for n in self.size]
+        counts, sides = self.usage.counts(level), [max(1, n >> level) for n in self.size]
         mean = float(counts.mean()) * sides[0] * sides[1]
         mode = {"mode": "wrap"} if self.exemplar.tileable else {"mode": "constant"}
         beyond = np.pad(counts, [(0, n - 1) for n in sides], **mode)  # type: ignore[call-overload]

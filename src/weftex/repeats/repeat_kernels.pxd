@@ -1,4 +1,4 @@
-cdef void mark(int[:, ::1] marks, int halvings, int top, int bottom, int left,
+cdef void mark(int[:, ::1] marks, int level, int top, int bottom, int left,
                int right) noexcept nogil
 
 cdef void weigh_cell(const int[:, ::1] pixels, const int[:, ::1] weights, const int[:, ::1] spans,

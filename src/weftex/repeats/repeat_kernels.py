@@ -12,14 +12,14 @@ import cython
 from cython.cimports.libc.string import memset
 
 
-def mark(marks, halvings, top, bottom, left, right):
+def mark(marks, level, top, bottom, left, right):
     """Add 1 to the offsets of a box, bottom and right included; `marks` has a line more of both."""
     if bottom < 0 or right < 0 or top > bottom or left > right:
         return
-    top = ((max(top, 0) - 1) >> halvings) + 1
-    left = ((max(left, 0) - 1) >> halvings) + 1
-    bottom = min((bottom >> halvings) + 1, marks.shape[0] - 1)
-    right = min((right >> halvings) + 1, marks.shape[1] - 1)
+    top = ((max(top, 0) - 1) >> level) + 1
+    left = ((max(left, 0) - 1) >> level) + 1
+    bottom = min((bottom >> level) + 1, marks.shape[0] - 1)
+    right = min((right >> level) + 1, marks.shape[1] - 1)
     if top >= bottom or left >= right:
         return
     marks[top, left] += 1
@@ -34,7 +34,7 @@ def mark_repeats(
     columns: cython.const[cython.int][:, ::1],
     sample: cython.const[cython.int][::1],
     reach: cython.const[cython.int][:, ::1],
-    halvings: cython.int,
+    level: cython.int,
     marks: cython.int[:, :, ::1],
 ):
     """Count, for each offset of a patch, the pixels that it would repeat, as differences.
@@ -60,25 +60,25 @@ def mark_repeats(
                     left = x - reach[0, 1] + 1
                     at_y, at_x = y - rows[1, i], x - columns[1, j]
                     mark(
-                        near, halvings, max(top, at_y - near_y), min(y, at_y + near_y),
+                        near, level, max(top, at_y - near_y), min(y, at_y + near_y),
                         max(left, at_x - near_x), min(x, at_x + near_x),
                     )  # fmt: skip
-                    mark(line, halvings, max(top, at_y - line_y), min(y, at_y + line_y), left, x)
-                    mark(line, halvings, top, y, max(left, at_x - line_x), min(x, at_x + line_x))
+                    mark(line, level, max(top, at_y - line_y), min(y, at_y + line_y), left, x)
+                    mark(line, level, top, y, max(left, at_x - line_x), min(x, at_x + line_x))
 
 
 def count_squares(
     source: cython.const[cython.int][:, ::1],
     width: cython.int,
-    halvings: cython.int,
+    level: cython.int,
     counts: cython.longlong[:, ::1],
 ):
-    """Count the pixels by the square of 2**halvings a side of the sample that they come from."""
+    """Count the pixels by the square of 2**level a side of the sample that they come from."""
     for i in range(source.shape[0]):
         for j in range(source.shape[1]):
             label = source[i, j]
             if label >= 0:
-                counts[label // width >> halvings, label % width >> halvings] += 1
+                counts[label // width >> level, label % width >> level] += 1
 
 
 def weigh_cell(pixels, weights, spans, missing, holes, plane):

@@ -76,10 +76,10 @@ class SaliencePenalty:
         self.spans = _spans(self.weights)
 
     def of(
-        self, pixel: tuple[int, int], allowed: list[NDArray[np.bool_]], halvings: int
+        self, pixel: tuple[int, int], allowed: list[NDArray[np.bool_]], level: int
     ) -> list[NDArray[np.float64]]:
         """Factors for the costs of a patch at the offsets of each copy, 1 or more if allowed."""
-        places = np.concatenate([np.argwhere(each) for each in allowed]) << halvings
+        places = np.concatenate([np.argwhere(each) for each in allowed]) << level
         first, last = places.min(axis=0) // self.cell, places.max(axis=0) // self.cell
         sums = self.sums(pixel, len(allowed), first, last - first + 1)
         repeats, salience, used, beside, area, mirrored = np.moveaxis(sums, 1, 0)
@@ -91,7 +91,7 @@ class SaliencePenalty:
         factors[mirrored > _SHARE * (self.cells.shape[1] - 1)] += strength * _NEVER
         found = []
         for own, each in zip(factors, allowed, strict=True):
-            lines = [(np.arange(n) << halvings) // self.cell for n in each.shape]
+            lines = [(np.arange(n) << level) // self.cell for n in each.shape]
             for line, low, high in zip(lines, first, last, strict=True):
                 own = own.take(np.minimum(np.maximum(line, low), high) - low, axis=0).T
             found.append(own)

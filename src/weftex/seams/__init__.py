@@ -1,7 +1,7 @@
 """Minimum cuts of grids by max-flow: which of two pictures each pixel is taken from.
 
-Cuts along a path are dynamic programs with costs and steps of their own: quilting's
-`methods.patches.cut_kernels.cut_bands`, and `methods.ashikhmin.least_path`.
+Used here for boundaries and merging, in `methods.graphcut` for patches. Cuts along a path are
+dynamic programs: `methods.patches.cut_kernels.cut_bands` and `methods.ashikhmin.least_path`.
 """
 
 from __future__ import annotations

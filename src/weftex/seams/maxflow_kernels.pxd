@@ -21,8 +21,8 @@ cdef struct Node:
 
 cdef class Grid:
     cdef int[:, :, ::1] arcs
-    cdef int[:, ::1] source
-    cdef int[:, ::1] sink
+    cdef int[:, ::1] from_source
+    cdef int[:, ::1] to_sink
     cdef Py_ssize_t height
     cdef Py_ssize_t width
     cdef Node[::1] nodes

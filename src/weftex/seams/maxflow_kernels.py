@@ -23,10 +23,10 @@ class Grid:
     augmentations.
     """
 
-    def __init__(self, arcs, source, sink, nodes, active, orphans):
-        self.arcs, self.source, self.sink = arcs, source, sink
+    def __init__(self, arcs, from_source, to_sink, nodes, active, orphans):
+        self.arcs, self.from_source, self.to_sink = arcs, from_source, to_sink
         self.nodes, self.active, self.orphans = nodes, active, orphans
-        self.height, self.width = source.shape
+        self.height, self.width = from_source.shape
 
 
 def beside(grid, node, d):
@@ -218,8 +218,8 @@ def plant(grid):
                 node.arcs[1] = arcs[1] if y < height else 0
                 node.arcs[2] = arcs[2] if x > 1 else 0
                 node.arcs[3] = arcs[3] if y > 1 else 0
-                source = grid.source[y - 1, x - 1]
-                sink = grid.sink[y - 1, x - 1]
+                source = grid.from_source[y - 1, x - 1]
+                sink = grid.to_sink[y - 1, x - 1]
                 flow += min(source, sink)
                 node.terminal = source - sink
                 if source != sink:

@@ -27,8 +27,8 @@ _CELL = 8  # side in pixels of the squares that the costs of seams are summed ov
 class CutCanvas:
     """The canvas so far, with old seams: the labels of all patches that were pasted.
 
-    Candidates are cut in `threads`, in blocks of `block` pixels a side, a power of 2. `copies`: all
-    patches lie in one of the sample's oriented copies.
+    Candidates are cut in `threads`, in blocks of `reduction` pixels a side, a power of 2.
+    `copies`: all patches lie in one of the sample's oriented copies.
     """
 
     def __init__(
@@ -36,14 +36,14 @@ class CutCanvas:
         sample: CutSample,
         growth: Growth,
         size: tuple[int, int],
-        block: int,
+        reduction: int,
         threads: int,
         *,
         copies: bool,
     ) -> None:
         self.growth, canvas = growth, growth.canvas
         self.shape, self.sample_shape = canvas.shape, sample.exemplar.shape
-        self.done, self.halvings = growth.done.ravel(), block.bit_length() - 1
+        self.done, self.block_exponent = growth.done.ravel(), reduction.bit_length() - 1
         fixed = self.done.copy()
         if canvas.shown is not None and canvas.hole is not None:
             fixed = (~canvas.hole).ravel().astype(np.uint8)
@@ -52,7 +52,7 @@ class CutCanvas:
             (pixels, growth.source.ravel(), self.done, fixed, self.runs),
             self.shape,
             canvas.wrap,
-            sample.seam_costs,
+            sample.kernel_arrays,
             self.sample_shape,
             sample.is_whole(copies),
         )
@@ -106,7 +106,7 @@ class CutCanvas:
         # A little more, as rounding must not keep the cheapest one from its cost.
         least = max(self._least, 0.0) * self._tolerated / patch.factor * (1 + 1e-9)
         graph = self._graph_of(patch)
-        more, covered = graph_kernels.cost_in_blocks(graph, self.halvings, least)
+        more, covered = graph_kernels.cost_in_blocks(graph, self.block_exponent, least)
         self._graphs.append(graph)
         each: float = more / max(covered, 1)
         cost = each * patch.factor if each > 0 else each / patch.factor
@@ -116,7 +116,8 @@ class CutCanvas:
     def paste(self, patch: Patch) -> int:
         """Cut a patch in smaller and smaller blocks and copy it; return the pixels that it adds."""
         graph = self._graph_of(patch)
-        covered: int = graph_kernels.paste_patch(graph, max(0, self.halvings - 1))
+        # From half as wide as in `cost`: of all candidates, only this one is cut finely.
+        covered: int = graph_kernels.paste_patch(graph, max(0, self.block_exponent - 1))
         self._graphs.append(graph)
         return covered
 
@@ -144,8 +145,8 @@ def _graph(labeling: cost_kernels.Labeling, height: int, width: int) -> graph_ke
         near=np.empty((height, width), np.uint8),
         costs=np.empty(max(height, width), np.int32),
         arcs=np.empty((height, width, 4), np.int32),
-        source=np.empty((height, width), np.int32),
-        sink=np.empty((height, width), np.int32),
+        from_source=np.empty((height, width), np.int32),
+        to_sink=np.empty((height, width), np.int32),
         **search_trees(height, width),
     )
 
@@ -157,8 +158,8 @@ class WorstSeams:
     costs most. Old seams count in every cut, in `graph_kernels.add_pair`.
     """
 
-    def __init__(self, picture: CutCanvas, canvas: Canvas, patch_size: tuple[int, int]) -> None:
-        self.picture, self.canvas = picture, canvas
+    def __init__(self, cut_canvas: CutCanvas, canvas: Canvas, patch_size: tuple[int, int]) -> None:
+        self.labeling, self.canvas = cut_canvas.labeling, canvas
         self.cost = np.zeros(canvas.shape, np.int32)
         self.cells = np.zeros([-(-n // _CELL) for n in canvas.shape], np.int64)
         self.tried = np.zeros_like(self.cells)
@@ -187,13 +188,12 @@ class WorstSeams:
                 line = np.arange(max(start, 0), min(start + length, n))
             lines.append(line.astype(np.int32))
         rows, columns = lines
-        cost_kernels.sum_seams(self.picture.labeling, rows, columns, self.cost, self.cells, _CELL)
+        cost_kernels.sum_seams(self.labeling, rows, columns, self.cost, self.cells, _CELL)
 
     def worst(self) -> tuple[int, int] | None:
         """The middle of the square, half a patch wide, whose seams cost most; None if none do.
 
-        A cell that was tried counts half as much the next time, or one seam that cannot be improved
-        would keep the others from it.
+        A tried cell counts half next time, or a seam that cannot be improved would block others.
         """
         beyond = [
             (0, span - 1 if wraps else 0)

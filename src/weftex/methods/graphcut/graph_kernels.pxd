@@ -10,7 +10,7 @@ cdef enum:
 
 cdef enum:
     REACH = 2  # blocks around those that the cut passes
-    STEP = 2  # the number of halvings less at each step
+    STEP = 2  # by how much the exponent falls at each step
 
 # The source is the new patch (the paper's B), the sink the old pixels (A). The source's arc to a
 # block has its cost if it stays old, the block's arc to the sink its cost if it becomes new.
@@ -27,9 +27,9 @@ cdef class Graph(Grid):
     cdef long long before  # the cost of the seams that the patch may change, before it
 
 # Here, or they cannot be inlined.
-cdef inline Py_ssize_t blocks(Py_ssize_t length, int halvings) noexcept nogil:
-    """The number of blocks along a side; they are 2**halvings pixels wide, the last one less."""
-    return ((length - 1) >> halvings) + 1
+cdef inline Py_ssize_t blocks(Py_ssize_t length, int exponent) noexcept nogil:
+    """The number of blocks along a side; they are 2**exponent pixels wide, the last one less."""
+    return ((length - 1) >> exponent) + 1
 
 cdef inline int on_canvas(Graph graph, Py_ssize_t i, Py_ssize_t j) noexcept nogil:
     """The pixel of the canvas, flat, at a place of the box."""
@@ -41,20 +41,20 @@ cdef inline int in_sample(Graph graph, Py_ssize_t i, Py_ssize_t j) noexcept nogi
 
 cdef Py_ssize_t mark_choices(Graph graph) noexcept nogil
 
-cdef long long add_pair(Graph graph, Py_ssize_t i, Py_ssize_t j, int d, int halvings) noexcept nogil
+cdef long long add_pair(Graph graph, Py_ssize_t i, Py_ssize_t j, int d, int exponent) noexcept nogil
 
 cdef void add_within(Graph graph, Py_ssize_t i, Py_ssize_t first, Py_ssize_t count, int d,
-                     int halvings) noexcept nogil
+                     int exponent) noexcept nogil
 
 cdef long long add_run(Graph graph, Py_ssize_t i, Py_ssize_t first, Py_ssize_t end,
-                       int halvings) noexcept nogil
+                       int exponent) noexcept nogil
 
 cdef bint is_straight(Graph graph, Py_ssize_t i, Py_ssize_t first, Py_ssize_t last) noexcept nogil
 
-cdef long long build(Graph graph, int halvings, bint by_runs) noexcept nogil
+cdef long long build(Graph graph, int exponent, bint by_runs) noexcept nogil
 
-cdef long long cut(Graph graph, int halvings, bint by_runs, long long most) noexcept nogil
+cdef long long cut(Graph graph, int exponent, bint by_runs, long long most) noexcept nogil
 
-cdef void narrow(Graph graph, int halvings) noexcept nogil
+cdef void narrow(Graph graph, int exponent) noexcept nogil
 
 cdef Py_ssize_t paste(Graph graph) noexcept nogil

@@ -64,16 +64,16 @@ def mark_choices(graph):
     return missing
 
 
-def add_pair(graph, i, j, d, halvings):
+def add_pair(graph, i, j, d, exponent):
     """Add the seams, new and old, between a pixel of the box and its neighbor in direction d.
 
     With p for the pixel and q for the neighbor, the pair costs `old_new` if only q becomes new,
     `new_old` if only p does, `old_old` if both stay old (an old seam, or 0), and 0 if both become
-    new. Instead of the paper's seam node (section 3.1), the arcs from the source to p and to q
-    share `old_old`, and the arcs between them have the rest of the other two costs. This is exact
-    if old_old <= old_new + new_old, as with metrics. Where costs weighed by gradients break it,
-    `new_old` is raised; the cheapest labels are still no worse than the old ones. A neighbor
-    outside the box stays old. Returns the cost of the pair if neither pixel has a choice.
+    new; a neighbor outside the box stays old. If both have a choice, the arcs from the source to p
+    and q share `old_old`, for the paper's seam node (section 3.1), and the arcs between them have
+    the rest. This is exact if old_old <= old_new + new_old, as with metrics. If costs weighed by
+    gradients break it, `new_old` is raised; the cheapest labels are still no worse than the old
+    ones. If one has a choice, its terminal arcs have the costs; if neither has, they are returned.
     """
     cython.declare(old_new=cython.longlong, new_old=cython.longlong, old_old=cython.longlong)
     cython.declare(p_may=cython.int, q_may=cython.int, q=cython.int, q_new=cython.int)
@@ -96,8 +96,8 @@ def add_pair(graph, i, j, d, halvings):
         q_new = -1
         if q < 0 or q == p or not graph.labeling.done[q]:
             return 0
-    bi, bj = i >> halvings, j >> halvings  # their blocks
-    bv, bu = v >> halvings, u >> halvings
+    bi, bj = i >> exponent, j >> exponent  # their blocks
+    bv, bu = v >> exponent, u >> exponent
     together = p_may == EITHER and q_may == EITHER
     joined = labels[q] >= 0 and continued(graph.labeling, labels[p], d) == labels[q]
     old_new = new_old = old_old = 0
@@ -105,7 +105,7 @@ def add_pair(graph, i, j, d, halvings):
         old_old = seam_cost(graph.labeling, p, q, d, labels[p], labels[q])
         graph.before += old_old
     if together and bi == bv and bj == bu:
-        graph.source[bi, bj] += old_old
+        graph.from_source[bi, bj] += old_old
         return 0
     p_new = in_sample(graph, i, j)
     if p_may & OLD and q_may & NEW:
@@ -117,29 +117,29 @@ def add_pair(graph, i, j, d, halvings):
     if together:
         new_old = max(new_old, old_old - old_new)
         share = min(old_new, old_old)  # the part of `old_old` that p takes
-        graph.source[bi, bj] += share
-        graph.source[bv, bu] += old_old - share
+        graph.from_source[bi, bj] += share
+        graph.from_source[bv, bu] += old_old - share
         graph.arcs[bv, bu, d ^ 2] += old_new - share
         graph.arcs[bi, bj, d] += new_old - (old_old - share)
     elif p_may == EITHER:
-        graph.source[bi, bj] += old_old + old_new
-        graph.sink[bi, bj] += new_old
+        graph.from_source[bi, bj] += old_old + old_new
+        graph.to_sink[bi, bj] += new_old
     elif q_may == EITHER:
-        graph.source[bv, bu] += old_old + new_old
-        graph.sink[bv, bu] += old_new
+        graph.from_source[bv, bu] += old_old + new_old
+        graph.to_sink[bv, bu] += old_new
     else:
         return old_new + new_old
     return 0
 
 
-def add_within(graph, i, first, count, d, halvings):
+def add_within(graph, i, first, count, d, exponent):
     """Add pairs of pixels that continue both the old and the new patch, so that seams cost alike.
 
     The pixels lie in row i of the box from column `first` on, side by side for pairs with lower
     neighbors (d = 1), else a block's width apart; their labels have the same steps.
     """
     cython.declare(k=cython.Py_ssize_t, at=cython.Py_ssize_t, total=cython.int)
-    step: cython.Py_ssize_t = 1 if d else 1 << halvings
+    step: cython.Py_ssize_t = 1 if d else 1 << exponent
     channels: cython.int = graph.labeling.colors.shape[1]
     v, u = i + d, first + 1 - d
     at_p, new = on_canvas(graph, i, first), in_sample(graph, i, first)
@@ -159,31 +159,31 @@ def add_within(graph, i, first, count, d, halvings):
             cost[k] = divided(cost[k], one[k * step] + other[k * step], channels)
     k = 0
     while k < count:
-        at = (first + k * step) >> halvings
-        end = min(((at + 1) << halvings) - first, count) if d else k + 1
+        at = (first + k * step) >> exponent
+        end = min(((at + 1) << exponent) - first, count) if d else k + 1
         total = 0
         while k < end:
             total += cost[k]
             k += 1
-        graph.arcs[i >> halvings, at, d] += total
-        graph.arcs[v >> halvings, at + 1 - d, d + 2] += total
+        graph.arcs[i >> exponent, at, d] += total
+        graph.arcs[v >> exponent, at + 1 - d, d + 2] += total
 
 
-def add_run(graph, i, first, end, halvings):
+def add_run(graph, i, first, end, exponent):
     """Add the pairs of pixels of one old patch side by side, and their right and lower neighbors.
 
     Returns the cost of pairs without a choice.
     """
-    block: cython.Py_ssize_t = 1 << halvings
+    block: cython.Py_ssize_t = 1 << exponent
     border = first | (block - 1)  # the last pixel of a block
-    fixed = add_pair(graph, i, end - 1, 0, halvings)
+    fixed = add_pair(graph, i, end - 1, 0, exponent)
     if border < end - 1:
-        add_within(graph, i, border, (end - 2 - border) // block + 1, 0, halvings)
+        add_within(graph, i, border, (end - 2 - border) // block + 1, 0, exponent)
     if i + 1 == graph.rows.shape[0]:
         for k in range(first, end):
-            fixed += add_pair(graph, i, k, 1, halvings)
+            fixed += add_pair(graph, i, k, 1, exponent)
     elif (i + 1) & (block - 1) == 0:
-        add_within(graph, i, first, end - first, 1, halvings)
+        add_within(graph, i, first, end - first, 1, exponent)
     return fixed
 
 
@@ -194,7 +194,7 @@ def is_straight(graph, i, first, last):
     return apart == last - first == graph.from_columns[last] - graph.from_columns[first]
 
 
-def build(graph, halvings, by_runs):
+def build(graph, exponent, by_runs):
     """Fill in the graph whose minimum cut says which blocks of the box the patch replaces.
 
     What each pixel may be is in `graph.choice`; `by_runs`: as `mark_choices` filled it in. Returns
@@ -205,12 +205,12 @@ def build(graph, halvings, by_runs):
     height, width = graph.rows.shape[0], graph.columns.shape[0]
     by_runs = by_runs and graph.labeling.whole
     graph.before = 0
-    graph.height = blocks(height, halvings)
-    graph.width = blocks(width, halvings)
+    graph.height = blocks(height, exponent)
+    graph.width = blocks(width, exponent)
     row = graph.width * cython.sizeof(cython.int)
     for i in range(graph.height):
-        memset(cython.address(graph.source[i, 0]), 0, row)
-        memset(cython.address(graph.sink[i, 0]), 0, row)
+        memset(cython.address(graph.from_source[i, 0]), 0, row)
+        memset(cython.address(graph.to_sink[i, 0]), 0, row)
         memset(cython.address(graph.arcs[i, 0, 0]), 0, 4 * row)
     for i in range(height):
         may = cython.address(graph.choice[i, 0])
@@ -220,7 +220,7 @@ def build(graph, halvings, by_runs):
             run = graph.labeling.runs[on_canvas(graph, i, j)] if by_runs else 0
             run = min(run, width - j)
             if run > 0 and is_straight(graph, i, j, j + run - 1):
-                fixed += add_run(graph, i, j, j + run, halvings)
+                fixed += add_run(graph, i, j, j + run, exponent)
                 j += run
                 continue
             if run < -1 and i + 1 < height:  # missing, as the pixels below may be
@@ -229,32 +229,32 @@ def build(graph, halvings, by_runs):
                     j += run - 1
             alike = j + 1 < width and may[j] != EITHER and may[j + 1] == may[j] == below[j]
             if not alike or i + 1 == height:
-                fixed += add_pair(graph, i, j, 0, halvings)
-                fixed += add_pair(graph, i, j, 1, halvings)
+                fixed += add_pair(graph, i, j, 0, exponent)
+                fixed += add_pair(graph, i, j, 1, exponent)
             j += 1
-        fixed += add_pair(graph, i, 0, 2, halvings)
+        fixed += add_pair(graph, i, 0, 2, exponent)
     for j in range(width):
-        fixed += add_pair(graph, 0, j, 3, halvings)
+        fixed += add_pair(graph, 0, j, 3, exponent)
     return fixed
 
 
-def cut(graph, halvings, by_runs, most):
+def cut(graph, exponent, by_runs, most):
     """Cut in blocks, see `build`; return the cost of seams after less that before.
 
     A cut that costs more than `most` is not completed, and costs more than is returned.
     """
-    cost = build(graph, halvings, by_runs) - graph.before
+    cost = build(graph, exponent, by_runs) - graph.before
     return cost + max_flow(graph, graph.side, most - cost)
 
 
-def narrow(graph, halvings):
+def narrow(graph, exponent):
     """Leave a choice to pixels near the cut only: in blocks that it passes, and those around them.
 
     Outside the box all pixels are old.
     """
     cython.declare(may=cython.int, near=cython.int, inside=cython.bint)
-    block: cython.Py_ssize_t = 1 << halvings
-    height, width = blocks(graph.rows.shape[0], halvings), blocks(graph.columns.shape[0], halvings)
+    block: cython.Py_ssize_t = 1 << exponent
+    height, width = blocks(graph.rows.shape[0], exponent), blocks(graph.columns.shape[0], exponent)
     has = graph.near  # OLD and NEW, if a block has such pixels
     for i in range(height):
         memset(cython.address(has[i, 0]), 0, width)
@@ -262,8 +262,8 @@ def narrow(graph, halvings):
         for j in range(graph.columns.shape[0]):
             may = graph.choice[i, j]
             if may == EITHER:
-                may = NEW if graph.side[i >> halvings, j >> halvings] else OLD
-            has[i >> halvings, j >> halvings] |= may
+                may = NEW if graph.side[i >> exponent, j >> exponent] else OLD
+            has[i >> exponent, j >> exponent] |= may
     for i in range(height):
         for j in range(width):
             inside = REACH <= i < height - REACH and REACH <= j < width - REACH
@@ -298,7 +298,7 @@ def paste(graph):
     return covered
 
 
-def cost_in_blocks(graph: Graph, halvings: cython.int, least: cython.double):
+def cost_in_blocks(graph: Graph, exponent: cython.int, least: cython.double):
     """By how much a cut in blocks raises the cost of seams, and how many pixels it newly covers.
 
     A cut that costs more than `least` for each of these pixels is not completed.
@@ -309,16 +309,16 @@ def cost_in_blocks(graph: Graph, halvings: cython.int, least: cython.double):
         least *= max(covered, 1)
         if least < 1e18:
             limit = cython.cast(cython.longlong, least) + 1
-        cost = cut(graph, halvings, True, limit)
+        cost = cut(graph, exponent, True, limit)
     return cost, covered
 
 
-def paste_patch(graph: Graph, halvings: cython.int):
+def paste_patch(graph: Graph, exponent: cython.int):
     """Cut in blocks, then in smaller ones around that cut, and paste; see `paste`."""
     mark_choices(graph)
-    cut(graph, halvings, True, LLONG_MAX // 2)
-    while halvings > 0:
-        narrow(graph, halvings)
-        halvings = max(0, halvings - STEP)
-        cut(graph, halvings, False, LLONG_MAX // 2)
+    cut(graph, exponent, True, LLONG_MAX // 2)
+    while exponent > 0:
+        narrow(graph, exponent)
+        exponent = max(0, exponent - STEP)
+        cut(graph, exponent, False, LLONG_MAX // 2)
     return paste(graph)

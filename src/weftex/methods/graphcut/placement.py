@@ -35,7 +35,7 @@ class Matches(NamedTuple):
     costs: NDArray[np.float64]  # C(t): mean squared differences
     factors: NDArray[np.float64]  # of the repetition penalty
     allowed: NDArray[np.bool_]
-    halvings: int  # the level
+    level: int  # 0: full size; each further one is half as large
     #: The patches of offsets that were drawn, found in full size; see `Placement.matches`.
     patches: Callable[[list[tuple[int, int]], Callable[..., Any]], list[Patch]]
 
@@ -65,9 +65,9 @@ def draw_offsets(
     k is the tolerance; at 0 the best offset is taken, then the best one that is left. `draws`: the
     seed, the number of the patch, and how many offsets to draw. There may be fewer.
     """
-    variances = (level.variance for level in reversed(placement.levels[: matches.halvings + 1])
+    variances = (level.variance for level in reversed(placement.levels[: matches.level + 1])
                  if level.mask.any())  # fmt: skip
-    near = [(n >> matches.halvings) // _APART for n in placement.size]
+    near = [(n >> matches.level) // _APART for n in placement.size]
     costs = matches.costs * matches.factors
     return drawn_places(costs, matches.allowed, tolerance * next(variances), draws, near)
 

@@ -78,7 +78,7 @@ class CutSample:
         return levels_of(Level(self.windows.pixels, self.windows.usable), reduction)
 
     @cached_property
-    def seam_costs(self) -> tuple[NDArray[Any], ...]:
+    def kernel_arrays(self) -> tuple[NDArray[Any], ...]:
         """Pixels, whether they are usable, their neighbors and gradients, for `cost_kernels`."""
         pixels, usable = self.windows.pixels, self.windows.usable
         joins = _joins(usable != 0, self.exemplar.tileable)
