@@ -131,10 +131,10 @@ def studio(data: bytes, folder: Path) -> None:
 
 def method(data: bytes, folder: Path) -> None:
     """A method's text."""
-    from weftex.naming import method_of, text_of
+    from weftex.naming import parse_method, text_of
 
-    found = method_of(data.decode("utf-8", "surrogateescape"))
-    assert method_of(text_of(found)) == found
+    found = parse_method(data.decode("utf-8", "surrogateescape"))
+    assert parse_method(text_of(found)) == found
 
 
 def preset(data: bytes, folder: Path) -> None:

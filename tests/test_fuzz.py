@@ -14,7 +14,7 @@ import pytest
 import weftex
 from weftex.errors import FileError, WeftexError
 from weftex.io.manifest import MANIFEST, Manifest
-from weftex.naming import method_of
+from weftex.naming import parse_method
 from weftex.planes.definition import Definition
 from weftex.studio.limits import Limits, LruCache
 from weftex.studio.sessions import STEPS, Session, Store, key_of
@@ -54,7 +54,7 @@ def test_corpus_is_small():
 def test_messages_print_on_one_line():
     for text in ("quilting 'a\nb=1'", "graphcut placemen\x0bt=1", "quil\x1b[31mting", "'\n"):
         with pytest.raises(WeftexError) as info:
-            method_of(text)
+            parse_method(text)
         assert str(info.value).isprintable()
 
 

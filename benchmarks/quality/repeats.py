@@ -21,7 +21,7 @@ from pathlib import Path
 import numpy as np
 
 import weftex
-from weftex.naming import method_of
+from weftex.naming import parse_method
 
 DATA = Path(__file__).parents[1] / "data"
 SURFACES = ("bark", "cobbles_granite", "floor_boards", "leaves_autumn", "pebbles_mixed",
@@ -85,7 +85,7 @@ def measured(name: str, way: str, size: int, crop: int) -> tuple[float, ...]:
     top, left = ((n - crop) // 2 for n in pixels.shape[:2])
     sample = weftex.Exemplar(np.ascontiguousarray(pixels[top : top + crop, left : left + crop]))
     start = time.process_time()
-    source = method_of(way).fit(sample).sample(size, seed=1, threads=1).source
+    source = parse_method(way).fit(sample).sample(size, seed=1, threads=1).source
     seconds = time.process_time() - start
     shape = sample.pixels.shape
     return (

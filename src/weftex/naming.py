@@ -12,7 +12,7 @@ from weftex.method import Method
 from weftex.parameters import kind_of
 from weftex.registry import AUTO, METHODS, method_class, owners
 
-__all__ = ["is_auto", "make_method", "method_for", "method_of", "text_of"]
+__all__ = ["is_auto", "make_method", "method_for_task", "parse_method", "text_of"]
 
 
 def is_auto(method: str | Method) -> bool:
@@ -38,18 +38,18 @@ def make_method(method: str | Method, parameters: Mapping[str, Any]) -> Method:
     return made
 
 
-def method_for(
-    task: str, usual: str, method: str | Method, parameters: Mapping[str, Any]
+def method_for_task(
+    task: str, default: str, method: str | Method, parameters: Mapping[str, Any]
 ) -> Method:
-    """Return the method of a task, which has a usual one in place of "auto"."""
+    """Return the method of a task, which has a default in place of "auto"."""
     if not is_auto(method):
         return make_method(method, parameters)
     if isinstance(method, Method) and method != type(method)():
         raise InvalidInputError(f"effort has no effect on {task}")
-    return make_method(usual, parameters)
+    return make_method(default, parameters)
 
 
-def method_of(text: str) -> Method:
+def parse_method(text: str) -> Method:
     """The method of a text such as 'graphcut placement=entire'; errors suggest the nearest name."""
     try:
         slug, *words = shlex.split(text)
@@ -73,7 +73,7 @@ def method_of(text: str) -> Method:
 
 
 def text_of(method: Method) -> str:
-    """The text that `method_of` reads back: slug and parameters that are not defaults."""
+    """The text that `parse_method` reads back: slug and parameters that are not defaults."""
     words = [method.slug]
     for field in dataclasses.fields(method):
         value = getattr(method, field.name)

@@ -22,7 +22,7 @@ import numpy as np
 from PIL import Image
 
 import weftex
-from weftex.naming import method_of
+from weftex.naming import parse_method
 
 HERE = Path(__file__).resolve().parent
 SIDE = 256  # pixels of the crop
@@ -59,7 +59,7 @@ def draw(recipe: dict[str, str], sample: np.ndarray) -> np.ndarray:
     if text == "tiled":  # the sample side by side, which no method is asked for
         times = -(-size // SIDE)
         return np.tile(sample, (times, times, 1))[:size, :size]
-    method = text if text == "auto" else method_of(text)
+    method = text if text == "auto" else parse_method(text)
     return weftex.synthesize(sample, size, method=method, seed=seed).image
 
 

@@ -49,19 +49,19 @@ def parse_task(
     argv: list[str],
     options: Iterable[Option],
     *,
-    usual: str = "chosen for the sample",
+    default: str = "chosen for the sample",
 ) -> tuple[argparse.Namespace, Recipe]:
     """Parse the words of a command: return its arguments, and the recipe that they make.
 
     This adds `options`, the method, its parameters and limits to the parser, which has "materials".
-    `usual` says in words which method is used where none is named.
+    `default` says in words which method is used where none is named.
     """
     parser.take(*options)
-    text = f"synthesis method; 'weftex methods' lists them; default: {usual}"
+    text = f"synthesis method; 'weftex methods' lists them; default: {default}"
     parser.add_argument("--method", metavar="NAME", help=text)
     parser.share("--threads", "--quiet", "--allow-huge")
     name = _method_in(parser.filled(argv))
-    fields = _add_parameters(parser, argv, TASKS[task].usual_method, name)
+    fields = _add_parameters(parser, argv, TASKS[task].parameter_method, name)
     args = parser.parse(argv)
     check_numbers(args)
     given = vars(args)
@@ -114,13 +114,13 @@ def _method_in(argv: list[str]) -> str:
     return found
 
 
-def _add_parameters(parser: Parser, argv: list[str], usual: str, named: str) -> list[str]:
+def _add_parameters(parser: Parser, argv: list[str], default: str, named: str) -> list[str]:
     """Add the parameters of a method, if the arguments have an option that may be one."""
     unknown = parser.unknown(argv)
     if not (unknown or parser.build_only or {"-h", "--help"} & {*argv}):
         return []
     is_named = named not in ("", AUTO)
-    name = named if is_named else usual
+    name = named if is_named else default
     found = [*parameters_of(method_class(name), parser.command in ("fill", "tile"))]
     fields = [field.name for field, _ in found]
     if not is_named:
@@ -145,7 +145,7 @@ _KINDS = {"fill": {"known"}, "tile": {"known"}, "fuse": {"known", "many"}}
 
 
 def _refuse_others(options: list[str], own: list[str], command: str) -> None:
-    """Name the methods that have a parameter which the usual method lacks."""
+    """Name the methods that have a parameter which the default method lacks."""
     for option in options:
         name = option[2:].replace("-", "_")
         kinds = _KINDS.get(command, set())

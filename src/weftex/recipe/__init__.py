@@ -279,15 +279,15 @@ def _method(
     task: str, name: Any, given: Any, options: Mapping[str, Any]
 ) -> tuple[Method, dict[str, Any]]:
     """Return the method of a task, and those of its parameters that were given."""
-    usual = TASKS[task]
-    name = usual.method if name is None else name
+    task_declared = TASKS[task]
+    name = task_declared.default_method if name is None else name
     if not isinstance(name, str):
         raise InvalidInputError(f"method is {shown(name)}; it must be a name")
     if not isinstance(given or {}, Mapping):
         raise InvalidInputError(f"parameters is {shown(given)}; it must be an object")
     own = {key: value for key, value in (given or {}).items() if value is not None}
-    if name == AUTO and task != "synth" and (own or usual.method != AUTO):
-        name = usual.usual_method
+    if name == AUTO and task != "synth" and (own or task_declared.default_method != AUTO):
+        name = task_declared.parameter_method
         if "effort" in own:
             raise InvalidInputError(f"effort has no effect on {task}")
     belts: Iterable[str] = ()

@@ -176,9 +176,9 @@ def _map_words(given: Any, names: Mapping[str, str]) -> list[str]:
 
 
 def _method_words(recipe: Recipe) -> list[str]:
-    """Return the method, if it is not the usual one, and its parameters."""
+    """Return the method, if it is not the default, and its parameters."""
     slug = recipe.method.slug
-    words = [] if slug == TASKS[recipe.task].method else ["--method", slug]
+    words = [] if slug == TASKS[recipe.task].default_method else ["--method", slug]
     for name, value in recipe.parameters.items():
         text = ",".join(map(str, value)) if isinstance(value, (list, tuple)) else str(value)
         words.append(f"--{name.replace('_', '-')}={text}")

@@ -150,8 +150,8 @@ class Task(NamedTuple):
     material: tuple[str, ...]  # those of `MATERIAL` that its command takes; in JSON it takes all
     least: int  # the number of materials
     most: int
-    method: str  # where none is named
-    usual_method: str  # the method that parameters belong to then
+    default_method: str  # where none is named
+    parameter_method: str  # the method that parameters belong to then
 
 
 #: The tasks by the names of their commands.

@@ -148,7 +148,7 @@ def _call(
         for name, value in options.items()
         if value != declared[name].default
     }
-    if recipe.method.slug != TASKS[recipe.task].method:
+    if recipe.method.slug != TASKS[recipe.task].default_method:
         how["method"] = recipe.method.slug
     how |= {"seed": recipe.seed, **recipe.parameters}
     return f"made = weftex.{task}({', '.join(first)}, {_arguments(how)})"

@@ -12,7 +12,7 @@ import numpy as np
 from weftex.canvas import Canvas, as_canvas
 from weftex.errors import InvalidInputError, is_whole, shown
 from weftex.exemplar import Exemplar, load_exemplar
-from weftex.naming import is_auto, make_method, method_for
+from weftex.naming import is_auto, make_method, method_for_task
 from weftex.prepare.combining import paired
 from weftex.progress import listening
 from weftex.random import seed_number
@@ -123,7 +123,7 @@ def fill(
     True
     """
     by_auto = is_auto(method) and not parameters
-    chosen = method_for("fill", FOR_HOLES, method, parameters)
+    chosen = method_for_task("fill", FOR_HOLES, method, parameters)
     if not is_whole(overlap, 0):
         raise InvalidInputError(f"overlap is {overlap!r}; it must be a whole number, 0 or more")
     if match_tone is not None and not isinstance(match_tone, bool):

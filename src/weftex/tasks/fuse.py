@@ -15,7 +15,7 @@ from weftex.errors import InvalidInputError, did_you_mean, is_whole, shown
 from weftex.exemplar import Exemplar, Sample, load_exemplar
 from weftex.label_maps import Gradient, labels_of, map_picture
 from weftex.method import Method
-from weftex.naming import make_method, method_for
+from weftex.naming import make_method, method_for_task
 from weftex.prepare.combining import combined, of_one_kind, paired
 from weftex.progress import ProgressCallback, listening
 from weftex.random import Seed, seed_number
@@ -118,7 +118,7 @@ def fuse(
             f"boundary is {shown(boundary)}{did_you_mean(str(boundary), BOUNDARIES)}"
         )
     of_belts: dict[str, Any] = {}
-    chosen = method_for("fuse", DEFAULT, method, {})
+    chosen = method_for_task("fuse", DEFAULT, method, {})
     if boundary == "merged":
         chosen, of_belts = split_parameters(chosen, parameters, as_canvas(1, tileable))
     else:

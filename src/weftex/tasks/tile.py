@@ -13,7 +13,7 @@ from weftex.canvas import Canvas, as_canvas
 from weftex.errors import InvalidInputError, shown
 from weftex.exemplar import Exemplar, Sample, load_exemplar
 from weftex.method import Method
-from weftex.naming import is_auto, method_for
+from weftex.naming import is_auto, method_for_task
 from weftex.progress import ProgressCallback, listening
 from weftex.random import Seed
 from weftex.registry import AUTO, FOR_TILES
@@ -103,7 +103,7 @@ def tile(
     how |= {"tileable": axes, "overlap": border - anew}
     if is_auto(method):
         how["match_tone"] = True
-        method, parameters = method_for("tile", FOR_TILES, method, parameters), {}
+        method, parameters = method_for_task("tile", FOR_TILES, method, parameters), {}
     with listening(progress):
         result = fill(exemplar, frame, method=method, **how, **parameters)
         warning = _ill_fitting(exemplar, Canvas(*exemplar.shape, wrap))

@@ -40,7 +40,7 @@ def run(argv: list[str]) -> None:
     parser.share("--output", "--preset")
     parser.set_defaults(save_source=None)
     options = [*ATLAS.values(), *MATERIAL.values(), SEED]
-    args, recipe = parse_task("synth", parser, argv, options, usual="graphcut, entire samples")
+    args, recipe = parse_task("synth", parser, argv, options, default="graphcut, entire samples")
     given = {name: value_of(option, vars(args)) for name, option in ATLAS.items()}
     own = {name: value for name, value in given.items() if value is not None}
 
@@ -81,12 +81,12 @@ def _write_grids(made: Atlas, files: OutputSet, args: argparse.Namespace, output
     stem = os.path.splitext(args.output)[0] if single else os.path.join(args.output, "atlas")
     texts = made.documents(os.path.basename(stem), image, None if single else maps)
     files.write(
-        outputs.reserve,
+        outputs.staged_path,
         lambda name: made.image if name == files.main else made.maps[name],
         args.threads,
     )
     for suffix, text in texts.items():
-        write_text(outputs.reserve(stem + suffix), text)
+        write_text(outputs.staged_path(stem + suffix), text)
 
 
 def _write_tiles(made: Atlas, files: OutputSet, args: argparse.Namespace, outputs: Outputs) -> None:
@@ -99,8 +99,8 @@ def _write_tiles(made: Atlas, files: OutputSet, args: argparse.Namespace, output
         name = f"tile_{''.join(map(str, tile['corners']))}{suffix}"
         pixels, path = image[top:, left:][:height, :width], os.path.join(files.folder, name)
         how: dict[str, Any] = {"icc": one.icc, "half": one.half, "density": one.density}
-        write_image(outputs.reserve(path), pixels, alpha=one.alpha, **how)
+        write_image(outputs.staged_path(path), pixels, alpha=one.alpha, **how)
         tiles.append({"file": name, "corners": tile["corners"]})
     kept = {name: index[name] for name in ("colors", "tile_width", "tile_height", "gutter")}
-    path = outputs.reserve(os.path.join(files.folder, "atlas.json"))
+    path = outputs.staged_path(os.path.join(files.folder, "atlas.json"))
     write_text(path, json.dumps({**kept, "tiles": tiles}, indent=1) + "\n")

@@ -123,11 +123,11 @@ def run_fuse(argv: list[str]) -> None:
     _do(recipe, args)
 
 
-def _parsed(parser: Parser, argv: list[str], usual: str) -> tuple[argparse.Namespace, Recipe]:
+def _parsed(parser: Parser, argv: list[str], default: str) -> tuple[argparse.Namespace, Recipe]:
     """Add what all tasks take, and parse; see `parse_task`."""
     parser.share("--output", "--preset", "--verbose", "--save-source")
     task = parser.command
-    return parse_task(task, parser, argv, options_of(task), usual=usual)
+    return parse_task(task, parser, argv, options_of(task), default=default)
 
 
 def _do(recipe: Recipe, args: argparse.Namespace) -> None:
@@ -142,9 +142,9 @@ def _make(recipe: Recipe, args: argparse.Namespace, bar: Bar, outputs: Outputs) 
     if debug is not None:
         outputs.make_folder(debug)
     result = job.make(progress=bar, threads=args.threads)
-    files.write(outputs.reserve, pixels_of(result, files.main), args.threads)
+    files.write(outputs.staged_path, pixels_of(result, files.main), args.threads)
     if args.save_source is not None:
-        result.save(outputs.reserve(args.save_source))
+        result.save(outputs.staged_path(args.save_source))
     if debug is not None:
         write_debug(result, debug, outputs)
     if recipe.task == "fill" and not job.hole.any():

@@ -13,7 +13,7 @@ from weftex.errors import InvalidInputError
 from weftex.exemplar import Exemplar
 from weftex.method import Method
 from weftex.methods.pixels import narrowed, width_for
-from weftex.naming import method_of, text_of
+from weftex.naming import parse_method, text_of
 from weftex.raster.boxes import whole_windows
 from weftex.raster.pyramids import mask_pyramid
 from weftex.registry import METHODS
@@ -58,7 +58,7 @@ def start_text(init: object) -> object:
     """Return a method with its parameters as text, and anything else unchanged."""
     try:
         if isinstance(init, str) and " " in init:
-            init = method_of(init)
+            init = parse_method(init)
     except InvalidInputError as error:
         raise InvalidInputError(f"init: {error}") from None
     return text_of(init) if isinstance(init, Method) else init

@@ -25,7 +25,7 @@ from weftex.methods.refinement.output import (
     sources_of_children,
     sources_shown,
 )
-from weftex.naming import method_of, text_of
+from weftex.naming import parse_method, text_of
 from weftex.random import draw
 from weftex.raster.masks import grown
 from weftex.registry import METHODS
@@ -156,7 +156,7 @@ def fitted_starts(method: Any, exemplar: Exemplar) -> dict[str, Model]:
     for name in names:
         try:
             if name != "seeds":
-                starts[name] = method_of(name).fit(exemplar)
+                starts[name] = parse_method(name).fit(exemplar)
         except InvalidInputError as error:
             failure = error
     if failure is not None and not (starts or may_fail):
@@ -212,7 +212,7 @@ def result_of(prepared: Prepared, growth: Growth) -> tuple[str, NDArray[np.int32
 def hole_start(name: str, hole: NDArray[np.bool_], exemplar: Exemplar) -> Model:
     """Return the start's model, with parameters that suit a hole where `init` leaves them open."""
     given = None if " " in name else frozenset[str]()
-    return method_of(name).for_hole(hole, exemplar.usable, given).fit(exemplar)
+    return parse_method(name).for_hole(hole, exemplar.usable, given).fit(exemplar)
 
 
 def start_window(
