@@ -55,7 +55,7 @@ class Model(ABC):
         threads: int | None = None,
         progress: ProgressCallback | None = None,
     ) -> Synthesis:
-        """Make one output.
+        """Make an output.
 
         Parameters
         ----------

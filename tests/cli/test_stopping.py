@@ -50,7 +50,7 @@ def test_files_that_appear_are_not_cut_off(tmp_path, monkeypatch, number, second
 
     def work(bar, outputs):
         for name in ("a.png", "b.png"):
-            outputs.reserve(tmp_path / name)
+            outputs.staged_path(tmp_path / name)
         return "made"
 
     assert terminal.run(work, quiet=True)[0] == "made"
@@ -59,7 +59,7 @@ def test_files_that_appear_are_not_cut_off(tmp_path, monkeypatch, number, second
 
 def test_work_that_fails_after_a_signal_was_stopped(tmp_path):
     def work(bar, outputs):
-        outputs.reserve(tmp_path / "a.png")
+        outputs.staged_path(tmp_path / "a.png")
         signal_main_thread(signal.SIGTERM)
         while not bar.stopped:
             time.sleep(0.01)

@@ -73,13 +73,13 @@ def open_job(
     if args.save_source is not None:
         check_output(args.save_source, suffixes=(".npz",))
     paths = [path_of(spec, {}) for spec in recipe.materials]
-    make_room(paths[:1] if recipe.task == "fill" else paths, args, outputs)
+    prepare_targets(paths[:1] if recipe.task == "fill" else paths, args, outputs)
     job = open_materials(recipe, args)
     notes = [f"map: {note}" for note in job.notes] if recipe.task == "synth" else []
     return job, *plan(job.materials, job.like, args, notes)
 
 
-def make_room(paths: list[str], args: argparse.Namespace, outputs: Outputs) -> None:
+def prepare_targets(paths: list[str], args: argparse.Namespace, outputs: Outputs) -> None:
     """Make the folder of a set, if one of the paths is a folder; or check the file to write."""
     if any(map(is_folder, paths)):
         outputs.make_folder(args.output)
@@ -136,7 +136,7 @@ def pixels_of(result: Synthesis, main: str) -> Callable[[str], NDArray[Any]]:
 def write_debug(result: Synthesis, folder: str, outputs: Outputs) -> None:
     """Write how a result was put together."""
     for what, name in (("sources", "coordinates"), ("patches", "patches"), ("seams", "seams")):
-        write_image(outputs.reserve(os.path.join(folder, f"{name}.png")), result.draw(what))
+        write_image(outputs.staged_path(os.path.join(folder, f"{name}.png")), result.draw(what))
 
 
 def report(args: argparse.Namespace, result: Synthesis, what: str, took: float, told: str) -> str:

@@ -164,7 +164,7 @@ class Outputs(ExitStack):
             raise FileError(f"{path}: cannot make this folder: {why}") from None
         self._made.append(path)
 
-    def reserve(self, path: str) -> str:
+    def staged_path(self, path: str) -> str:
         """Return a temporary path to write what appears at `path` when the work has ended well."""
         from weftex.io.pictures import atomic
 

@@ -133,7 +133,7 @@ def _check(args: argparse.Namespace, axes: tuple[int, ...]) -> None:
                 line = f"not tileable: {said}" if bad else "tileable"
                 lines.append(f"{material.pictures[name].path}: {line}")
         if picture is not None:
-            write_image(outputs.reserve(args.picture), picture)
+            write_image(outputs.staged_path(args.picture), picture)
         return lines, worst
 
     (lines, worst), _ = run(work, args.quiet)
@@ -152,7 +152,7 @@ def _resize(args: argparse.Namespace, axes: tuple[int, ...], option: Option) -> 
         for path, own in each_output(args.materials, args, outputs):
             changed = with_border(read_input(path, args), **by, axes=axes, flag="--")
             files, _ = plan([changed], changed.exemplar(), own)
-            files.write(outputs.reserve)
+            files.write(outputs.staged_path)
             count += len(changed.pictures)
         did = "padded" if option is PAD else "cropped"
         return f"{did} {count} image{'s'[: count > 1]} in {args.output}, in {bar.took:.2f} s"

@@ -270,7 +270,7 @@ def fits(icc: bytes | None, colors: int) -> bool:
     return icc is not None and whole and icc[36:40] == b"acsp" and icc[16:20] == space
 
 
-def reserve(path: str, size: int) -> None:
+def ensure_space(path: str, size: int) -> None:
     """Fill the file up to this size with noise, which no file system can compress away."""
     block = memoryview(os.urandom(2**18))
     with open(path, "r+b", buffering=0) as file:

@@ -176,18 +176,18 @@ class OutputSet(NamedTuple):
 
     def write(
         self,
-        reserve: Callable[[str], str],
+        staged_path: Callable[[str], str],
         pixels_of: PixelsOf | None = None,
         threads: int | None = None,
     ) -> list[str]:
-        """Write the files under the temporary names that `reserve` returns for their paths.
+        """Write the files under the temporary names that `staged_path` returns for their paths.
 
         Pixels are asked for by the names of maps; by default they are those of the pictures.
         Returns the names of the files.
         """
         files, at_once = self.files, thread_count(threads)
         render = pixels_of or (lambda key: self.pictures[key].pixels)
-        temporary = {one.name: reserve(os.path.join(self.folder, one.name)) for one in files}
+        temporary = {one.name: staged_path(os.path.join(self.folder, one.name)) for one in files}
         shapes: dict[int, tuple[int, int]] = {}
 
         def write_one(number: int) -> None:
@@ -202,7 +202,7 @@ class OutputSet(NamedTuple):
             pass  # the first that fails ends it
         documents = self.documents(lambda name: read_bytes(temporary[name]), shapes[0])
         for name, data in documents.items():
-            write_bytes(reserve(os.path.join(self.folder, name)), data)
+            write_bytes(staged_path(os.path.join(self.folder, name)), data)
         return [*temporary, *documents]
 
 

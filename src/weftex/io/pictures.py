@@ -48,12 +48,12 @@ from weftex.io.formats import (
     complaint,
     density_of,
     encode,
+    ensure_space,
     file_error,
     fits,
     image_library,
     kind_of,
     path_text,
-    reserve,
     show,
     straight,
     suffix_of,
@@ -244,7 +244,7 @@ def write_image(
             return
         # On a full disk PNG reports success, JPEG ends the process and WebP crashes, so room is
         # made sure of first. Noise can grow by an eighth.
-        reserve(temporary, pixels.nbytes * 5 // 4 + len(icc or b"") + 2**16)
+        ensure_space(temporary, pixels.nbytes * 5 // 4 + len(icc or b"") + 2**16)
         problem = encode(temporary, form, pixels, alpha, profile, half, density)
         if problem and profile is not None:  # libpng is stricter about them than we are
             problem = encode(temporary, form, pixels, alpha, None, half, density)

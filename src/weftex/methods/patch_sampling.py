@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from weftex.exemplar import Exemplar
 from weftex.methods.patches.method import PatchMethod
-from weftex.methods.patches.model import Output, PatchModel
+from weftex.methods.patches.model import PatchCanvas, PatchModel
 from weftex.methods.patches.orders import Run
 from weftex.methods.patches.patch_kernels import Tolerance
 from weftex.parameters import parameter
@@ -83,7 +83,7 @@ class PatchSampling(PatchMethod):
         return PatchModel(self, exemplar, sample_by_patches)
 
 
-def sample_by_patches(output: Output, method: PatchSampling) -> None:
+def sample_by_patches(output: PatchCanvas, method: PatchSampling) -> None:
     """Cover an output with patches of the sample: steps 1 to 6 of section 2.2.
 
     Sections, figures and symbols are of Liang et al. (2001). Each patch depends on those before it,
@@ -108,7 +108,7 @@ def sample_by_patches(output: Output, method: PatchSampling) -> None:
     output.paste_in_order(paste)
 
 
-def tolerance_of(output: Output, method: PatchSampling) -> Tolerance:
+def tolerance_of(output: PatchCanvas, method: PatchSampling) -> Tolerance:
     """Return d_max, eq. (1) and section 2.4, and whether the alpha_i of section 2.1 are all alike.
 
     Not in the paper: a hole takes the best match, and seeds but the default fill it differently.

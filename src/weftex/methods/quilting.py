@@ -11,7 +11,7 @@ from typing import ClassVar
 
 from weftex.exemplar import Exemplar
 from weftex.methods.patches.method import PatchMethod
-from weftex.methods.patches.model import Output, PatchModel
+from weftex.methods.patches.model import PatchCanvas, PatchModel
 from weftex.methods.patches.orders import Run
 from weftex.methods.patches.patch_kernels import Tolerance
 from weftex.parameters import parameter
@@ -78,7 +78,7 @@ class Quilting(PatchMethod):
         return PatchModel(self, exemplar, quilt)
 
 
-def quilt(output: Output, method: Quilting) -> None:
+def quilt(output: PatchCanvas, method: Quilting) -> None:
     """Cover an output with blocks of the sample: the algorithm of section 2.2.
 
     Sections and quotations are of Efros and Freeman (2001). Each block depends on those before it,

@@ -51,7 +51,7 @@ def run(argv: list[str]) -> None:
         exemplar, axes = load_sample(args.sample, args, *own), values["tileable"] or False
         found = compare(exemplar, values["size"], tileable=axes, methods=names, progress=bar, **how)
         if args.output is not None:
-            found.save(outputs.reserve(args.output))
+            found.save(outputs.staged_path(args.output))
         if args.json:
             print_json(found.as_dict())
         best = found.entries[0]

@@ -60,7 +60,7 @@ def run(argv: list[str]) -> None:
             made = estimate_maps(photo, maps=maps, **how)
             whole, new = _with_maps(material, made)
             files, _ = plan([whole], whole.exemplar(), own)
-            files.write(outputs.reserve)
+            files.write(outputs.staged_path)
             by_color = not {"height", "normal"} & {one.kind for one in material.roles.values()}
             if by_color and not args.invert and {*new} - {"roughness"} and light_joints(photo):
                 lines.append("note: thin bright lines divide the pattern and became ridges; if "

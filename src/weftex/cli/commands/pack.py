@@ -43,7 +43,7 @@ def run(argv: list[str]) -> None:
         material = read_input(args.sample, args, spec.get("maps"))
         outputs.make_folder(args.output)
         files, told = plan([material], material.exemplar(), args)
-        files.write(outputs.reserve)
+        files.write(outputs.staged_path)
         return f"{told}packed {args.output} for {args.preset} in {bar.took:.2f} s"
 
     run_and_report(work, args.quiet)
@@ -82,7 +82,7 @@ def run_unpack(argv: list[str]) -> None:
         maps = {role: replace(one, path="") for role, one in maps.items()}  # as PNG, or EXR
         files = tuple(kept_file(role, role, one) for role, one in maps.items())
         outputs.make_folder(args.output)
-        OutputSet(args.output, maps, files).write(outputs.reserve)
+        OutputSet(args.output, maps, files).write(outputs.staged_path)
         told = "".join(f"map: {note}\n" for note in (*notes, *more))
         found = ", ".join(maps)
         return f"{told}unpacked {found} of {args.preset} to {args.output} in {bar.took:.2f} s"

@@ -16,7 +16,7 @@ from __future__ import annotations
 import argparse
 
 from weftex.analysis.overlay import is_tilted
-from weftex.cli.files import load_sample, make_room, plan, read_input
+from weftex.cli.files import load_sample, plan, prepare_targets, read_input
 from weftex.cli.parser import Parser
 from weftex.cli.terminal import Bar, Outputs, run_and_report
 from weftex.cli.terminal import run as run_work
@@ -61,13 +61,13 @@ def run(argv: list[str]) -> None:
         raise InvalidInputError("-o OUT is missing; it names the file, or the folder, to write")
 
     def work(bar: Bar, outputs: Outputs) -> str:
-        make_room([args.sample], args, outputs)
+        prepare_targets([args.sample], args, outputs)
         given = read_input(args.sample, args, spec.get("maps"))
         _, material, made = prepare_material(spec, given, read_image)
         if remove:
             made = remove_landmarks(made)
         files, told = plan([material], made, args)
-        files.write(outputs.reserve)
+        files.write(outputs.staged_path)
         height, width = made.shape
         return f"{told}prepared {width}x{height} {args.output} in {bar.took:.2f} s"
 

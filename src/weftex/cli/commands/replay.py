@@ -12,7 +12,7 @@ from __future__ import annotations
 import os
 from dataclasses import replace
 
-from weftex.cli.files import make_room, plan, read_input
+from weftex.cli.files import plan, prepare_targets, read_input
 from weftex.cli.parser import Parser
 from weftex.cli.terminal import Bar, Outputs, run_and_report
 from weftex.exemplar import Exemplar
@@ -37,7 +37,7 @@ def run(argv: list[str]) -> None:
     args = parser.parse(argv)
 
     def work(bar: Bar, outputs: Outputs) -> str:
-        make_room(args.maps, args, outputs)
+        prepare_targets(args.maps, args, outputs)
         materials = [_as_map(read_input(one, args)) for one in args.maps]
         result = Synthesis.load(args.source)
         pairs, _ = paired(of_one_kind([one.exemplar() for one in materials]))
@@ -52,7 +52,7 @@ def run(argv: list[str]) -> None:
             given = read_input(args.background, args)
             around = given.maps if given.folder else {files.main: given.exemplar()}
         kept = {name: around[name].pixels if name in around else None for name in maps}
-        files.write(outputs.reserve, lambda name: result.render(maps[name], background=kept[name]))
+        files.write(outputs.staged_path, lambda key: result.render(maps[key], background=kept[key]))
         size = f"{result.shape[1]}x{result.shape[0]}"
         return f"{told}made {size} {args.output} in {bar.took:.2f} s"
 

@@ -242,7 +242,7 @@ class Zones:
     def number(
         self, known: NDArray[np.bool_], frozen: NDArray[np.bool_] | None = None, often: bool = False
     ) -> int:
-        """Return the number of the zone of a window, see `PatchAnalysis.search`."""
+        """Return the number of the zone of a window, see `PatchAnalysis.zone_search`."""
         key = known.tobytes(), b"" if frozen is None else frozen.tobytes()
         if key not in self._numbers:
             search = self._analysis.zone_search(known, frozen, width=self._width, often=often)

@@ -37,7 +37,7 @@ from weftex.results.synthesis import Synthesis
 from weftex.threads import thread_map
 
 #: Covers an output with patches: the algorithm of a method.
-Cover = Callable[["Output", Any], None]
+Cover = Callable[["PatchCanvas", Any], None]
 
 
 class PatchModel(Model):
@@ -61,7 +61,7 @@ class PatchModel(Model):
         """See `Model.make`."""
         canvas.check_known(self.exemplar)
         method = self._given.resolved_on(canvas, self.method)
-        output = Output(self.analysis.for_method(method), canvas, seed, threads, progress)
+        output = PatchCanvas(self.analysis.for_method(method), canvas, seed, threads, progress)
         self._cover(output, method)
         placements = output.placements
         if method.pixelwise:  # of the window only the pixel in the middle is pasted
@@ -103,7 +103,7 @@ class PatchModel(Model):
             self._pieces = SamplePieces(self.exemplar, analysis.windows(side, side)[0])
         order = partial(plan.order, seed=asked.seed, pieces=self._pieces)
         canvas = Canvas(*plan.frame.shape)
-        output = Output(analysis, canvas, asked.seed, asked.threads, progress, order)
+        output = PatchCanvas(analysis, canvas, asked.seed, asked.threads, progress, order)
         self._cover(output, self.method)
         here, picture = box.within(plan.frame), output.picture()
         picture = None if picture is None else np.ascontiguousarray(picture[here])
@@ -112,7 +112,7 @@ class PatchModel(Model):
         return output.synthesis(canvas_of(box), about, picture=picture, frame=frame, is_window=True)
 
 
-class Output:
+class PatchCanvas:
     """A canvas while it is covered with patches.
 
     `plane` makes the order of the patches of a plane's window; by default the canvas determines it.

@@ -165,7 +165,7 @@ def find_similar(canvas, patches, p, search, tolerance, energy, shortlist):
 
 def list_candidates(canvas, y, x, search, shortlist):
     """List windows that may match the zone at (y, x) of the canvas; return how many."""
-    if search.finder == TREE:  # `Output.choose_and_paste` has listed them
+    if search.finder == TREE:  # `PatchCanvas.choose_and_paste` has listed them
         return min(shortlist.wanted, search.corners.shape[0])
     if search.finder == ALL:
         for i in range(search.corners.shape[0]):
