@@ -87,15 +87,15 @@ class Choice:
 def choose(findings: Findings, canvas: Canvas, *, patient: bool = False) -> Choice:
     """Return the method for a sample and a canvas without known pixels and without a guide.
 
-    It is that of the first rule that applies. `patient`: entire samples in outputs of any size,
-    but for lattices, which other methods follow as well.
+    It is that of the first rule that applies. `patient`: entire samples in outputs of any size, but
+    not by lattices, which other methods follow as well, and up to 1448x1448 for small features.
     """
-    entire = patient or math.prod(canvas.shape) <= PATIENCE
+    pixels = math.prod(canvas.shape)
     choice = (
         _too_small(findings)
         or _regular(findings, canvas, patient)
-        or _fine(findings, canvas, entire)
-        or _irregular(findings, canvas, entire)
+        or _fine(findings, canvas, pixels <= (2 * PATIENCE if patient else PATIENCE))
+        or _irregular(findings, canvas, patient or pixels <= PATIENCE)
     )
     return replace(choice, warnings=(*_warnings(findings), *choice.warnings))
 
