@@ -15,8 +15,8 @@ TESTS = Path(__file__).parent
 READ = ("methods", "repeats", "search", "seams")
 #: Lower a ceiling when the code has become smaller; a feature that needs room removes something.
 CEILINGS = {
-    "lines of Python in src": 43_504,
-    "of these code": 29_858,
+    "lines of Python in src": 43_502,
+    "of these code": 29_857,
     "modules": 259,
     "kernel classes": 23,
     "names that several kernel classes have": 0,
@@ -24,7 +24,7 @@ CEILINGS = {
     "quilting: files to read": 11,
     "quilting: lines to read": 2_496,
     "graphcut: files to read": 18,
-    "graphcut: lines to read": 3_598,
+    "graphcut: lines to read": 3_596,
     "efros-leung: files to read": 8,
     "efros-leung: lines to read": 1_176,
     "near-regular: files to read": 9,

@@ -98,7 +98,7 @@ class GraphCut(Method):
         "number of placements tried for each patch; the cheapest seam wins; higher is slower",
         low=1,
         high=1000,
-        default_text="4; 24 if placement is entire, 12 with orientations",
+        default_text="4; 24 if placement is entire, 96 in holes, 12 with orientations",
     )
     seam_cost: str = parameter(
         "gradient",
@@ -170,22 +170,21 @@ class GraphCut(Method):
             raise InvalidInputError(
                 f"orientations is {self.orientations!r}; holes are filled with upright copies only"
             )
-        if self.patch_size is not None or self.placement != "subpatch":
-            return self
-        return replace(self, patch_size=patch_size_for(hole, usable, 1))
+        if self.placement == "subpatch" and self.patch_size is None:
+            return replace(self, patch_size=patch_size_for(hole, usable, 1))
+        many = 96 if self.placement == "entire" else None  # few placements fit on all sides
+        return replace(self, candidates=self.candidates or many)
 
     def resolved(self, exemplar: Exemplar) -> Self:
         """See `Method.resolved`; `patch_size` stays open for thin samples, see `patch_shape`."""
-        entire = self.placement == "entire"
+        way = self.placement
         if self.lattice is not None:
             check_lattice(self.lattice, exemplar)
-        count = self.candidates or (4 if not entire else 24 if exemplar.turn is None else 12)
-        refinements = _given(self.refinements, 1.0 if self.placement == "random" else 0.0)
-        tolerance = _given(self.tolerance, {"subpatch": 0.003, "entire": 0.0}.get(self.placement))
+        count = self.candidates or (4 if way != "entire" else 24 if exemplar.turn is None else 12)
+        refinements = _given(self.refinements, 1.0 if way == "random" else 0.0)
+        tolerance = _given(self.tolerance, {"subpatch": 0.003, "entire": 0.0}.get(way))
         found = replace(self, candidates=count, refinements=refinements, tolerance=tolerance)
-        if self.placement != "subpatch":
-            return found
-        return found.for_patches(self.patch_shape(exemplar))
+        return found.for_patches(self.patch_shape(exemplar)) if way == "subpatch" else found
 
     def patch_shape(self, exemplar: Exemplar) -> tuple[int, int]:
         """Height and width of patches: squares, but for thin samples; or the entire sample."""

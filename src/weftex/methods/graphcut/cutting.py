@@ -154,8 +154,7 @@ def _graph(labeling: cost_kernels.Labeling, height: int, width: int) -> graph_ke
 class WorstSeams:
     """The costs of all seams of a covered canvas, kept up to date as patches are pasted.
 
-    The worst seams, to be refined, are those of the square of cells, half as wide as a patch, that
-    costs most. Old seams count in every cut, in `graph_kernels.add_pair`.
+    The worst, to be refined, are in the square of cells, half as wide as a patch, that costs most.
     """
 
     def __init__(self, cut_canvas: CutCanvas, canvas: Canvas, patch_size: tuple[int, int]) -> None:
