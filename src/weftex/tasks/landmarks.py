@@ -44,7 +44,7 @@ _BESIDE = np.mgrid[-1:2, -1:2].reshape(2, -1).T
 _NEVER = np.iinfo(np.int64).max
 _FINE = 1 / 8  # scale over the side up to which `auto` thins landmarks, of most materials
 _COARSE = 1 / 5  # of ground; and above which only rare landmarks are filled
-_MANY, _LEAST = 8, 3  # sample areas of an output below which there must be so many rare landmarks
+_MANY, _LEAST = 8, 3  # outputs below 8 sample areas are thinned only if 3 landmarks are rare
 _AREAS = 4  # sample areas of the output for each time that a rare landmark is shown
 #: Distances in shorter sides of the sample: of a landmark from itself, rare or not; up to which
 #: landmarks are neighbors; of two neighbors from the same two.
