@@ -239,3 +239,12 @@ def canvas_of(kind: str, pixels: Any, size: tuple[int, int] = (40, 37)) -> wefte
 def made(result: weftex.Synthesis) -> Any:
     """True where a pixel was made and not known."""
     return np.ones(result.shape, bool) if result.canvas.hole is None else result.canvas.hole
+
+
+def refused(
+    match: str, call: Any, /, *values: Any, error: Any = weftex.InvalidInputError, **named: Any
+) -> None:
+    """Check that the call raises this error, with a message of one line that matches."""
+    with pytest.raises(error, match=match) as caught:
+        call(*values, **named)
+    assert "\n" not in str(caught.value)

@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 import weftex
-from families import noise
+from families import noise, refused
 from html_page import Page
 from weftex.cli import main
-from weftex.errors import CancelledError, FileError, InvalidInputError
+from weftex.errors import CancelledError, FileError
 from weftex.io.pictures import read_image, write_image
 from weftex.pages.comparisons import compare
 
@@ -77,8 +77,7 @@ def test_a_method_that_cannot_says_why():
     [(["quiltin"], "did you mean 'quilting'"), ([], "at least one"), (["quilting"] * 2, "once")],
 )
 def test_wrong_methods_are_found_before_any_work(methods, message):
-    with pytest.raises(InvalidInputError, match=message):
-        compare("nowhere.png", 30, methods=methods)
+    refused(message, compare, "nowhere.png", 30, methods=methods)
 
 
 def test_progress_counts_methods_and_cancels_within_one():

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import weftex
-from families import METHODS, method_of, noise
+from families import METHODS, method_of, noise, refused
 from twins.planes import whole_plane
 from weftex.endless.grid import Sizes
 from weftex.endless.plane import BlockCache
@@ -141,9 +141,7 @@ def test_a_masked_sample_is_used_where_it_may_be():
 @pytest.mark.parametrize("slug", ["quilting", "graphcut"])
 def test_bad_periods_are_refused_in_one_line(period, said, slug):
     model = weftex.METHODS[slug]().fit("sample:pebbles")
-    with pytest.raises(weftex.InvalidInputError, match=said) as refused:
-        model.window(0, 0, 9, 9, seed=1, period=period)
-    assert "\n" not in str(refused.value)
+    refused(said, model.window, 0, 0, 9, 9, seed=1, period=period)
 
 
 @pytest.mark.parametrize("slug", ["near-regular", "best-tile", "refinement"])
@@ -168,12 +166,10 @@ def test_a_best_tile_with_a_period_is_the_tileable_picture():
 def test_methods_that_cannot_refuse_in_one_line(monkeypatch):
     for slug in ("near-regular", "best-tile"):
         model = weftex.METHODS[slug]().fit("sample:tiles")
-        with pytest.raises(weftex.InvalidInputError, match="stretched by .* fits$"):
-            model.window(0, 0, 9, 9, seed=1, period=250)
+        refused("stretched by .* fits$", model.window, 0, 0, 9, 9, seed=1, period=250)
     monkeypatch.setattr(weftex.GraphCut, "supports", frozenset({"wrap"}))
-    with pytest.raises(weftex.UnsupportedError, match="support parts of an endless") as refused:
-        fitted("graphcut").window(0, 0, 9, 9, seed=1)
-    assert "\n" not in str(refused.value)
+    window, error = fitted("graphcut").window, weftex.UnsupportedError
+    refused("support parts of an endless", window, 0, 0, 9, 9, seed=1, error=error)
 
 
 def test_a_window_is_cancelled_by_its_progress():

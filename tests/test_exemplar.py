@@ -6,8 +6,8 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 
 import weftex
+from families import refused
 from weftex import Exemplar
-from weftex.errors import InvalidInputError
 
 GRAY = np.arange(64, dtype=np.uint8).reshape(8, 8)
 
@@ -40,21 +40,15 @@ def test_pixels_are_kept_as_they_are(rng, dtype, channels):
     ],
 )
 def test_bad_pixels_are_refused(pixels, says):
-    with pytest.raises(InvalidInputError, match=says):
-        Exemplar(pixels)
+    refused(says, Exemplar, pixels)
 
 
 def test_bad_companions_are_refused():
-    with pytest.raises(InvalidInputError, match="mask is 4x8"):
-        Exemplar(GRAY, mask=np.ones((8, 4), bool))
-    with pytest.raises(InvalidInputError, match="no usable pixel"):
-        Exemplar(GRAY, mask=np.zeros((8, 8), bool))
-    with pytest.raises(InvalidInputError, match="map 'normal' is 8x4"):
-        Exemplar(GRAY, maps={"normal": np.zeros((4, 8, 3), np.uint8)})
-    with pytest.raises(InvalidInputError, match="height contains NaN"):
-        Exemplar(GRAY, maps={"height": np.full((8, 8), np.nan)})
-    with pytest.raises(InvalidInputError, match="one channel"):
-        Exemplar(GRAY, alpha=True)
+    refused("mask is 4x8", Exemplar, GRAY, mask=np.ones((8, 4), bool))
+    refused("no usable pixel", Exemplar, GRAY, mask=np.zeros((8, 8), bool))
+    refused("map 'normal' is 8x4", Exemplar, GRAY, maps={"normal": np.zeros((4, 8, 3), np.uint8)})
+    refused("height contains NaN", Exemplar, GRAY, maps={"height": np.full((8, 8), np.nan)})
+    refused("one channel", Exemplar, GRAY, alpha=True)
 
 
 def wide(rng, channels=3):
@@ -198,5 +192,4 @@ def test_weights_of_maps(rng):
 )
 def test_weights_that_are_none(weights, message):
     pixels = np.zeros((4, 4), np.uint8)
-    with pytest.raises(weftex.InvalidInputError, match=message):
-        weftex.Exemplar(pixels, maps={"height": pixels}, weights=weights)
+    refused(message, weftex.Exemplar, pixels, maps={"height": pixels}, weights=weights)

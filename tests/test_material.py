@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import weftex
-from families import noise
+from families import noise, refused
 from weftex.exemplar.material import read_material
 from weftex.io.pictures import read_image, write_image
 from weftex.roles import ROLES, Role
@@ -94,8 +94,7 @@ def test_the_deeper_of_two_is_taken(tmp_path):
         "normal.jpg is ignored: normal.png is not a JPEG",
     ]
     write_image(folder / "color.bmp", noise((24, 24, 3)))
-    with pytest.raises(weftex.FileError, match="two images named 'color'; keep one"):
-        read_material(folder)
+    refused("two images named 'color'; keep one", read_material, folder, error=weftex.FileError)
 
 
 def test_the_bare_name_is_the_color_where_no_map_is(tmp_path):
@@ -142,8 +141,7 @@ def test_maps_of_other_sizes(tmp_path):
     for shape in ((36, 36), (48, 24), (25, 24)):
         write_image(folder / "ao.png", noise(shape))
         size = f"map 'ao' is {shape[1]}x{shape[0]}, rock is 24x24"
-        with pytest.raises(weftex.InvalidInputError, match=size):
-            read_material(folder).exemplar()
+        refused(size, read_material(folder).exemplar)
 
 
 def test_packed_maps_have_no_alpha(tmp_path):

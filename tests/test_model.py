@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import weftex
-from families import METHODS, method_of, noise
+from families import METHODS, method_of, noise, refused
 from weftex.method import Model
 
 
@@ -66,8 +66,7 @@ def test_an_origin_is_saved_with_the_result(tmp_path):
     ],
 )
 def test_origins_are_checked(more, match):
-    with pytest.raises(weftex.InvalidInputError, match=match):
-        weftex.Canvas(4, 4, **more)
+    refused(match, weftex.Canvas, 4, 4, **more)
 
 
 @pytest.mark.parametrize("threads", [1, 2])
@@ -102,7 +101,5 @@ def test_samples_without_end_are_made_as_they_are_asked_for(threads):
 @pytest.mark.parametrize("count", [-1, 2.5, True, "3"])
 def test_bad_counts_of_samples_are_refused_at_once(count):
     model = weftex.PatchSampling(patch_size=12).fit("sample:pebbles")
-    with pytest.raises(weftex.InvalidInputError, match="count is"):
-        model.samples(count, 20)
-    with pytest.raises(weftex.InvalidInputError, match="threads is 0"):
-        model.samples(1, 20, threads=0)
+    refused("count is", model.samples, count, 20)
+    refused("threads is 0", model.samples, 1, 20, threads=0)

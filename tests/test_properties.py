@@ -21,10 +21,10 @@ METHODS = list(weftex.METHODS)
 SEEDS = st.sampled_from([0, 1, 2**64 - 1])
 
 
-def allowed(work):
-    """What `work` returns, or None where weftex refused or was stopped."""
+def allowed(work, *values, **named):
+    """What `work` returns on one thread, or None where weftex refused or was stopped."""
     try:
-        return work()
+        return work(*values, threads=1, progress=patience(), **named)
     except weftex.WeftexError as error:
         assert is_one_line(error)
         return None
@@ -63,12 +63,7 @@ def check_replay(result, data):
 def test_synthesize(slug, data):
     method, exemplar = data.draw(methods(slug)), data.draw(exemplars())
     canvas = data.draw(canvases(method, exemplar))
-    seed = data.draw(SEEDS)
-    result = allowed(
-        lambda: weftex.synthesize(
-            exemplar, canvas, method=method, seed=seed, threads=1, progress=patience()
-        )
-    )
+    result = allowed(weftex.synthesize, exemplar, canvas, method=method, seed=data.draw(SEEDS))
     if result is not None:
         check(result, exemplar)
 
@@ -83,9 +78,9 @@ def test_fill(slug, data):
     if not photo.maps and data.draw(st.integers(0, 3)) == 0:
         sample = data.draw(exemplars(like=photo.pixels))
     tileable = data.draw(st.sampled_from([False, True, "x", "y"]))
-    given_to = {"seed": data.draw(SEEDS), "threads": 1, "progress": patience()}
+    given_to = {"seed": data.draw(SEEDS), "sample": sample, "method": method}
     given_to["tileable"] = tileable if "wrap" in method.supports else False
-    result = allowed(lambda: weftex.fill(photo, hole, sample=sample, method=method, **given_to))
+    result = allowed(weftex.fill, photo, hole, **given_to)
     if result is not None:
         check(result, photo if sample is None else sample)
         assert np.array_equal(result.image[~hole], photo.pixels[~hole], equal_nan=True)
@@ -104,18 +99,9 @@ def test_fuse(slug, data):
         labels[size[0] // 2 :] = 1
         labels[:, size[1] // 2 :] += data.draw(st.integers(0, 1))
     tileable = data.draw(st.sampled_from([False, False, True, "x"]))
-    result = allowed(
-        lambda: weftex.fuse(
-            [first, *others],
-            labels,
-            size,
-            method=method,
-            tileable=tileable if "wrap" in method.supports else False,
-            seed=data.draw(SEEDS),
-            threads=1,
-            progress=patience(),
-        )
-    )
+    given_to = {"seed": data.draw(SEEDS), "method": method}
+    given_to["tileable"] = tileable if "wrap" in method.supports else False
+    result = allowed(weftex.fuse, [first, *others], labels, size, **given_to)
     if result is not None:
         check(result, result.sample)
 
@@ -126,9 +112,7 @@ def test_fuse(slug, data):
 def test_a_result_is_laid_again(slug, data, tmp_path_factory):
     method, exemplar = data.draw(methods(slug)), data.draw(exemplars())
     canvas = data.draw(canvases(method, exemplar))
-    result = allowed(
-        lambda: method.fit(exemplar).sample(canvas, seed=1, threads=1, progress=patience())
-    )
+    result = allowed(lambda **how: method.fit(exemplar).sample(canvas, seed=1, **how))
     if result is None:
         return
     check_replay(result, data)
@@ -144,9 +128,7 @@ def test_a_result_is_laid_again(slug, data, tmp_path_factory):
 def test_auto(data):
     exemplar = data.draw(exemplars())
     canvas = data.draw(canvases(weftex.Auto(), exemplar))
-    result = allowed(
-        lambda: weftex.synthesize(exemplar, canvas, seed=1, threads=1, progress=patience())
-    )
+    result = allowed(weftex.synthesize, exemplar, canvas, seed=1)
     if result is not None:
         check(result, exemplar)
 
@@ -162,10 +144,9 @@ def test_analyze(exemplar):
 @given(data=st.data())
 def test_assess_and_report(data):
     exemplar = data.draw(exemplars())
-    made = data.draw(
-        drawn_pictures(data.draw(st.tuples(*[st.integers(1, 40)] * 2)), exemplar.pixels)
-    )
-    if (found := allowed(lambda: weftex.pages.report(exemplar, made))) is not None:
+    size = data.draw(st.tuples(*[st.integers(1, 40)] * 2))
+    made = data.draw(drawn_pictures(size, exemplar.pixels))
+    if (found := allowed(lambda **_: weftex.pages.report(exemplar, made))) is not None:
         Page(html := found.html())  # its tags close
         assert html.count('<td class="over">over') == len(found.assessment.flags)
         assert "nan" not in html.partition("Measures")[2].lower()

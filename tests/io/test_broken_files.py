@@ -75,9 +75,8 @@ def test_content_counts_not_the_name(tmp_path):
         expected = io.read_image(tmp_path / f"a{kind}").pixels
         for wrong in (".png", ".jpg", ".tif", ".exr", ".txt", "", ".tga", ".PNG"):
             shutil.copy(tmp_path / f"a{kind}", tmp_path / f"wrong{wrong}")
-            np.testing.assert_array_equal(
-                io.read_image(tmp_path / f"wrong{wrong}").pixels, expected
-            )
+            found = io.read_image(tmp_path / f"wrong{wrong}").pixels
+            np.testing.assert_array_equal(found, expected)
     # OpenImageIO has a reader that makes a black picture of any file of this name.
     shutil.copy(tmp_path / "a.png", tmp_path / "a.null")
     fails(tmp_path / "a.null", "rename")

@@ -16,12 +16,12 @@ import pytest
 
 import weftex
 from commands import listing
-from families import noise
+from families import noise, refused
 from processes import run
 from weftex import planes
 from weftex.errors import CancelledError, FileError, InvalidInputError
 from weftex.io.pictures import write_image
-from weftex.planes import check, open_plane
+from weftex.planes import check, open_plane, stream
 from weftex.planes.beginning import at_work
 from weftex.planes.definition import define
 from weftex.planes.plane_file import PlaneFile
@@ -65,10 +65,9 @@ def repair(target):
     return planes.repair(target, threads=1).made
 
 
-def test_a_restart_waits_for_a_block_that_is_being_written(tmp_path, monkeypatch):
+def test_a_restart_waits_for_a_block_that_is_being_written(tmp_path, target, monkeypatch):
     """Else it would be written into the file of the new run, after the check."""
-    target = tmp_path / "p.tif"
-    weftex.planes.stream(SAMPLE, tmp_path / "whole.tif", SIZE, **HOW)
+    stream(SAMPLE, tmp_path / "whole.tif", SIZE, **HOW)
     old = plane_of(target, 9)
     with at_work(old) as record:
         block_maker(old)((record.run, (0, 0, 0)))
@@ -90,7 +89,7 @@ def test_a_restart_waits_for_a_block_that_is_being_written(tmp_path, monkeypatch
     assert writing.wait(20)
     monkeypatch.undo()
     again = threading.Thread(
-        target=weftex.planes.stream, args=(SAMPLE, target, SIZE), kwargs={"restart": True, **HOW}
+        target=stream, args=(SAMPLE, target, SIZE), kwargs={"restart": True, **HOW}
     )
     again.start()
     again.join(0.3)
@@ -101,9 +100,8 @@ def test_a_restart_waits_for_a_block_that_is_being_written(tmp_path, monkeypatch
     assert target.read_bytes() == (tmp_path / "whole.tif").read_bytes() and is_whole(target)
 
 
-def test_a_worker_goes_on_when_its_plane_was_begun_again(tmp_path):
+def test_a_worker_goes_on_when_its_plane_was_begun_again(tmp_path, target):
     """It writes to the journal that is there, not to one that was removed."""
-    target = tmp_path / "p.tif"
     plane = plane_of(target, 4)
     make = block_maker(plane)
 
@@ -132,14 +130,13 @@ def test_a_worker_goes_on_when_its_plane_was_begun_again(tmp_path):
 @pytest.mark.parametrize("recorded", [False, True])  # that a file of weftex is there
 def test_files_and_folders_of_others_are_kept(tmp_path, target, mine, why, recorded):
     if recorded and mine == "p.tif/0":
-        weftex.planes.stream(SAMPLE, target, SIZE, **HOW)
+        stream(SAMPLE, target, SIZE, **HOW)
         target.unlink()
     (tmp_path / mine).parent.mkdir(exist_ok=True)
     (tmp_path / mine).write_bytes(b"mine")
     before = listing(tmp_path)
     for restart in (False, True):
-        with pytest.raises(FileError, match=why):
-            weftex.planes.stream(SAMPLE, target, SIZE, restart=restart, **HOW)
+        refused(why, stream, SAMPLE, target, SIZE, restart=restart, **HOW, error=FileError)
     assert listing(tmp_path) == before
 
 
@@ -153,16 +150,14 @@ def test_nothing_is_written_through_a_link(tmp_path):
             other.write_bytes(b"precious")
         for restart in (False, True):
             with pytest.raises(FileError, match="p.tif is a link; remove it"):
-                weftex.planes.stream(SAMPLE, target, SIZE, restart=restart, **HOW)
+                stream(SAMPLE, target, SIZE, restart=restart, **HOW)
         assert (other.read_bytes() if there else other.exists()) == (b"precious" if there else 0)
         target.unlink()
-    weftex.planes.stream(SAMPLE, target, SIZE, **HOW)
+    stream(SAMPLE, target, SIZE, **HOW)
     target.unlink()
     target.symlink_to(other)
-    with pytest.raises(FileError, match="is a link"):
-        weftex.planes.stream(SAMPLE, target, SIZE, restart=True, **HOW)
-    with pytest.raises(FileError, match="is a link"):
-        repair(target)
+    refused("is a link", stream, SAMPLE, target, SIZE, restart=True, **HOW, error=FileError)
+    refused("is a link", repair, target, error=FileError)
     assert other.read_bytes() == b"precious"
 
 
@@ -218,19 +213,17 @@ def test_killed_at_any_call_of_the_start(tmp_path, restart):
     assert int(done.stdout) > 30
 
 
-def test_a_recipe_of_another_run_is_refused(tmp_path):
-    target = tmp_path / "p.tif"
-    weftex.planes.stream(SAMPLE, target, SIZE, **HOW)
+def test_a_recipe_of_another_run_is_refused(tmp_path, target):
+    stream(SAMPLE, target, SIZE, **HOW)
     recipe = tmp_path / "p.tif.run" / "recipe.npz"
     data = recipe.read_bytes()
-    weftex.planes.stream(SAMPLE, target, SIZE, restart=True, **HOW)
+    stream(SAMPLE, target, SIZE, restart=True, **HOW)
     recipe.write_bytes(data)
-    with pytest.raises(FileError, match="it belongs to another run"):
-        open_plane(target)
+    refused("it belongs to another run", open_plane, target, error=FileError)
 
 
 def test_what_is_missing_or_damaged_is_repaired(tmp_path, target):
-    weftex.planes.stream(SAMPLE, target, (70, 60), **HOW)
+    stream(SAMPLE, target, (70, 60), **HOW)
     whole = pixels_of(tmp_path)
     assert repair(target) == 0
     for path, data in whole.items():
@@ -247,18 +240,18 @@ def test_what_is_missing_or_damaged_is_repaired(tmp_path, target):
 
 def test_smaller_versions_are_made_of_whole_blocks_only(tmp_path, target):
     """Else damage would be in them, with the right check sum."""
-    weftex.planes.stream(SAMPLE, target, 600, **HOW)
+    stream(SAMPLE, target, 600, **HOW)
     whole = pixels_of(tmp_path)
 
     def stop(done, *_):
         return done < 100  # of level 0
 
     with pytest.raises(CancelledError):
-        weftex.planes.stream(SAMPLE, target, 600, restart=True, progress=stop, **HOW)
+        stream(SAMPLE, target, 600, restart=True, progress=stop, **HOW)
     store = open_plane(target).stores["color"]
     store.write((0, 2, 3), 255 - store.read(0, store.layout.window((0, 2, 3))))
     with pytest.raises(FileError, match="level 0, row 2, column 3 is damaged.*check --repair"):
-        weftex.planes.stream(SAMPLE, target, 600, **HOW)
+        stream(SAMPLE, target, 600, **HOW)
     repair(target)
     assert is_whole(target) and pixels_of(tmp_path) == whole
     store.write((0, 2, 3), 255 - store.read(0, store.layout.window((0, 2, 3))))
@@ -267,7 +260,7 @@ def test_smaller_versions_are_made_of_whole_blocks_only(tmp_path, target):
 
 @pytest.mark.parametrize("begun", [False, True])
 def test_files_that_are_not_of_the_plane_are_never_removed(tmp_path, target, begun):
-    weftex.planes.stream(SAMPLE, target, 70, **HOW)
+    stream(SAMPLE, target, 70, **HOW)
     path = tmp_path / f"{target.name}.run" / "run.json"
     said = json.loads(path.read_text())
     mine = tmp_path / "mine"
@@ -279,7 +272,7 @@ def test_files_that_are_not_of_the_plane_are_never_removed(tmp_path, target, beg
     for name in ("notes.txt", own, "mine", "mine/a.tif"):
         path.write_text(json.dumps(said | {"begun": begun, "files": [*said["files"], name]}))
         try:
-            weftex.planes.stream(SAMPLE, target, 70, restart=begun, **HOW)
+            stream(SAMPLE, target, 70, restart=begun, **HOW)
         except FileError as error:
             assert f"lists {name}, which no plane" in str(error) or "is damaged" in str(error)
         else:
@@ -317,7 +310,7 @@ def _read_all(target):
 
 @pytest.mark.skipif(sys.platform != "linux", reason="memory is counted there")
 def test_pipes_devices_and_files_without_an_end_are_refused(tmp_path, target):
-    weftex.planes.stream(SAMPLE, target, 70, **HOW)
+    stream(SAMPLE, target, 70, **HOW)
     folder = tmp_path / f"{target.name}.run"
     files = [*pixels_of(tmp_path), *(folder / n for n in ("run.json", "recipe.npz", "done.txt"))]
     for path in files:
@@ -340,31 +333,29 @@ def test_pipes_devices_and_files_without_an_end_are_refused(tmp_path, target):
 
 def test_a_tiff_of_too_many_tiles(tmp_path):
     with pytest.raises(InvalidInputError, match="at most 4194304 tiles, not .* use a larger"):
-        weftex.planes.stream(SAMPLE, tmp_path / "p.tif", 2**20, **HOW)
+        stream(SAMPLE, tmp_path / "p.tif", 2**20, **HOW)
 
 
 def test_a_renamed_sample_is_the_same(tmp_path):
     for name in ("a", "b"):
         write_image(tmp_path / f"{name}.png", SAMPLE)
-    weftex.planes.stream(tmp_path / "a.png", tmp_path / "p.tif", SIZE, **HOW)
-    assert weftex.planes.stream(tmp_path / "b.png", tmp_path / "p.tif", SIZE, **HOW).made == 0
+    stream(tmp_path / "a.png", tmp_path / "p.tif", SIZE, **HOW)
+    assert stream(tmp_path / "b.png", tmp_path / "p.tif", SIZE, **HOW).made == 0
     changed = np.array(SAMPLE)
     changed[0, 0] ^= 1
     write_image(tmp_path / "b.png", changed)
-    with pytest.raises(InvalidInputError, match="its sample is different"):
-        weftex.planes.stream(tmp_path / "b.png", tmp_path / "p.tif", SIZE, **HOW)
+    refused("its sample is different", stream, tmp_path / "b.png", tmp_path / "p.tif", SIZE, **HOW)
 
 
 def test_another_version_is_refused(tmp_path, monkeypatch):
-    weftex.planes.stream(SAMPLE, tmp_path / "p.tif", SIZE, **HOW)
+    stream(SAMPLE, tmp_path / "p.tif", SIZE, **HOW)
     monkeypatch.setattr(weftex, "__version__", "99.0")
     with pytest.raises(InvalidInputError, match=r"its version of weftex is .*, here '99\.0'"):
-        weftex.planes.stream(SAMPLE, tmp_path / "p.tif", SIZE, **HOW)
+        stream(SAMPLE, tmp_path / "p.tif", SIZE, **HOW)
 
 
-def test_a_removed_plane_is_not_touched_by_the_run_that_made_it(tmp_path):
+def test_a_removed_plane_is_not_touched_by_the_run_that_made_it(tmp_path, target):
     """Nor does that run, when it fails, remove the one that was begun since."""
-    target = tmp_path / "p.tif"
     old = plane_of(target, 9)
     with pytest.raises(FileError, match="restarted or removed"), at_work(old) as record:
         for path in tmp_path.iterdir():

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 import tifffile
 
-from families import noise
+from families import noise, refused
 from weftex.cli.commands.planes import parse_part
-from weftex.errors import FileError, InvalidInputError
+from weftex.errors import FileError
 from weftex.io.pictures import read_image
 from weftex.planes.layout import Layout
 from weftex.planes.locks import locked
@@ -77,8 +77,7 @@ def test_halved():
 
 @pytest.mark.parametrize("text", ["0/3", "4/3", "1", "a/b", "1/99999", "1/2/3"])
 def test_parts_that_are_none(text):
-    with pytest.raises(InvalidInputError, match="it must be K/N"):
-        parse_part(text)
+    refused("it must be K/N", parse_part, text)
 
 
 def test_a_journal_that_was_cut_off(tmp_path):
@@ -111,8 +110,7 @@ def test_runs_that_are_none(tmp_path, change):
     record = begun(tmp_path, "a" * 32)
     file = tmp_path / "a.tif.run" / "run.json"
     file.write_text(json.dumps(json.loads(file.read_text()) | change))
-    with pytest.raises(FileError, match=r"run\.json is damaged"):
-        record.current()
+    refused(r"run\.json is damaged", record.current, error=FileError)
 
 
 def test_locks_of_one_process(tmp_path):

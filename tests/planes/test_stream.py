@@ -10,9 +10,9 @@ import pytest
 
 import weftex
 from commands import listing
-from families import noise
+from families import noise, refused
 from weftex.errors import CancelledError, FileError, InvalidInputError
-from weftex.planes import check, open_plane
+from weftex.planes import check, open_plane, stream
 from weftex.planes.definition import Definition, define
 from weftex.planes.plane_file import PlaneFile
 from weftex.planes.tiff import TiffStore
@@ -41,7 +41,7 @@ def plain(folder):
 @pytest.fixture(scope="module")
 def whole(sample, tmp_path_factory):
     folder = tmp_path_factory.mktemp("whole")
-    found = weftex.planes.stream(sample, folder / "p.tif", SIZE, threads=1, **HOW)
+    found = stream(sample, folder / "p.tif", SIZE, threads=1, **HOW)
     assert (found.blocks, found.made, found.pixels) == (39, 39, 300 * 333)
     return plain(folder)
 
@@ -55,22 +55,21 @@ def test_the_pixels_are_those_of_windows(sample, whole, tmp_path):
 
 
 def test_threads_and_a_second_run(sample, whole, tmp_path):
-    weftex.planes.stream(sample, tmp_path / "p.tif", SIZE, threads=3, **HOW)
-    again = weftex.planes.stream(sample, tmp_path / "p.tif", SIZE, **HOW | {"seed": None})
+    stream(sample, tmp_path / "p.tif", SIZE, threads=3, **HOW)
+    again = stream(sample, tmp_path / "p.tif", SIZE, **HOW | {"seed": None})
     assert (again.blocks, again.made) == (39, 0) and plain(tmp_path) == whole
     assert check(tmp_path / "p.tif", read=True).definition.seed == 4
 
 
 def test_a_run_that_was_cut_off_goes_on(sample, whole, tmp_path):
     with pytest.raises(CancelledError):
-        weftex.planes.stream(
+        stream(
             sample, tmp_path / "p.tif", SIZE, progress=lambda done, *_: done < 7, threads=1, **HOW
         )
     plane = open_plane(tmp_path / "p.tif")
     assert plane.missing() == 32
-    with pytest.raises(FileError, match="is not complete: .* blocks are missing"):
-        check(plane.path)
-    assert weftex.planes.stream(sample, tmp_path / "p.tif", SIZE, **HOW).made == 32
+    refused("is not complete: .* blocks are missing", check, plane.path, error=FileError)
+    assert stream(sample, tmp_path / "p.tif", SIZE, **HOW).made == 32
     assert plain(tmp_path) == whole
 
 
@@ -79,38 +78,34 @@ def test_parts_are_the_whole(sample, whole, tmp_path):
     made_of = define(sample, SIZE, TILE, {}, seed=4, block=64)
     made = [write_plane(PlaneFile(made_of, target, (k, 3))).made for k in (3, 1, 1)]
     assert made == [10, 10, 0]
-    with pytest.raises(FileError, match=r"10 blocks are missing; parts .* 2/3 \(10 blocks\)"):
-        check(target)
+    refused(r"10 blocks are missing; parts .* 2/3 \(10 blocks\)", check, target, error=FileError)
     assert write_plane(PlaneFile(made_of, target, (2, 3))).made == 10
-    with pytest.raises(FileError, match="only overviews are missing"):
-        check(target)
+    refused("only overviews are missing", check, target, error=FileError)
     assert write_plane(PlaneFile(made_of, target)).made == 9
     assert plain(tmp_path) == whole
 
 
 def test_other_runs_are_refused(sample, tmp_path):
     target = tmp_path / "p.tif"
-    weftex.planes.stream(sample, target, 100, **HOW)
+    stream(sample, target, 100, **HOW)
     before = listing(tmp_path)
     for change, why in [
         ({"seed": 5}, "its seed is 4, here 5"),
         ({"block": 128}, "its block is 64, here 128"),
         ({"method": weftex.BestTile(lattice=(30, 0, 0, 20))}, "its lattice is"),
     ]:
-        with pytest.raises(InvalidInputError, match=why):
-            weftex.planes.stream(sample, target, 100, **HOW | change)
-    with pytest.raises(InvalidInputError, match="its sample is different"):
-        weftex.planes.stream(noise((60, 64, 3)), target, 100, **HOW)
+        refused(why, stream, sample, target, 100, **HOW | change)
+    refused("its sample is different", stream, noise((60, 64, 3)), target, 100, **HOW)
     assert listing(tmp_path) == before
-    weftex.planes.stream(sample, target, 100, restart=True, **HOW | {"seed": 5})
+    stream(sample, target, 100, restart=True, **HOW | {"seed": 5})
     assert open_plane(target).definition.seed == 5
 
 
 def test_without_its_file_nothing_counts_as_done(sample, tmp_path):
     one = weftex.Exemplar(sample.pixels)
-    weftex.planes.stream(one, tmp_path / "p.tif", 100, restart=True, **HOW)
+    stream(one, tmp_path / "p.tif", 100, restart=True, **HOW)
     (tmp_path / "p.tif").unlink()
-    assert weftex.planes.stream(one, tmp_path / "p.tif", 100, **HOW).made == 4
+    assert stream(one, tmp_path / "p.tif", 100, **HOW).made == 4
 
 
 def test_a_disk_that_fills(sample, whole, tmp_path, monkeypatch):
@@ -124,16 +119,15 @@ def test_a_disk_that_fills(sample, whole, tmp_path, monkeypatch):
 
     monkeypatch.setattr(TiffStore, "put", fill)
     with pytest.raises(FileError, match="No space left on device; finished blocks are kept"):
-        weftex.planes.stream(sample, tmp_path / "p.tif", SIZE, threads=1, **HOW)
+        stream(sample, tmp_path / "p.tif", SIZE, threads=1, **HOW)
     monkeypatch.undo()
-    assert weftex.planes.stream(sample, tmp_path / "p.tif", SIZE, **HOW).made == 33
+    assert stream(sample, tmp_path / "p.tif", SIZE, **HOW).made == 33
     assert plain(tmp_path) == whole
 
 
 def test_a_run_that_fails_at_once_leaves_nothing(sample, tmp_path, monkeypatch):
     monkeypatch.setattr(TiffStore, "put", lambda *_: (_ for _ in ()).throw(OSError(5, "broken")))
-    with pytest.raises(FileError, match="cannot write: broken"):
-        weftex.planes.stream(sample, tmp_path / "p.tif", 100, **HOW)
+    refused("cannot write: broken", stream, sample, tmp_path / "p.tif", 100, **HOW, error=FileError)
     assert list(tmp_path.iterdir()) == []
 
 
@@ -152,7 +146,7 @@ def test_recipes_on_disk(sample, tmp_path):
 
 
 def test_auto_is_the_method_that_it_names(tmp_path):
-    weftex.planes.stream("sample:bricks", tmp_path / "a.tif", (70, 90), seed=1, block=64)
+    stream("sample:bricks", tmp_path / "a.tif", (70, 90), seed=1, block=64)
     model = weftex.Auto().fit("sample:bricks")
     expected = model.window(0, 0, 70, 90, seed=1).image
     assert (weftex.read_image(tmp_path / "a.tif").pixels == expected).all()
@@ -164,9 +158,7 @@ def test_auto_is_the_method_that_it_names(tmp_path):
 
 def test_a_plane_that_repeats(sample, tmp_path):
     one = weftex.Exemplar(sample.pixels)
-    weftex.planes.stream(
-        one, tmp_path / "a.tif", (128, 192), method="quilting", seed=1, tileable="x", block=64
-    )
+    stream(one, tmp_path / "a.tif", (128, 192), method="quilting", seed=1, tileable="x", block=64)
     pixels = weftex.read_image(tmp_path / "a.tif").pixels
     made = weftex.Quilting().fit(one).window(0, -96, 128, 192, seed=1, period=(256, 192)).image
     assert (np.roll(pixels, 96, axis=1) == made).all()
@@ -181,9 +173,8 @@ def test_arguments_that_are_none(sample, tmp_path):
         ({"block": True}, "block is True"),
     ]:
         how = {"size": 100} | HOW | change
-        with pytest.raises(InvalidInputError, match=why):
-            weftex.planes.stream(sample, tmp_path / "p.tif", **how)
+        refused(why, stream, sample, tmp_path / "p.tif", **how)
     strained = HOW | {"method": weftex.BestTile(lattice=(12, 0, 0, 12))}
     with pytest.raises(InvalidInputError, match="stretched by .* fits"):
-        weftex.planes.stream(sample, tmp_path / "p.tif", 67, tileable=True, **strained)
+        stream(sample, tmp_path / "p.tif", 67, tileable=True, **strained)
     assert not list(tmp_path.iterdir())

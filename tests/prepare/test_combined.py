@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import weftex
-from families import noise
+from families import noise, refused
 from materials import normal_map
 
 
@@ -50,8 +50,7 @@ def test_samples_share_no_lattice():
     ],
 )
 def test_what_is_no_list_of_one_kind_is_refused(samples, message):
-    with pytest.raises(weftex.InvalidInputError, match=message):
-        weftex.prepare.together(samples)
+    refused(message, weftex.prepare.together, samples)
 
 
 @pytest.mark.parametrize("store", [lambda v: v, lambda v: (v + 1) / 2])

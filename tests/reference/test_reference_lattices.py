@@ -6,13 +6,12 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 
 import weftex
-from families import noise
+from families import noise, refused
 from materials import wall
 from twins.lattice import normalized_correlation
 from weftex import reference
 from weftex.analysis.lattice import Lattice, find_lattice
 from weftex.canvas import Canvas
-from weftex.errors import InvalidInputError
 from weftex.methods.best_tile import runs_of
 from weftex.reference.best_tile import within
 from weftex.reference.lattice import autocorrelation, goodness, identifiers, multiples
@@ -96,7 +95,5 @@ def test_the_lattice_is_found(size):
 
 def test_sizes_that_do_not_fit_are_refused():
     sample = wall(30, 30)
-    with pytest.raises(InvalidInputError, match="block with its border is 31"):
-        reference.near_regular(sample, 20, BOND, 21, 10)
-    with pytest.raises(InvalidInputError, match="no such tile lies in the sample"):
-        reference.best_tile(sample, 20, ((29, 0), (0, 29)))
+    refused("block with its border is 31", reference.near_regular, sample, 20, BOND, 21, 10)
+    refused("no such tile lies in the sample", reference.best_tile, sample, 20, ((29, 0), (0, 29)))

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from weftex.errors import InvalidInputError
+from families import refused
 from weftex.label_maps import labels_of, map_picture
 from weftex.raster.masks import squared_distance_to
 
@@ -33,8 +33,7 @@ def test_a_map_from_a_canvas_has_an_alpha_that_says_nothing():
     for colors in ([BLUE, RED], [(*BLUE, 255), (*RED, 255)]):
         assert labels_of(canvas, 2, colors).tolist() == [[1, 0], [0, 0]]
     canvas[0, 0, 3] = 9
-    with pytest.raises(InvalidInputError, match="each color must have 4 numbers"):
-        labels_of(canvas, 2, [BLUE, RED])
+    refused("each color must have 4 numbers", labels_of, canvas, 2, [BLUE, RED])
 
 
 @pytest.mark.parametrize("dtype", [np.uint8, np.uint16, np.float32])
@@ -45,22 +44,15 @@ def test_gray_maps_of_any_depth(dtype):
 
 def test_colors_and_samples_must_fit():
     picture = painted([RED, BLUE, GREEN])
-    with pytest.raises(InvalidInputError, match=r"3 colors \(\(255, 0, 0\), .* for 2 samples"):
-        labels_of(picture, 2)
-    with pytest.raises(InvalidInputError, match="3 colors .* for 4 samples"):
-        labels_of(picture, 4)
-    with pytest.raises(InvalidInputError, match=r"no pixel of the color \(9, 9, 9\)"):
-        labels_of(picture, 2, [RED, (9, 9, 9)])
-    with pytest.raises(InvalidInputError, match="1 colors for 2 samples"):
-        labels_of(picture, 2, [RED])
+    refused(r"3 colors \(\(255, 0, 0\), .* for 2 samples", labels_of, picture, 2)
+    refused("3 colors .* for 4 samples", labels_of, picture, 4)
+    refused(r"no pixel of the color \(9, 9, 9\)", labels_of, picture, 2, [RED, (9, 9, 9)])
+    refused("1 colors for 2 samples", labels_of, picture, 2, [RED])
     for colors in ([1, 2], [RED, (1, 2)]):
-        with pytest.raises(InvalidInputError, match="3 numbers"):
-            labels_of(picture, 2, colors)
-    with pytest.raises(InvalidInputError, match=r"colors=\[\.\.\.\], or --colors"):
-        labels_of(picture, 2)
+        refused("3 numbers", labels_of, picture, 2, colors)
+    refused(r"colors=\[\.\.\.\], or --colors", labels_of, picture, 2)
     noise = np.arange(100, dtype=np.uint8).reshape(10, 10)
-    with pytest.raises(InvalidInputError, match=r"100 colors \(0, 1, 2, 3, 4, 5, \.\.\.\)"):
-        labels_of(noise, 2)
+    refused(r"100 colors \(0, 1, 2, 3, 4, 5, \.\.\.\)", labels_of, noise, 2)
 
 
 def test_pictures_of_maps():
@@ -73,8 +65,7 @@ def test_pictures_of_maps():
         np.zeros((0, 4)),
         None,
     ):
-        with pytest.raises(InvalidInputError, match="the (label )?map"):
-            map_picture(wrong)
+        refused("the (label )?map", map_picture, wrong)
 
 
 @given(st.integers(1, 12), st.integers(1, 12), st.integers(0, 6), st.booleans(), st.booleans(),
