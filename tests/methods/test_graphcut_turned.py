@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import weftex
-from twins.salience import copy_sums
+from twins.salience import copy_sums, price_sums
 from weftex.exemplar.turns import copies_in
 from weftex.raster.turning import TURNS, turned_pixels
 from weftex.repeats import Repetition
@@ -44,12 +44,22 @@ def test_what_copies_would_repeat_is_summed_as_defined(turn, rng):
     canvas, side = weftex.Canvas(33, 40, wrap=(True, False)), cell_side(boxes)
     output = SimpleNamespace(canvas=canvas, source=source, done=(source >= 0).astype(np.uint8))
     small, policy = sample.pixels[:24:side, :22:side], Repetition(1.0, nearby=0.4, use=0.05)
-    penalty = SaliencePenalty(policy, sample, output, boxes, (small, np.ones(small.shape[:2])))
+    penalty = SaliencePenalty(
+        policy, sample, output, boxes, (small, np.ones(small.shape[:2])), 22.0
+    )
     for pixel in ((0, 3), (32, 25)):
         first, size = np.array([1, 0]), np.array([2, 3])
         found = penalty.sums(pixel, len(boxes), first, size)
         assert found[:, [0, 3, 4]].any()
         np.testing.assert_array_equal(found, copy_sums(penalty, boxes, pixel, first, size))
+        penalty.look(pixel)
+        patch = [(pixel[0] + np.arange(19, dtype=np.int32)) % 33, np.arange(9, 28, dtype=np.int32)]
+        patch += [np.arange(1, 20, dtype=np.int32), np.arange(2, 21, dtype=np.int32)]
+        repeats, places = price_sums(penalty, *patch)
+        assert repeats.any() and places.any()
+        mean = max((source[::side, ::side] >= 0).sum() / (penalty.cells.shape[1] - 1), 1)
+        prices = np.rint(3.3 / (2 * 64 * 16) * repeats + 1.1 / mean * places)
+        np.testing.assert_array_equal(penalty.prices(*patch), prices)
 
 
 def test_nothing_meets_its_mirror_image():

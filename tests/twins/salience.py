@@ -48,3 +48,30 @@ def pixel_at(canvas, pixel, step):
             return None
         found.append(at % n)
     return tuple(found)
+
+
+def price_sums(penalty, rows, columns, from_rows, from_columns):
+    """The two sums of `repeat_kernels.sum_changes`: (2, cells down, cells across)."""
+    canvas, source, side = penalty.output.canvas, penalty.output.source, penalty.cell
+    cell_of, salience = penalty.shows // len(penalty.mirrored), penalty.cells[3]
+    shown = {}  # by cell of the sample: where it is shown
+    for y, x in np.ndindex(canvas.shape):
+        if y % side == x % side == 0 and source[y, x] >= 0:
+            shown.setdefault(cell_of.ravel()[source[y, x]], []).append((y, x))
+    middle = np.array(penalty.weights.shape) // 2
+    sums = np.zeros((2, -(-len(rows) // side), -(-len(columns) // side)), np.int64)
+    for i, j in np.ndindex(sums.shape[1:]):
+        v = min(side * i + side // 2, len(rows) - 1)
+        u = min(side * j + side // 2, len(columns) - 1)
+        new, old = cell_of[from_rows[v], from_columns[u]], source[rows[v], columns[u]]
+        for cell, sign in ((new, 1), (cell_of.ravel()[old] if old >= 0 else -1, -1)):
+            for place in shown.get(cell, []):
+                away = abs(np.subtract(place, (rows[v], columns[u])))
+                around = np.where(canvas.wrap, np.subtract(canvas.shape, away), away)
+                steps = np.minimum(away, around) // side
+                inside = place[0] in rows and place[1] in columns
+                if (steps <= middle).all() and steps.max() > 1:
+                    weight = penalty.weights[tuple(middle + steps)] * (1 if inside else 2)
+                    sums[0, i, j] += sign * salience[cell] * weight
+                sums[1, i, j] += sign
+    return sums

@@ -2,83 +2,11 @@
 # cython: infer_types=True
 """Kernels of repetition penalties; compiled by Cython, see setup.py and the .pxd.
 
-A patch whose corner has the offset (top, left) in the sample repeats what the canvas shows at some
-distance for a box of offsets, for each pixel of the canvas. Boxes are summed up as differences at
-their corners. `rows` and `columns` are those looked at: their numbers in `source`, and their
-distances from the patch.
+The sample is looked at in cells, whichever oriented copy is shown; of the canvas, some places are.
 """
 
 import cython
 from cython.cimports.libc.string import memset
-
-
-def mark(marks, level, top, bottom, left, right):
-    """Add 1 to the offsets of a box, bottom and right included; `marks` has a line more of both."""
-    if bottom < 0 or right < 0 or top > bottom or left > right:
-        return
-    top = ((max(top, 0) - 1) >> level) + 1
-    left = ((max(left, 0) - 1) >> level) + 1
-    bottom = min((bottom >> level) + 1, marks.shape[0] - 1)
-    right = min((right >> level) + 1, marks.shape[1] - 1)
-    if top >= bottom or left >= right:
-        return
-    marks[top, left] += 1
-    marks[top, right] -= 1
-    marks[bottom, left] -= 1
-    marks[bottom, right] += 1
-
-
-def mark_repeats(
-    source: cython.const[cython.int][:, ::1],
-    rows: cython.const[cython.int][:, ::1],
-    columns: cython.const[cython.int][:, ::1],
-    sample: cython.const[cython.int][::1],
-    reach: cython.const[cython.int][:, ::1],
-    level: cython.int,
-    marks: cython.int[:, :, ::1],
-):
-    """Count, for each offset of a patch, the pixels that it would repeat, as differences.
-
-    `sample`: its height and width, and whether it is tileable. `reach`: height and width of the
-    patch, distances that count as nearby, and distances that count as in line. `marks` gets what is
-    nearby (both distances are) and what is in line (each distance that is).
-    """
-    near, line = marks[0], marks[1]
-    height, width, around = sample[0], sample[1], 1 if sample[2] else 0
-    near_y, near_x = reach[1, 0], reach[1, 1]
-    line_y, line_x = reach[2, 0], reach[2, 1]
-    for i in range(rows.shape[1]):
-        for j in range(columns.shape[1]):
-            label = source[rows[0, i], columns[0, j]]
-            if label < 0:
-                continue
-            for v in range(-around, around + 1):
-                for u in range(-around, around + 1):
-                    y, x = label // width + v * height, label % width + u * width
-                    # An offset (top, left) repeats (y, x) this far from where it is shown.
-                    top = y - reach[0, 0] + 1
-                    left = x - reach[0, 1] + 1
-                    at_y, at_x = y - rows[1, i], x - columns[1, j]
-                    mark(
-                        near, level, max(top, at_y - near_y), min(y, at_y + near_y),
-                        max(left, at_x - near_x), min(x, at_x + near_x),
-                    )  # fmt: skip
-                    mark(line, level, max(top, at_y - line_y), min(y, at_y + line_y), left, x)
-                    mark(line, level, top, y, max(left, at_x - line_x), min(x, at_x + line_x))
-
-
-def count_squares(
-    source: cython.const[cython.int][:, ::1],
-    width: cython.int,
-    level: cython.int,
-    counts: cython.longlong[:, ::1],
-):
-    """Count the pixels by the square of 2**level a side of the sample that they come from."""
-    for i in range(source.shape[0]):
-        for j in range(source.shape[1]):
-            label = source[i, j]
-            if label >= 0:
-                counts[label // width >> level, label % width >> level] += 1
 
 
 def weigh_cell(pixels, weights, spans, missing, holes, plane):
@@ -166,3 +94,64 @@ def sum_copies(
                         total[area + x] += new[x] & salience
                         total[2 * area + x] += new[x] & used
                         total[4 * area + x] -= new[x]
+
+
+def weigh_places(places, rows, columns, v, u, weights, sizes):
+    """What places weigh, seen from a pixel of a patch; half as much within the patch."""
+    cython.declare(total=cython.longlong, down=cython.int, along=cython.int, inside=cython.bint)
+    total = 0
+    for k in range(places.shape[0]):
+        down, along = places[k, 0] - rows[0], places[k, 1] - columns[0]
+        down += sizes[0] if down < 0 else 0
+        along += sizes[1] if along < 0 else 0
+        inside = down < rows.shape[0] and along < columns.shape[0]
+        down, along = abs(places[k, 0] - rows[v]), abs(places[k, 1] - columns[u])
+        down = min(down, sizes[0] - down) >> sizes[3]
+        along = min(along, sizes[1] - along) >> sizes[3]
+        if down < weights.shape[0] and along < weights.shape[1]:
+            total += weights[down, along] << (not inside)
+    return total
+
+
+def sum_changes(
+    source: cython.const[cython.int][:, ::1],
+    cell_of: cython.const[cython.int][::1],
+    rows: cython.const[cython.int][::1],
+    columns: cython.const[cython.int][::1],
+    from_rows: cython.const[cython.int][::1],
+    from_columns: cython.const[cython.int][::1],
+    shown: cython.const[cython.int][:, ::1],
+    where: cython.const[cython.int][:, ::1],
+    weights: cython.const[cython.int][:, ::1],
+    sizes: cython.const[cython.int][::1],
+    sums: cython.longlong[:, :, ::1],
+):
+    """Add up by how much more each cell of a patch would repeat than what is there does.
+
+    The patch lies in `rows` and `columns`, and is from those of the sample. Of each cell of the
+    sample `shown` has the first of its rows in `where`, which are places of the canvas, how many
+    there are, and its salience; `cell_of` has the cell of each pixel. `sizes`: height and width of
+    the canvas, far larger where it does not wrap, width of the sample, and the exponent of cells.
+    The sums: salience times weight, twice, and places.
+    """
+    cython.declare(label=cython.int, cell=cython.int, sign=cython.int, exponent=cython.int)
+    cython.declare(v=cython.Py_ssize_t, u=cython.Py_ssize_t, weight=cython.longlong)
+    exponent = sizes[3]
+    with cython.nogil:  # beside other threads
+        for i in range(sums.shape[1]):
+            v = min((i << exponent) + (1 << exponent) // 2, rows.shape[0] - 1)
+            for j in range(sums.shape[2]):
+                u = min((j << exponent) + (1 << exponent) // 2, columns.shape[0] - 1)
+                for k in range(2):
+                    sign = 1 if k else -1
+                    label = from_rows[v] * sizes[2] + from_columns[u]
+                    label = label if k else source[rows[v], columns[u]]
+                    if label < 0 or cell_of[label] < 0:
+                        continue
+                    cell = cell_of[label]
+                    weight = weigh_places(
+                        where[shown[0, cell] : shown[0, cell] + shown[1, cell]],
+                        rows, columns, v, u, weights, sizes,
+                    )  # fmt: skip
+                    sums[0, i, j] += sign * shown[2, cell] * weight
+                    sums[1, i, j] += sign * shown[1, cell]

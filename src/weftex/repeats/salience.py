@@ -24,10 +24,15 @@ _BESIDE, _NEAR, _MOST_BESIDE = 10.0, 0.35, 4.0
 # A feature beside its mirror image is seen at once, and costs nothing to cut between. So an offset
 # with more than a share within a seventh of a side is taken only where there is no other.
 _CLOSE, _SHARE, _NEVER = 0.15, 0.05, 1e6
+# What a line of pixels as long as the sample costs by mean salience that is shown again at no
+# distance, and if shown as often as the mean, as a share of a `unit`.
+_PRICE, _PRICE_OF_USE = 3.3, 1.1
 
 
 class SaliencePenalty:
     """Salient features that repeat nearby, and cells of the sample that are used more than others.
+
+    `of` says by which factor a whole patch costs more, and `prices` what each part of it adds.
 
     `boxes` are those of the oriented copies that the sample is a picture of, see `prepare.turned`,
     or of the sample alone; `small` are its pixels and mask, a pixel for each cell.
@@ -40,8 +45,12 @@ class SaliencePenalty:
         output: Output,
         boxes: list[Box],
         small: tuple[NDArray[np.uint8], NDArray[np.uint8]],
+        unit: float,
     ) -> None:
         self.policy, self.output, self.shape = policy, output, boxes[0][2:]
+        #: What a patch covers from its first pixel on, in pixels; None: as far as the sample goes.
+        self.covers: tuple[int, int] | None = None
+        self._unit = policy.strength * unit / min(self.shape)
         side = self.cell = cell_side(boxes)
         height, width = (-(-n // side) for n in self.shape)
         salience = np.zeros((height, width), np.int32)
@@ -74,11 +83,61 @@ class SaliencePenalty:
         line, self._far = (_IN_LINE, _LINE_FAR) if output.canvas.hole is None else (0.0, _FAR)
         self.weights = _weights(self.shape, side, line, self._far)
         self.spans = _spans(self.weights)
+        self._cell_of = self.shows.ravel() // len(boxes)
+        middle = [n // 2 for n in self.weights.shape]
+        self._apart = self.weights[middle[0] :, middle[1] :].copy()
+        self._apart[:2, :2] = 0  # pixels side by side may show one cell once
+        sides = zip(output.canvas.shape, output.canvas.wrap, strict=True)
+        beyond = [n if wraps else 1 << 29 for n, wraps in sides]
+        self._sizes = np.array([*beyond, exemplar.shape[1], side.bit_length() - 1], np.int32)
+
+    def look(self, pixel: tuple[int, int]) -> None:
+        """Look at the cells that are shown around a pixel, for `prices` of patches there."""
+        lines = zip(
+            pixel, self.shape, self.output.canvas.shape, self.output.canvas.wrap, strict=True
+        )
+        around = []
+        for at, side, n, wraps in lines:
+            reach = int((1 + self._far) * side)
+            around.append(
+                slice(0 if wraps else max(at - reach, 0), n if wraps else at + reach, self.cell)
+            )
+        source = self.output.source[tuple(around)]
+        places = np.argwhere(source >= 0)
+        shown = self._cell_of[source[tuple(places.T)]]
+        counts = np.bincount(shown, minlength=self.cells.shape[1])
+        places = places[np.argsort(shown, kind="stable")] * self.cell
+        self._where = (places + [line.start for line in around]).astype(np.int32)
+        self._shown = np.stack([counts.cumsum() - counts, counts, self.cells[3]]).astype(np.int32)
+
+    def prices(
+        self,
+        rows: NDArray[np.int32],
+        columns: NDArray[np.int32],
+        from_rows: NDArray[np.int32],
+        from_columns: NDArray[np.int32],
+    ) -> NDArray[np.int32]:
+        """What each cell of a patch's box adds by repeats if it becomes new, for each pixel.
+
+        Less what stays there otherwise, in costs of seams (`seam_cost`). Repeats within the box
+        count half, as the patch may replace them.
+        """
+        sums = np.zeros((2, *(-(-len(line) // self.cell) for line in (rows, columns))), np.int64)
+        patch = rows, columns, from_rows, from_columns
+        kernels.sum_changes(
+            self.output.source, self._cell_of, *patch, self._shown, self._where, self._apart,
+            self._sizes, sums,
+        )  # fmt: skip
+        mean = max(len(self._where) / (self.cells.shape[1] - 1), 1.0)
+        repeats, use = _PRICE / (2 * _UNIT * _LEVELS) * sums[0], _PRICE_OF_USE / mean * sums[1]
+        prices: NDArray[np.int32] = np.rint(self._unit * (repeats + use)).astype(np.int32)
+        return prices
 
     def of(
         self, pixel: tuple[int, int], allowed: list[NDArray[np.bool_]], level: int
     ) -> list[NDArray[np.float64]]:
         """Factors for the costs of a patch at the offsets of each copy, 1 or more if allowed."""
+        self.look(pixel)
         places = np.concatenate([np.argwhere(each) for each in allowed]) << level
         first, last = places.min(axis=0) // self.cell, places.max(axis=0) // self.cell
         sums = self.sums(pixel, len(allowed), first, last - first + 1)
@@ -146,6 +205,10 @@ class SaliencePenalty:
         missing: NDArray[np.bool_] = self.output.done[np.ix_(rows % height, columns % width)] == 0
         missing &= (wrap_y | ((rows >= 0) & (rows < height)))[:, None]
         missing &= wrap_x | ((columns >= 0) & (columns < width))
+        if self.covers is not None:
+            (height, width), (y, x) = self.covers, away
+            missing &= ((y >= 0) & (y * self.cell < height))[:, None]
+            missing &= (x >= 0) & (x * self.cell < width)
         return -missing.astype(np.int64)
 
 

@@ -25,7 +25,7 @@ from weftex.methods.graphcut.subpatch import SubPatchMatching
 from weftex.methods.pixels import Growth, PixelModel
 from weftex.parameters import parameter
 from weftex.progress import ProgressCallback
-from weftex.repeats import PatchPenalty, Repetition
+from weftex.repeats import Repetition
 from weftex.repeats.salience import SaliencePenalty, cell_side
 from weftex.results.pixels import PixelSynthesis
 from weftex.search.windows import windows_of
@@ -98,7 +98,7 @@ class GraphCut(Method):
         "number of placements tried for each patch; the cheapest seam wins; higher is slower",
         low=1,
         high=1000,
-        default_text="4; 24 if placement is entire, 96 in holes, 12 with orientations",
+        default_text="4; 12 if placement is entire, 96 in holes",
     )
     seam_cost: str = parameter(
         "gradient",
@@ -180,7 +180,7 @@ class GraphCut(Method):
         way = self.placement
         if self.lattice is not None:
             check_lattice(self.lattice, exemplar)
-        count = self.candidates or (4 if way != "entire" else 24 if exemplar.turn is None else 12)
+        count = self.candidates or (4 if way != "entire" else 12)
         refinements = _given(self.refinements, 1.0 if way == "random" else 0.0)
         tolerance = _given(self.tolerance, {"subpatch": 0.003, "entire": 0.0}.get(way))
         found = replace(self, candidates=count, refinements=refinements, tolerance=tolerance)
@@ -274,21 +274,17 @@ def placement_of(
     """
     if method.placement == "random":
         return EntirePatchMatching(sample, growth, random=True)
-    if method.placement == "subpatch":
-        parts = SubPatchMatching(sample, growth, shape, method.boundary_width or 0)
-        if method.variety > 0:
-            policy = Repetition(method.variety, nearby=1.0, in_line=0.25, use=0.25)
-            step = 2 * parts.reduction
-            parts.penalty = PatchPenalty(policy, sample.exemplar, growth, parts.size, step)
-        return parts
-    boxes = sample.boxes or [(0, 0, *sample.exemplar.shape)]
-    penalty = None
+    boxes, penalty = sample.boxes or [(0, 0, *sample.exemplar.shape)], None
     if method.variety > 0:
-        # Things that are shown both ways up look less alike.
-        policy = Repetition(method.variety, nearby=0.3 if sample.boxes else 0.4, use=0.05)
+        nearby, use = 1.0, 0.25
+        if method.placement == "entire":  # things that are shown both ways up look less alike
+            nearby, use = 0.3 if sample.boxes else 0.4, 0.05
+        policy = Repetition(method.variety, nearby, use)
         small = sample.part(boxes[0]).levels(cell_side(boxes))[-1]
-        cells = small.pixels, small.mask
-        penalty = SaliencePenalty(policy, sample.exemplar, growth, boxes, cells)
+        cells, cost = (small.pixels, small.mask), sample.usual_cost
+        penalty = SaliencePenalty(policy, sample.exemplar, growth, boxes, cells, cost)
+    if method.placement == "subpatch":
+        return SubPatchMatching(sample, growth, shape, method.boundary_width or 0, penalty)
     return EntirePatchMatching(sample, growth, lattice=method.lattice, penalty=penalty)
 
 
@@ -300,7 +296,7 @@ def cut_and_paste(
     count, tolerance = method.candidates, _given(method.tolerance, 1.0)  # random: all match
     copies = method.placement == "entire" and bool(sample.boxes)
     threads = min(growth.threads, count) if math.prod(placement.size) >= _LARGE else 1
-    canvas = CutCanvas(sample, growth, placement.size, placement.reduction, threads, copies=copies)
+    canvas = CutCanvas(sample, growth, placement, threads, copies=copies)
     with quick_map(threads) as map_:
 
         def best_patch(pixel: tuple[int, int], number: int, *, centered: bool) -> Patch:
@@ -325,6 +321,7 @@ def cut_and_paste(
         more = round(method.refinements * pasted)
         if not more:
             return
+        canvas.penalty = None  # only seams count now
         seams = WorstSeams(canvas, growth.canvas, placement.size)
         progress = growth.progress(more, "repairs")
         for number in range(pasted, pasted + more):

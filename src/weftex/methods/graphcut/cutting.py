@@ -13,7 +13,7 @@ import numpy as np
 
 from weftex.canvas import Canvas
 from weftex.methods.graphcut import cost_kernels, graph_kernels
-from weftex.methods.graphcut.placement import Patch
+from weftex.methods.graphcut.placement import Patch, Placement
 from weftex.methods.graphcut.sample import CutSample
 from weftex.methods.pixels import Growth
 from weftex.raster.boxes import box_sums
@@ -21,29 +21,30 @@ from weftex.seams import search_trees
 
 _AHEAD = 2**16  # pixels that are searched at a time for one that is missing
 _TOLERATED = 1.4  # times the least cost, of patches that another seed fills a hole by
+_NO_PRICES = np.zeros((0, 0), np.int32)
 _CELL = 8  # side in pixels of the squares that the costs of seams are summed over
 
 
 class CutCanvas:
     """The canvas so far, with old seams: the labels of all patches that were pasted.
 
-    Candidates are cut in `threads`, in blocks of `reduction` pixels a side, a power of 2.
-    `copies`: all patches lie in one of the sample's oriented copies.
+    Candidates are cut in `threads`, in blocks of the placement's `reduction` pixels a side.
+    `copies`: all patches lie in one of the sample's oriented copies. Not in the paper: what a pixel
+    repeats has a price in each cut, so that rarely shown parts of the sample are kept.
     """
 
     def __init__(
         self,
         sample: CutSample,
         growth: Growth,
-        size: tuple[int, int],
-        reduction: int,
+        placement: Placement,
         threads: int,
         *,
         copies: bool,
     ) -> None:
-        self.growth, canvas = growth, growth.canvas
+        self.growth, canvas, size = growth, growth.canvas, placement.size
         self.shape, self.sample_shape = canvas.shape, sample.exemplar.shape
-        self.done, self.block_exponent = growth.done.ravel(), reduction.bit_length() - 1
+        self.done, self.block_exponent = growth.done.ravel(), placement.reduction.bit_length() - 1
         fixed = self.done.copy()
         if canvas.shown is not None and canvas.hole is not None:
             fixed = (~canvas.hole).ravel().astype(np.uint8)
@@ -66,6 +67,7 @@ class CutCanvas:
         # Not in the paper: seed 1 fills a hole by the cheapest patches, each other seed by others.
         fills = canvas.known is not None and (canvas.shown is None or canvas.known_from is not None)
         self.filling = growth.seed - 1 if fills else 0
+        self.penalty = None if fills else placement.penalty
         self._least, self._tolerated = math.inf, _TOLERATED if self.filling else 1.0
 
     def missing(self) -> Iterator[tuple[int, int]]:
@@ -126,13 +128,16 @@ class CutCanvas:
         (down, along), (from_rows, from_columns) = self._lines
         y, x = patch.top % self.shape[0], patch.left % self.shape[1]
         v, u = patch.source_top % self.sample_shape[0], patch.source_left % self.sample_shape[1]
-        graph = self._graphs.pop()
-        graph.set_box(
+        box = (
             down[y : y + patch.height],
             along[x : x + patch.width],
             from_rows[v : v + patch.height],
             from_columns[u : u + patch.width],
         )
+        graph = self._graphs.pop()
+        penalty = self.penalty
+        prices = _NO_PRICES if penalty is None else penalty.prices(*box)
+        graph.set_box(*box, prices, 0 if penalty is None else penalty.cell.bit_length() - 1)
         return graph
 
 

@@ -24,6 +24,8 @@ cdef class Graph(Grid):
     cdef unsigned char[:, ::1] side  # of each block: 1 on the new side of the cut
     cdef unsigned char[:, ::1] near  # scratch of `narrow`
     cdef int[::1] costs  # scratch of `add_within`
+    cdef const int[:, ::1] prices  # of cells of the box: what a pixel costs that becomes new, or less
+    cdef int cell_exponent  # a cell is 2**cell_exponent pixels wide
     cdef long long before  # the cost of the seams that the patch may change, before it
 
 # Here, or they cannot be inlined.
@@ -50,6 +52,8 @@ cdef long long add_run(Graph graph, Py_ssize_t i, Py_ssize_t first, Py_ssize_t e
                        int exponent) noexcept nogil
 
 cdef bint is_straight(Graph graph, Py_ssize_t i, Py_ssize_t first, Py_ssize_t last) noexcept nogil
+
+cdef long long add_prices(Graph graph, int exponent) noexcept nogil
 
 cdef long long build(Graph graph, int exponent, bint by_runs) noexcept nogil
 

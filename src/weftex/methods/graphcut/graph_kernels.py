@@ -30,10 +30,11 @@ class Graph(Grid):
         self.labeling, self.choice, self.side = labeling, choice, side
         self.near, self.costs = near, costs
 
-    def set_box(self, rows, columns, from_rows, from_columns):
-        """Set the rows and columns of the box, on the canvas and in the sample."""
+    def set_box(self, rows, columns, from_rows, from_columns, prices, cell_exponent):
+        """Set the rows and columns of the box, on the canvas and in the sample, and its prices."""
         self.rows, self.columns = rows, columns
         self.from_rows, self.from_columns = from_rows, from_columns
+        self.prices, self.cell_exponent = prices, cell_exponent
 
 
 def mark_choices(graph):
@@ -194,6 +195,24 @@ def is_straight(graph, i, first, last):
     return apart == last - first == graph.from_columns[last] - graph.from_columns[first]
 
 
+def add_prices(graph, exponent):
+    """Add what pixels cost if they become new; return the cost of those without a choice."""
+    cython.declare(price=cython.int, fixed=cython.longlong)
+    fixed = 0
+    for i in range(graph.rows.shape[0]):
+        for j in range(graph.columns.shape[0]):
+            price = graph.prices[i >> graph.cell_exponent, j >> graph.cell_exponent]
+            if graph.choice[i, j] == EITHER:
+                if price >= 0:
+                    graph.to_sink[i >> exponent, j >> exponent] += price
+                else:
+                    graph.from_source[i >> exponent, j >> exponent] -= price
+                    fixed += price
+            elif graph.choice[i, j] == NEW:
+                fixed += price
+    return fixed
+
+
 def build(graph, exponent, by_runs):
     """Fill in the graph whose minimum cut says which blocks of the box the patch replaces.
 
@@ -235,6 +254,8 @@ def build(graph, exponent, by_runs):
         fixed += add_pair(graph, i, 0, 2, exponent)
     for j in range(width):
         fixed += add_pair(graph, 0, j, 3, exponent)
+    if graph.prices.shape[0] > 0:
+        fixed += add_prices(graph, exponent)
     return fixed
 
 

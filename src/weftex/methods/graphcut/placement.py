@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from weftex.canvas import Canvas
 from weftex.methods.graphcut.sample import Level
 from weftex.random import draw
+from weftex.repeats.salience import SaliencePenalty
 
 _LARGEST_EXPONENT = 64.0  # e**-64 is no chance at all
 _BEST_CHANCE = 2.0**32  # the chance of the best match, as a whole number
@@ -46,6 +47,7 @@ class Placement(Protocol):
     size: tuple[int, int]  # height and width of a patch on this canvas, in pixels
     reduction: int  # how many times smaller the smallest level is
     levels: list[Level]  # of the sample
+    penalty: SaliencePenalty | None
 
     def matches(
         self, pixel: tuple[int, int], number: int, centered: bool, map_: Callable[..., Any] = map

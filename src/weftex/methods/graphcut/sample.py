@@ -85,6 +85,21 @@ class CutSample:
         gradients = _gradients(pixels, joins) if self.by_gradients else np.zeros((0, 0), np.int32)
         return pixels.reshape(-1, pixels.shape[2]), usable.ravel(), joins.ravel(), gradients
 
+    @cached_property
+    def usual_cost(self) -> float:
+        """The mean cost of a seam (equation 1) between pixels that have nothing to do with it."""
+        pixels, usable, _, gradients = self.kernel_arrays
+        total, count = 0.0, 0
+        for step in (len(pixels) // 3, len(pixels) // 5):  # to another pixel, around the end
+            both = usable * np.roll(usable, step) != 0
+            apart = np.abs(pixels - np.roll(pixels, step, 0).astype(np.int32)).sum(axis=1)
+            cost = 2.0 * apart[both]
+            if self.by_gradients:
+                cross = gradients[0] + np.roll(gradients[0], step)
+                cost *= 256 / (cross[both] + 32 * pixels.shape[1])
+            total, count = total + float(cost.sum()), count + len(cost)
+        return total / max(count, 1)
+
     def is_whole(self, copies: bool) -> bool:
         """Whether all pixels of patches are usable, in one of the oriented `copies` or anywhere."""
         usable = self.windows.usable

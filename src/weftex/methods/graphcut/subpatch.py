@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from operator import call
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -22,7 +21,7 @@ from weftex.methods.graphcut.sample import (
 from weftex.methods.pixels import Growth
 from weftex.random import draw
 from weftex.raster.boxes import box_sums
-from weftex.repeats import Offsets, PatchPenalty
+from weftex.repeats.salience import SaliencePenalty
 from weftex.search.fft_mismatch import window_mismatch
 from weftex.search.windows import windows_of
 
@@ -69,7 +68,12 @@ class SubPatchMatching:
     """
 
     def __init__(
-        self, sample: CutSample, growth: Growth, patch_shape: tuple[int, int], overlap: int
+        self,
+        sample: CutSample,
+        growth: Growth,
+        patch_shape: tuple[int, int],
+        overlap: int,
+        penalty: SaliencePenalty | None = None,
     ) -> None:
         self.exemplar, self.growth, self.canvas = sample.exemplar, growth, growth.canvas
         self.size = size_on(growth.canvas, patch_shape)
@@ -78,7 +82,9 @@ class SubPatchMatching:
             sample.made[self.size] = arranged_for(sample, self.size)
         self._arranged: Arranged = sample.made[self.size]
         self.reduction, self.levels = self._arranged.reduction, self._arranged.levels
-        self.penalty: PatchPenalty | None = None
+        self.penalty = penalty
+        if penalty is not None:
+            penalty.covers = self.size
         self._on_canvas = Level(growth.pixels, growth.done)
         # Where the hole of a block of a plane ends.
         self._ends: list[int] | None = None
@@ -121,26 +127,21 @@ class SubPatchMatching:
     ) -> Matches:
         """See `Placement.matches`."""
         part, (top, left) = self.part(number), self._corner(pixel, centered)
-        if self.penalty is not None:
-            self.penalty.next_patch((top, left))
         y = ((top + np.arange(self.size[0])) % self.canvas.height).astype(np.int32)
         x = ((left + np.arange(self.size[1])) % self.canvas.width).astype(np.int32)
         boxes = levels_of(box_of(self._on_canvas, y, x), self.reduction)
         k = coarsest(boxes, part.corners)
         allowed, box, level = part.corners[k] != 0, boxes[k], part.levels[k]
         costs, factors = np.zeros(allowed.shape), np.ones(allowed.shape)
-        if box.mask.any():
-
-            def mismatch() -> NDArray[np.float64]:  # section 5
-                total = window_mismatch(level.spectra, box.spectra_of(level.spectra.size))
-                return total[: allowed.shape[0], : allowed.shape[1]] / int(box.mask.sum())
-
-            def penalty() -> NDArray[np.float64]:
-                if self.penalty is None:
-                    return factors
-                return self.penalty.of(Offsets((top, left), allowed, k, (part.top, part.left)))
-
-            costs, factors = map_(call, (mismatch, penalty))
+        if self.penalty is not None:
+            here = np.s_[part.top >> k :, part.left >> k :]
+            places = np.zeros_like(self._arranged.whole.corners[k], bool)
+            places[here][: allowed.shape[0], : allowed.shape[1]] = allowed
+            factors = self.penalty.of((top, left), [places], k)[0][here]
+            factors = factors[: allowed.shape[0], : allowed.shape[1]]
+        if box.mask.any():  # section 5
+            total = window_mismatch(level.spectra, box.spectra_of(level.spectra.size))
+            costs = total[: allowed.shape[0], : allowed.shape[1]] / int(box.mask.sum())
             if self.penalty is not None:
                 apart = allowed & ~self._continuing(part, y, x, k)
                 allowed = apart if apart.any() else allowed
