@@ -126,7 +126,7 @@ def sum_changes(
     sizes: cython.const[cython.int][::1],
     sums: cython.longlong[:, :, ::1],
 ):
-    """Add up by how much more each cell of a patch would repeat than what is there does.
+    """Add up by how much more each cell of a patch would repeat than the pixels it covers.
 
     The patch lies in `rows` and `columns`, and is from those of the sample. Of each cell of the
     sample `shown` has the first of its rows in `where`, which are places of the canvas, how many
