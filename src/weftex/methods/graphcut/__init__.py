@@ -98,7 +98,7 @@ class GraphCut(Method):
         "number of placements tried for each patch; the cheapest seam wins; higher is slower",
         low=1,
         high=1000,
-        default_text="4; 12 if placement is entire, 96 in holes",
+        default_text="4; 12 if placement is entire, 24 on a lattice, 96 in holes",
     )
     seam_cost: str = parameter(
         "gradient",
@@ -180,7 +180,7 @@ class GraphCut(Method):
         way = self.placement
         if self.lattice is not None:
             check_lattice(self.lattice, exemplar)
-        count = self.candidates or (4 if way != "entire" else 12)
+        count = self.candidates or (4 if way != "entire" else 24 if self.lattice else 12)
         refinements = _given(self.refinements, 1.0 if way == "random" else 0.0)
         tolerance = _given(self.tolerance, {"subpatch": 0.003, "entire": 0.0}.get(way))
         found = replace(self, candidates=count, refinements=refinements, tolerance=tolerance)
@@ -297,6 +297,8 @@ def cut_and_paste(
     copies = method.placement == "entire" and bool(sample.boxes)
     threads = min(growth.threads, count) if math.prod(placement.size) >= _LARGE else 1
     canvas = CutCanvas(sample, growth, placement, threads, copies=copies)
+    if method.lattice is not None:
+        canvas.penalty = None  # joints of little contrast would be cut, to repeat less
     with quick_map(threads) as map_:
 
         def best_patch(pixel: tuple[int, int], number: int, *, centered: bool) -> Patch:
