@@ -157,7 +157,7 @@ def test_a_large_photo_is_filled_from_nearby(monkeypatch, wrap):
 
 def test_parameters_given_are_kept_and_the_rest_chosen():
     photo, hole = noise((300, 300)), box((300, 300), (100, 100, 180, 180))
-    chosen = weftex.fill(photo, hole, seed=1).provenance
+    chosen = weftex.fill(photo, hole, seed=1, method="graphcut").provenance
     assert (chosen["patch_size"], chosen["boundary_width"]) == (48, 16)
     given_size = weftex.fill(photo, hole, seed=1, patch_size=20, epsilon=0.3).provenance
     assert (given_size["patch_size"], given_size["epsilon"]) == (20, 0.3)
@@ -171,7 +171,7 @@ def test_patches_shrink_where_holes_leave_little():
     hole = np.zeros((120, 120), bool)
     hole[::14] = hole[:, ::14] = True
     photo = noise((120, 120))
-    result = weftex.fill(photo, hole, seed=1)
+    result = weftex.fill(photo, hole, seed=1, method="graphcut")
     assert result.provenance["patch_size"] <= 13
     assert (result.image[~hole] == photo[~hole]).all()
 
@@ -216,10 +216,9 @@ def test_joints_of_a_sure_lattice_go_on():
     canvas = weftex.Canvas(240, 250, known=photo, hole=hole, known_from=(0, 0))
     model = weftex.Auto().fit(weftex.Exemplar(photo, mask=~hole))
     assert model.sample(canvas, seed=1).provenance["method"] == "graphcut"
-    leaves = weftex.load_exemplar("sample:leaves").pixels[:180, :190]
-    for photo, placement in ((leaves, "entire"), (noise((180, 190)), "subpatch")):
-        made = weftex.fill(photo, hole[:180, :190], seed=1).provenance
-        assert made["method"] == "graphcut" and made["placement"] == placement
+    made = weftex.fill(noise((180, 190)), hole[:180, :190], seed=1).provenance
+    assert made["method"] == "graphcut" and made["placement"] == "entire"
+    assert (made["candidates"], made["refinements"], made["halvings"]) == (48, 2, 2)
 
 
 def test_large_photos_with_a_lattice_are_filled_on_it(monkeypatch):

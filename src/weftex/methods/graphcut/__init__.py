@@ -18,7 +18,7 @@ from weftex.exemplar import Exemplar
 from weftex.exemplar.turns import turned
 from weftex.method import Method
 from weftex.methods.graphcut.cutting import CutCanvas, WorstSeams
-from weftex.methods.graphcut.entire import EntirePatchMatching
+from weftex.methods.graphcut.entire import EntirePatchMatching, holes_of
 from weftex.methods.graphcut.placement import Patch, Placement, draw_offsets
 from weftex.methods.graphcut.sample import PATCH_SHARE, CutSample, check_boundary, patch_shape_for
 from weftex.methods.graphcut.subpatch import SubPatchMatching
@@ -98,7 +98,7 @@ class GraphCut(Method):
         "number of placements tried for each patch; the cheapest seam wins; higher is slower",
         low=1,
         high=1000,
-        default_text="4; 12 if placement is entire, 24 on a lattice, 96 in holes",
+        default_text="4; if placement is entire 12, in holes 48; with a lattice 24, in holes 96",
     )
     seam_cost: str = parameter(
         "gradient",
@@ -111,7 +111,7 @@ class GraphCut(Method):
         "higher is slower",
         low=0.0,
         high=1000.0,
-        default_text="1 if placement is random, else 0",
+        default_text="1 if placement is random; 2 in holes, if entire without a lattice; else 0",
     )
     variety: float = parameter(
         1.0,
@@ -126,7 +126,8 @@ class GraphCut(Method):
         "number of pyramid levels for matching and cutting; 0 is full resolution (the paper)",
         low=0,
         high=8,
-        default_text="as many as leave patches at least 24 pixels wide, at most 4",
+        default_text="as many as leave patches at least 24 pixels wide, at most 4; "
+        "2 in holes, if placement is entire without a lattice",
     )
     tone_reach: float = parameter(
         16.0,
@@ -165,15 +166,20 @@ class GraphCut(Method):
     def for_hole(
         self, hole: NDArray[np.bool_], usable: NDArray[np.bool_], given: frozenset[str] | None
     ) -> Self:
-        """See `Method.for_hole`; the other placements paste the entire sample."""
+        """See `Method.for_hole`; few entire samples fit on all sides, as only fine cuts tell."""
         if self.orientations != "upright":
             raise InvalidInputError(
                 f"orientations is {self.orientations!r}; holes are filled with upright copies only"
             )
-        if self.placement == "subpatch" and self.patch_size is None:
-            return replace(self, patch_size=patch_size_for(hole, usable, 1))
-        many = 96 if self.placement == "entire" else None  # few placements fit on all sides
-        return replace(self, candidates=self.candidates or many)
+        best: dict[str, Any] = {}
+        if self.placement == "subpatch":
+            best = {"patch_size": patch_size_for(hole, usable, 1)}
+        elif self.lattice is not None:
+            best = {"candidates": 96}  # finer cuts and refinements break its joints
+        elif self.placement == "entire":
+            fine = 2 if min(usable.shape) >= 96 else None
+            best = {"candidates": 48, "refinements": 2.0, "halvings": fine}
+        return replace(self, **{k: n for k, n in best.items() if getattr(self, k) is None})
 
     def resolved(self, exemplar: Exemplar) -> Self:
         """See `Method.resolved`; `patch_size` stays open for thin samples, see `patch_shape`."""
@@ -299,6 +305,7 @@ def cut_and_paste(
     canvas = CutCanvas(sample, growth, placement, threads, copies=copies)
     if method.lattice is not None:
         canvas.penalty = None  # joints of little contrast would be cut, to repeat less
+    hole = np.ptp(holes_of(growth), axis=1)
     with quick_map(threads) as map_:
 
         def best_patch(pixel: tuple[int, int], number: int, *, centered: bool) -> Patch:
@@ -324,7 +331,7 @@ def cut_and_paste(
         if not more:
             return
         canvas.penalty = None  # only seams count now
-        seams = WorstSeams(canvas, growth.canvas, placement.size)
+        seams = WorstSeams(canvas, growth.canvas, np.minimum(placement.size, hole))
         progress = growth.progress(more, "repairs")
         for number in range(pasted, pasted + more):
             worst = seams.worst()

@@ -19,7 +19,6 @@ from weftex.analysis.lattice import Lattice, find_lattice
 from weftex.analysis.overlay import courses
 from weftex.analysis.properties import FORMS
 from weftex.analysis.relief import LOOK, smaller_copy
-from weftex.analysis.scale import structure_scale
 from weftex.canvas import Canvas
 from weftex.exemplar import Exemplar
 from weftex.tasks.auto.findings import SMALLEST_ANALYZED, Findings
@@ -187,19 +186,14 @@ def _is_small(shape: tuple[int, int]) -> bool:
 
 def choose_for_hole(exemplar: Exemplar, canvas: Canvas) -> Choice:
     """Return graph cut for known pixels: on a lattice, of the entire sample, or of parts of it."""
-    lattice, irregular = None, False
+    lattice = None
     if min(exemplar.shape) >= SMALLEST_ANALYZED and canvas.known_from is not None:
         small, step = smaller_copy(exemplar, LOOK)
         if min(small.shape) >= SMALLEST_ANALYZED:
             lattice = find_lattice(small)
-            scale = structure_scale(small).scale
-            irregular = lattice is None and scale > _FINE * min(small.shape)
-            irregular &= _is_small(exemplar.shape)
-    if irregular:
-        because = f"the structure around the hole is irregular (features of {scale * step:.3g} px)"
-        return Choice("graphcut", dict(WHOLE), because)
     if lattice is None or not may_place(lattice, small.shape):
-        return Choice("graphcut", {}, "no clear lattice was found around the hole")
+        because = "no clear lattice was found around the hole"
+        return Choice("graphcut", dict(WHOLE) if _is_small(exemplar.shape) else {}, because)
     found = Lattice(tuple((x * step, y * step) for x, y in lattice.vectors), lattice.confidence)
     because = f"the photo around the hole has {words(found)}"
     if not _is_small(exemplar.shape):  # the smaller copy's vectors are not exact enough
