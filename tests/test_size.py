@@ -15,12 +15,12 @@ TESTS = Path(__file__).parent
 READ = ("methods", "repeats", "search", "seams")
 #: Lower a ceiling when the code has become smaller; a feature that needs room removes something.
 CEILINGS = {
-    "lines of Python in src": 43_502,
+    "lines of Python in src": 43_481,
     "of these code": 29_857,
     "modules": 259,
     "kernel classes": 23,
     "names that several kernel classes have": 0,
-    "lines of tests": 24_113,
+    "lines of tests": 24_098,
     "quilting: files to read": 11,
     "quilting: lines to read": 2_496,
     "graphcut: files to read": 18,

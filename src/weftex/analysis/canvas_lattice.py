@@ -14,6 +14,7 @@ from weftex.canvas import Canvas
 from weftex.errors import InvalidInputError
 from weftex.exemplar import Exemplar
 from weftex.parameters import numbers_of
+from weftex.results.pixels import rearranged
 
 _UNIT = 1 << 16  # positions are in 1/65536 pixel
 _SMALLEST_SAMPLE = 32  # side below which noise may look like a lattice by chance
@@ -25,6 +26,8 @@ _TILES = 4  # that a sample must show, so that a block has more than one place t
 #: fence met at up to 0.07, whatever the tolerance; at 0.1 some were broken.
 VISIBLE_STRAIN = 0.07
 FITTING_STRAIN = 0.01  #: Strain of a lattice up to which a size counts as one that fits.
+MOST_STRETCHED = 0.2  #: Strain up to which entire samples are stretched to fit.
+_SEEN = 1.0  # pixels by which a strain moves parts of a sample, from which it is stretched
 STIFF = 0.02  #: Strain of a lattice from which whole samples cannot make up for it.
 
 
@@ -164,45 +167,71 @@ def found_vectors(exemplar: Exemplar) -> tuple[float, ...]:
     return tuple(part for vector in lattice.reduced().vectors for part in vector)
 
 
+def fitted_sample(
+    exemplar: Exemplar, vectors: tuple[float, ...] | None, canvas: Canvas
+) -> tuple[Canvas, tuple[NDArray[np.int32], tuple[float, ...], Exemplar] | None]:
+    """Return the canvas that fits a lattice if its lines are left out or doubled, and a sample.
+
+    In the sample lines are shifted, too, and corners cut off, where that moves anything by a pixel:
+    its pixels y * width + x in the given one, the lattice's vectors in it, and the sample.
+    """
+    if vectors is None or canvas.kinds != ("wrap",) or exemplar.pieces:
+        return canvas, None
+    lattice, last = CanvasLattice(vectors, canvas), np.subtract(exemplar.shape, 1)
+    whole = np.rint(lattice.sample)  # as drawings have, and lattices are found to a fraction
+    if _strain(np.linalg.solve(lattice.sample, whole)) * max(last) < _SEEN / 2:
+        lattice = CanvasLattice(tuple(whole[:, ::-1].ravel().tolist()), canvas)
+    if lattice.strain > MOST_STRETCHED:
+        return canvas, None
+    longer = np.diag(np.linalg.solve(lattice.sample, lattice.canvas))
+    height, width = np.rint(np.divide(canvas.shape, longer)).astype(int).tolist()
+    canvas = Canvas(height, width, canvas.wrap)
+    lattice = CanvasLattice(vectors, canvas)
+    if not _SEEN <= lattice.strain * max(last) <= MOST_STRETCHED * max(last):
+        return canvas, None
+    change = np.linalg.solve(lattice.sample, lattice.canvas)
+    size = (last @ (2 * np.diag(np.diag(change)) - np.abs(change))).astype(int)
+    places = (np.moveaxis(np.indices(size + 1), 0, -1) - size / 2) @ np.linalg.inv(change)
+    y, x = np.moveaxis(np.rint(places + last / 2).clip(0, last).astype(np.int32), -1, 0)
+    index, found = y * np.int32(exemplar.shape[1]) + x, lattice.canvas[:, ::-1].ravel()
+    parts = {"mask": exemplar.usable[y, x], "guide": None, "tileable": False}
+    return canvas, (index, tuple(map(float, found)), rearranged(exemplar, index, **parts))
+
+
 def _stretched(
-    vectors: NDArray[np.float64], shape: tuple[int, ...], wrap: tuple[bool, ...]
+    vectors: NDArray[np.float64], shape: tuple[int, ...], wrap: tuple[bool, ...], most: float = 1.0
 ) -> tuple[NDArray[np.float64], float]:
-    """Return the vectors, changed as little as possible to wrap around the canvas; the strain."""
-    inverse = np.linalg.inv(vectors)
+    """Return the vectors, changed as little as possible to wrap around the canvas; the strain.
+
+    `most`: the strain above which no further multiples are tried.
+    """
     around = np.diag(np.asarray(shape, float))[np.asarray(wrap)]
-    times = around @ inverse
+    times = around @ np.linalg.inv(vectors)
     near = np.rint(times)
     for k in range(len(near)):  # at least once around
         if not near[k].any():
-            most = int(np.abs(times[k]).argmax())
-            near[k, most] = np.copysign(1, times[k, most])
-    near = near @ vectors
-    if len(around) == 2:
-        if abs(np.linalg.det(near)) < 1e-9:
-            return vectors, float("inf")
-        change = np.linalg.inv(near) @ around
-    else:
-        length = float((near**2).sum())
-        if length < 1e-9:
-            return vectors, float("inf")
-        change = np.eye(2) + near.T @ (around - near) / length
-    strain = float(np.linalg.norm(change - np.eye(2), 2))
-    return (vectors, 0.0) if strain < 1e-12 else (vectors @ change, strain)
+            longest = int(np.abs(times[k]).argmax())
+            near[k, longest] = np.copysign(1, times[k, longest])
+    change = _change_to(near @ vectors, around)
+    if FITTING_STRAIN < _strain(change) < most:
+        others = np.stack(np.meshgrid(*[[0, -1, 1]] * near.size), axis=-1).reshape(-1, *near.shape)
+        changes = [_change_to((near + other) @ vectors, around) for other in others]
+        # Slanting joints show more than longer bricks.
+        change = min(changes, key=lambda one: np.linalg.norm((one - np.eye(2)) * (2 - np.eye(2))))
+    strain = _strain(change)
+    return (vectors @ change, strain) if 1e-12 < strain < np.inf else (vectors, strain)
 
 
-def evenly(vectors: tuple[float, ...] | None, canvas: Canvas) -> Canvas:
-    """Return a canvas that fits the lattice, to be stretched evenly to the size of `canvas`.
+def _change_to(near: NDArray[np.float64], around: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the change of vectors that moves multiples of them onto those around the canvas."""
+    if np.linalg.det(near @ near.T) < 1e-6:  # of pixels, to the power of two or four
+        return np.full((2, 2), np.inf)
+    change: NDArray[np.float64] = np.linalg.pinv(near) @ (around - near)
+    return np.eye(2) + change
 
-    The same canvas if there is no lattice, its strain is small, or no size is near.
-    """
-    plain = canvas.kinds == ("wrap",)
-    if vectors is None or not plain or CanvasLattice(vectors, canvas).strain <= STIFF:
-        return canvas
-    for limit in (FITTING_STRAIN / 4, FITTING_STRAIN):
-        for size in fitting_sizes(vectors, canvas, limit):
-            if abs(np.divide(size, canvas.shape) - 1).max() <= VISIBLE_STRAIN:
-                return Canvas(*size, canvas.wrap)
-    return canvas
+
+def _strain(change: NDArray[np.float64]) -> float:
+    return float(np.linalg.norm(change - np.eye(2), 2)) if np.isfinite(change).all() else np.inf
 
 
 def fitting_sizes(
@@ -223,7 +252,7 @@ def fitting_sizes(
         ((y, x) for y in sides[0] for x in sides[1]),
         key=lambda one: abs(one[0] - height) + abs(one[1] - width),
     )
-    good = (one for one in pairs if _stretched(pair, one, canvas.wrap)[1] <= limit)
+    good = (one for one in pairs if _stretched(pair, one, canvas.wrap, limit)[1] <= limit)
     found = list(islice(good, 1))
     if found and (found[0][0] < height or found[0][1] < width):
         found += islice((one for one in good if one[0] >= height and one[1] >= width), 1)

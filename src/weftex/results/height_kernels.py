@@ -58,13 +58,14 @@ def compare_slopes(
                     if a == made.shape[1]:
                         a = 0
                     # Within one piece slopes are the sample's, also where a line of pixels is left
-                    # out or doubled.
+                    # out, doubled or shifted by a pixel.
                     gap = coordinates[b, a, 0, axis] - coordinates[v, u, 0, axis] - 1
+                    off = coordinates[b, a, 0, 1 - axis] - coordinates[v, u, 0, 1 - axis]
                     if (
                         shares[v, u, 0] == 1
                         and shares[b, a, 0] == 1
                         and (gap == 0 or gap == scale or gap == -scale)
-                        and coordinates[b, a, 0, 1 - axis] == coordinates[v, u, 0, 1 - axis]
+                        and (off == 0 or off == scale or off == -scale)
                     ):
                         continue
                     for c in range(slope.shape[0]):

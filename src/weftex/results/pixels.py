@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from weftex.canvas import Canvas
+from weftex.exemplar import Exemplar
 from weftex.io.npz import DamageError
 from weftex.raster.mixing import Mixing
 from weftex.results import paste_kernels
@@ -42,9 +43,20 @@ class PixelSynthesis(Synthesis):
                 lines = np.delete(np.arange(n), out)
             if count != n:
                 index = index.take(lines, axis)
-        about: dict[str, Any] = {name: getattr(self, name) for name in ABOUT}
-        how = {"exemplar": self.exemplar, "threads": self.threads}
-        return PixelSynthesis(canvas, index, **about | how)
+        return self._again(canvas, index)
+
+    def through(
+        self, index: NDArray[np.int32], exemplar: Exemplar, by: dict[str, Any]
+    ) -> PixelSynthesis:
+        """Return this result of a rearranged sample as one of the sample itself, made `by`."""
+        about = {"exemplar": exemplar, "provenance": self.provenance | by}
+        index = index.ravel()[self.index]
+        return self._again(self.canvas, index, sample_shape=exemplar.shape, **about)
+
+    def _again(self, canvas: Canvas, index: NDArray[np.int32], **changes: Any) -> PixelSynthesis:
+        names = (*ABOUT, "exemplar", "threads")
+        about: dict[str, Any] = {name: getattr(self, name) for name in names}
+        return PixelSynthesis(canvas, index, **about | changes)
 
     def _layers(self, window: Window) -> tuple[NDArray[np.int32], NDArray[np.float32]]:
         top, left, height, width = window
@@ -89,3 +101,11 @@ class PixelSynthesis(Synthesis):
         least = 0 if canvas.hole is None else -1  # only known pixels come from nowhere
         if ((index < least) | (index >= sample[0] * sample[1])).any():
             raise DamageError("its sources lie outside")
+
+
+def rearranged(exemplar: Exemplar, index: NDArray[np.int32], **parts: Any) -> Exemplar:
+    """Return a sample and maps of other pixels, y * width + x, and other `parts`."""
+    shape = exemplar.shape
+    made = PixelSynthesis(Canvas(*index.shape), index, sample_shape=shape, exemplar=exemplar)
+    maps = {k: exemplar.map(k).changed(pixels=one) for k, one in made.maps.items()}
+    return exemplar.changed(pixels=made.image, maps=maps, **parts)

@@ -21,7 +21,7 @@ from weftex.prepare.landmarks import find_landmarks, has_joint_network
 from weftex.random import draw
 from weftex.raster.masks import grown
 from weftex.raster.turning import boxes_of, turned_pixels
-from weftex.results.pixels import PixelSynthesis
+from weftex.results.pixels import PixelSynthesis, rearranged
 from weftex.results.saved import ABOUT
 from weftex.results.synthesis import Synthesis
 from weftex.seams.boundary import cut_around
@@ -219,10 +219,7 @@ class PlainSample:
     @cached_property
     def exemplar(self) -> Exemplar:
         """The sample with its rare landmarks filled; methods cut around the others."""
-        shape, index = self.original.shape, self._filled(self.rare)
-        made = PixelSynthesis(Canvas(*shape), index, sample_shape=shape, exemplar=self.original)
-        maps = {k: self.original.map(k).changed(pixels=one) for k, one in made.maps.items()}
-        return self.original.changed(pixels=made.image, maps=maps)
+        return rearranged(self.original, self._filled(self.rare))
 
     def inform(self, model: Model) -> None:
         """Make `auto` choose as for the original."""

@@ -9,7 +9,7 @@ from typing import Any, ClassVar, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from weftex.analysis.canvas_lattice import check_lattice, evenly
+from weftex.analysis.canvas_lattice import check_lattice, fitted_sample
 from weftex.analysis.patch_sizes import HOLE_PATCHES, patch_size_for, patch_size_on
 from weftex.canvas import Canvas
 from weftex.endless.grid import Sizes
@@ -227,11 +227,7 @@ class GraphCutModel(PixelModel):
         super().__init__(self.method, exemplar, sample, self.synthesize)
 
     def block_sizes(self) -> Sizes:
-        """See `Model.block_sizes`: a corner is a patch, and cuts may run in its surroundings.
-
-        Between belts is room for so many patches that the last ones lie on belts as far as the
-        first ones do; entire patches are cut anywhere.
-        """
+        """See `Model.block_sizes`: belts lie whole patches apart, or entire patches are cut."""
         side, boundary = min(self.patch_shape), self.method.boundary_width or 0
         belt = 2 * max(side // 2 if boundary else side // 4, 8)
         gap = _PATCHES * (side - boundary) - boundary if boundary else 2 * belt
@@ -248,17 +244,21 @@ class GraphCutModel(PixelModel):
         most = patch_size_on(canvas, PATCH_SHARE)
         if given.boundary_width is not None:
             most = max(most, 2 * given.boundary_width + 1)
-        if max(shape) <= most:
-            return method, shape
         shape = min(shape[0], most), min(shape[1], most)
         return replace(method, boundary_width=given.boundary_width).for_patches(shape), shape
 
     def make(
         self, canvas: Canvas, seed: int, threads: int, progress: ProgressCallback | None
     ) -> PixelSynthesis:
-        """See `Model.make`; not in the paper: stretched from a size that fits the lattice."""
-        fitting = evenly(self.method.lattice, canvas)
-        return super().make(fitting, seed, threads, progress).stretched(canvas)
+        """See `Model.make`; not in the paper: sample and output are stretched to the lattice."""
+        fitting, fitted = fitted_sample(self.exemplar, self.method.lattice, canvas)
+        if fitted is None:
+            return super().make(fitting, seed, threads, progress).stretched(canvas)
+        index, vectors, sample = fitted
+        model = GraphCutModel(replace(self.given, lattice=None), sample)
+        model.method = replace(model.method, lattice=vectors)
+        made = model.make(fitting, seed, threads, progress)
+        return made.through(index, self.exemplar, self.method.describe()).stretched(canvas)
 
     def synthesize(self, sample: CutSample, growth: Growth) -> None:
         """Cover the canvas with patches, then put more patches over its worst seams."""

@@ -30,7 +30,7 @@ from weftex.tasks.auto.rule import (
     places_freely,
     strain_notes,
 )
-from weftex.tasks.auto.trial import MARGIN, PREVIEW, best_of_choices, others, refined_if_whole
+from weftex.tasks.auto.trial import MARGIN, best_of_choices, others
 
 #: Tried in turn where a method cannot be fitted, as to a sample that is mostly masked.
 _OTHERS = ("graphcut", "quilting", "patch-sampling", "ashikhmin")
@@ -139,28 +139,13 @@ class AutoModel(Model):
         choices = [choice]
         if canvas.guide is None and canvas.known is None and self._effort != "quick":
             choices += others(choice, self.findings, canvas)
-        lattice = self.findings.lattice if len(choices) > 1 else None
-        seen: dict[str, Synthesis] = {}  # previews by their parameters
-        if lattice is not None and choice.method == "near-regular":
-            # Where blocks wrap around, they are strained, and refinement may tear them there alone.
-            size = canvas if any(canvas.wrap) else PREVIEW
-            told = progress if any(canvas.wrap) else None
-
-            def preview(one: Choice) -> Synthesis:
-                model = self._fitted(one)
-                made = model.sample(size, seed=seed, threads=threads, progress=told)
-                return seen.setdefault(repr(one.parameters), made)
-
-            choices = [refined_if_whole(choices, lattice, self.exemplar, preview)]
         done: list[Synthesis] = []
         steps = Progress(progress, len(choices), "choices", lambda: done[-1].image)
 
         def tried(one: Choice) -> Synthesis:
             within = progress if len(choices) == 1 else steps.within()
-            result = seen.get(repr(one.parameters)) if any(canvas.wrap) else None
-            if result is None:
-                model = self._fitted(one)
-                result = model.sample(canvas, seed=seed, threads=threads, progress=within)
+            model = self._fitted(one)
+            result = model.sample(canvas, seed=seed, threads=threads, progress=within)
             done.append(result)
             if len(choices) > 1:
                 steps.advance(1)

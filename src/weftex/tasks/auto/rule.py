@@ -7,11 +7,11 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 from weftex.analysis.canvas_lattice import (
+    MOST_STRETCHED,
     STIFF,
     VISIBLE_STRAIN,
     Around,
     CanvasLattice,
-    evenly,
     fitting_sizes,
     is_sure,
 )
@@ -28,7 +28,6 @@ __all__ = ["Choice"]
 _ROWS = 0.6  # confidence from which blocks are placed by rows
 _FINE = 1 / 12  # scale over the side: a patch, a quarter of the side, holds three features in a row
 _GRAIN = 1 / 20  # scale over the side up to which cut features do not show, but repeats do
-_STIFF_ROWS = 0.04  # strain of rows that cannot be stretched evenly; at 6 % ribs were torn
 #: Sidedness up to which a material looks the same upside down, or turned and in a mirror.
 _SIDED = 0.06
 #: Pixels of the output above which no rotated copies are used, as they take 60 % more time, and
@@ -116,14 +115,13 @@ def _regular(findings: Findings, canvas: Canvas, patient: bool) -> Choice | None
     vectors, rows = tuple(lattice), len(lattice.vectors) == 1
     entire = (rows and patient) or math.prod(canvas.shape) <= (_LARGE if rows else PATIENCE)
     strain, notes = CanvasLattice(vectors, canvas).strain, strain_notes(vectors, canvas)
-    even = evenly(vectors, canvas) is not canvas
-    if strain > (_STIFF_ROWS if rows and entire and not even else VISIBLE_STRAIN):
+    if strain > (MOST_STRETCHED if exact and entire else VISIBLE_STRAIN):
         because = f"{because}; this pattern does not fit a tileable {_size(canvas.shape)}"
-        if rows:  # entire samples keep their distance, as they are cut seldom
+        if rows or entire:  # entire samples are cut seldom
             return replace(_whole(findings, canvas, because), warnings=notes)
         return Choice("quilting", {}, because, notes)
     given = {"lattice": vectors} if exact else {}
-    if exact and entire and (rows or even or strain <= STIFF):
+    if exact and entire:
         return Choice("graphcut", {**WHOLE, **given}, because, notes)
     return Choice("near-regular", given, because, notes)
 
