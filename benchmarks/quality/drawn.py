@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
+from blocks import BLOCKS
 from numpy.typing import NDArray
 from paving import PAVING, basket
 from shapes import (
@@ -281,7 +282,7 @@ KINDS: dict[str, Callable[[Floats, Floats, np.random.Generator], Drawn]] = {
     for one in (
         bricks, uneven_bricks, tiles, panels, hexagons, dots, scales, weave, checks, pattern,
         in_turn, basket, mesh, boards, courses, ribs, shingles,
-        stones, clouds, leaves, wood, any_courses, cracks, *PAVING,
+        stones, clouds, leaves, wood, any_courses, cracks, *PAVING, *BLOCKS,
     )
 }  # fmt: skip
 

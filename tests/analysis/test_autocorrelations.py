@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from analysis.test_lattice import smooth
+from weftex.analysis.autocorrelations import autocorrelations
 from weftex.analysis.correlation import correlate, whitened
 from weftex.analysis.evidence import SUREST, Evidence, better_pair
 from weftex.analysis.lattice import Lattice, find_lattice
@@ -57,10 +58,10 @@ def test_a_mesh_is_narrow_before_stones(rng):
     assert stands_out(white) > 5 * chance and stands_out(own) < 0.5
 
 
-@pytest.mark.parametrize(("kind", "seed"), [("mesh", 0), ("hexagons", 0), ("bricks", 3)])
-def test_chance_makes_no_larger_tile_better(kind, seed):
-    """Of the plain correlation a tile of four to seven was the best pair."""
-    pixels, truth = draw(kind, seed)
+@pytest.mark.parametrize("name", ["mesh 0", "hexagons 0", "bricks 3", "flemish 0", "flemish 2"])
+def test_chance_makes_no_tile_better(name):
+    """Of the plain correlation a tile of four to seven, or a part of a period, was the best."""
+    pixels, truth = draw(name[:-2], int(name[-1]))
     found = find_lattice(Exemplar(np.ascontiguousarray(pixels[:256, 256:])))
     assert found is not None and found.same_as(Lattice(truth), 0.04)
 
@@ -99,9 +100,8 @@ def test_confidence_grows_with_either_figure():
 def test_the_clearer_pair_is_taken_if_it_has_half_of_the_contrast():
     strong = Evidence(np.array([[20.0, 0.0], [0.0, 17.0]]), "pairs", 0.3, 1.0, 9)
     clear = Evidence(np.array([[7.0, 1.0], [0.0, 9.0]]), "pairs", 0.1, 5.0, 9)
-    assert better_pair([]) is None and better_pair([clear]) is clear
-    assert better_pair([strong, clear]) is strong
-    half = Evidence(clear.vectors, "pairs", 0.15, 5.0, 9)
-    assert better_pair([strong, half]) is half
-    same = Evidence(strong.vectors + 0.01, "pairs", 0.3, 5.0, 9)
-    assert better_pair([strong, same]) is strong
+    fields = autocorrelations(Exemplar(np.zeros((32, 32), np.uint8)))
+    half, same = clear._replace(contrast=0.15), strong._replace(vectors=strong.vectors + 0.01)
+    assert better_pair(fields, []) is None and better_pair(fields, [clear]) is clear
+    for other, better in ((clear, strong), (half, half), (same, strong)):
+        assert better_pair(fields, [strong, other]) is better

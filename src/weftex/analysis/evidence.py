@@ -1,12 +1,8 @@
 """The evidence for a lattice of a sample, or for its rows: beyond the thesis.
 
-Pairs of vectors come from the correlation, as it is and whitened; rows from its ridges and from
-joints, which also give the vector along them.
-
 `contrast` is how far the correlation at multiples is above that between them; `clear` is the same
-of the whitened sample, in units of chance, which falls with the root of the number of multiples.
-Lines (`weftex.analysis.lines`) have the contrast of edges in different strips, and how alike these
-are. A logistic regression combines them: `python benchmarks/quality/lattices.py --fit`.
+of the whitened sample, in units of chance. Lines (`weftex.analysis.lines`) have the contrast of
+edges in different strips, and how alike these are. Logistic regressions combine them.
 """
 
 from __future__ import annotations
@@ -23,7 +19,7 @@ from weftex.analysis.autocorrelations import Autocorrelations
 from weftex.analysis.bonds import Bonds
 from weftex.analysis.lines import checked, find_courses, find_rows, find_uneven, rated, ridges
 from weftex.analysis.pairs import contrast_of, fitted, highest, rate, rated_pairs, reach_of, reduced
-from weftex.analysis.prediction import predicting
+from weftex.analysis.prediction import maps_better, predicting
 from weftex.analysis.tile_multiples import alternating, made_of, settled
 from weftex.raster.arrays import Floats
 
@@ -105,10 +101,9 @@ def pair_candidates(fields: Autocorrelations) -> list[Evidence]:
         best = highest(rated_pairs(field, "contrast"))
         if best is None or _is_copied(fields, best):
             continue
-        whitened = field is fields.white
         # In the whitened sample threads are clear, and checks are made of them.
         one = evidence_of(fields, settled(field, best))
-        found.append(one if whitened else _of_checks(fields, best, one))
+        found.append(one if field is fields.white else _of_checks(fields, best, one))
     return found
 
 
@@ -143,24 +138,23 @@ def _of_checks(fields: Autocorrelations, highest: Floats, settled: Evidence) -> 
     return found if found.confidence >= least else settled
 
 
-def better_pair(pairs: Sequence[Evidence]) -> Evidence | None:
+def better_pair(fields: Autocorrelations, pairs: Sequence[Evidence]) -> Evidence | None:
     """Return the second pair if it is clearer or the first consists of its tiles, else the first.
 
-    It must have half of the first one's contrast, as the threads of a checked cloth are clear too.
-    Chance makes some larger tile better than the right one, so all multiples count together.
+    It must have half of the first one's contrast, as the threads of a checked cloth are clear too,
+    or map edges better. Chance makes some larger tile better, so all multiples count together.
     """
     if len(pairs) < 2:
         return pairs[0] if pairs else None
     first, second = pairs
-    if first.kind == "stripes":
+    if first.kind == "stripes" or made_of(second.vectors, first.vectors) is not None:
+        return first  # or they are one lattice
+    if made_of(first.vectors, second.vectors) is None and second.figures[2] <= first.figures[2]:
         return first
-    if max(second.contrast, 0.0) < max(first.contrast, 0.0) / 2:
-        return first
-    if made_of(second.vectors, first.vectors) is not None:  # or they are one lattice
-        return first
-    if made_of(first.vectors, second.vectors) is not None:
+    if max(second.contrast, 0.0) >= max(first.contrast, 0.0) / 2:
         return second
-    return second if second.figures[2] > first.figures[2] else first
+    better = second.confidence >= LEAST and maps_better(fields, second.vectors, first.vectors)
+    return second if better else first
 
 
 def predicted(fields: Autocorrelations, one: Evidence) -> Evidence | None:
@@ -242,8 +236,7 @@ def checked_by_rows(fields: Autocorrelations, pair: Evidence) -> Evidence:
             return pair
     if found is not None and _sure(found):
         return found if _clear(fields, found.vectors) > _clear(fields, pair.vectors) else pair
-    down = rows.vectors[0]
-    sure = Bonds(fields.white.correlation, down).of(pair.vectors)
+    sure = Bonds(fields.white.correlation, rows.vectors[0]).of(pair.vectors)
     if sure is None:
         return pair
     bond = bond_candidate(fields, rows)
@@ -257,11 +250,8 @@ def lattice_of_rows(fields: Autocorrelations, rows: Evidence) -> Evidence:
 
     Rows without a bond have neither, so two faint kinds of evidence together may be sure.
     """
-    found = [
-        one
-        for one in (crossing_candidate(fields, rows), bond_candidate(fields, rows))
-        if one is not None
-    ]
+    both = crossing_candidate(fields, rows), bond_candidate(fields, rows)
+    found = [one for one in both if one is not None]
     if len(found) == 2:
         across, within = found
         told = within._replace(lines=across.lines, kind="both")

@@ -173,8 +173,7 @@ def lattice_in(fields: Autocorrelations, goodness: str = "contrast") -> Lattice 
     best = _by_contrast(fields) if goodness == "contrast" else _as_in_thesis(fields, goodness)
     if best is None:
         return None
-    plain = _plain(best.vectors * fields.flat.step)
-    return Lattice(plain, round(best.confidence, 2))
+    return Lattice(_plain(best.vectors * fields.flat.step), round(best.confidence, 2))
 
 
 def _as_in_thesis(fields: Autocorrelations, goodness: str) -> Evidence | None:
@@ -187,7 +186,7 @@ def _as_in_thesis(fields: Autocorrelations, goodness: str) -> Evidence | None:
 def _by_contrast(fields: Autocorrelations) -> Evidence | None:
     """Return the pair or rows with the best evidence."""
     with counted(2, "analysis") as step:
-        best = evidence.better_pair(evidence.pair_candidates(fields))
+        best = evidence.better_pair(fields, evidence.pair_candidates(fields))
         step(1)
         if best is not None and best.confidence >= LEAST:
             if best.confidence < CLEAR and best.kind != "stripes":
@@ -267,10 +266,9 @@ def rate_lattices(
         own = rated(vectors) if len(vectors) == 2 else _rated_rows(lattice, field, vectors[0])
     if not runners_up:
         return own, ()
-    others = [rated(vectors) for vectors, _ in rated_pairs(field, goodness)]
-    others.sort(key=lambda other: -other.goodness)
+    others = (rated(vectors) for vectors, _ in rated_pairs(field, goodness))
     shown: list[Rated] = []
-    for other in others:
+    for other in sorted(others, key=lambda other: -other.goodness):
         known = [] if lattice is None else [lattice]
         known += [Lattice(one.vectors) for one in shown]
         if other.goodness > 0 and not any(Lattice(other.vectors).same_as(one) for one in known):
