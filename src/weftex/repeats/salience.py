@@ -27,6 +27,7 @@ _CLOSE, _SHARE, _NEVER = 0.15, 0.05, 1e6
 # What a line of pixels as long as the sample costs by mean salience that is shown again at no
 # distance, and if shown as often as the mean, as a share of a `unit`.
 _PRICE, _PRICE_OF_USE = 3.3, 1.1
+_HIGHEST = 2**20  # of a pixel, so that sums over blocks are no larger than an int
 
 
 class SaliencePenalty:
@@ -58,8 +59,9 @@ class SaliencePenalty:
         rows, columns = (np.arange(n) // side for n in self.shape)
         #: Of each pixel of the exemplar the cell, times the number of copies, and the copy.
         self.shows = ((rows[:, None] * width + columns) * len(boxes)).astype(np.int32)
-        if exemplar.turn is not None:
-            self.shows = turned_pixels(self.shows, exemplar.turn)
+        turn = exemplar.turn if len(boxes) > 1 else None
+        if turn is not None:
+            self.shows = turned_pixels(self.shows, turn)
         # Of all copies the cells, and where they are, see `repeat_kernels.sum_copies`.
         self.most = [-(-max(box[axis] for box in boxes) // side) for axis in (2, 3)]
         own = []
@@ -75,7 +77,7 @@ class SaliencePenalty:
         self.cells = np.zeros((4, salience.size + 1), np.int32)
         self.cells[1] = np.searchsorted(every[0], np.arange(salience.size + 1))
         self.cells[3, :-1] = salience.ravel()
-        ways = [[(0, False)]] if exemplar.turn is None else TURNS[exemplar.turn]
+        ways = [[(0, False)]] if turn is None else TURNS[turn]
         self.mirrored = np.array([mirrored for row in ways for _, mirrored in row], np.int32)
         near, close = (int((far * min(height, width)) ** 2) for far in (_NEAR, _CLOSE))
         self.near = np.array([near, close, int(near**0.5)], np.int32)
@@ -130,8 +132,8 @@ class SaliencePenalty:
         )  # fmt: skip
         mean = max(len(self._where) / (self.cells.shape[1] - 1), 1.0)
         repeats, use = _PRICE / (2 * _UNIT * _LEVELS) * sums[0], _PRICE_OF_USE / mean * sums[1]
-        prices: NDArray[np.int32] = np.rint(self._unit * (repeats + use)).astype(np.int32)
-        return prices
+        prices: NDArray[np.float64] = np.rint(self._unit * (repeats + use))
+        return prices.clip(-_HIGHEST, _HIGHEST).astype(np.int32)
 
     def of(
         self, pixel: tuple[int, int], allowed: list[NDArray[np.bool_]], level: int

@@ -280,10 +280,11 @@ def placement_of(
     """
     if method.placement == "random":
         return EntirePatchMatching(sample, growth, random=True)
-    boxes, penalty = sample.boxes or [(0, 0, *sample.exemplar.shape)], None
+    entire, penalty = method.placement == "entire", None
+    boxes = (sample.boxes if entire else []) or [(0, 0, *sample.exemplar.shape)]
     if method.variety > 0:
         nearby, use = 1.0, 0.25
-        if method.placement == "entire":  # things that are shown both ways up look less alike
+        if entire:  # things that are shown both ways up look less alike
             nearby, use = 0.3 if sample.boxes else 0.4, 0.05
         policy = Repetition(method.variety, nearby, use)
         small = sample.part(boxes[0]).levels(cell_side(boxes))[-1]
