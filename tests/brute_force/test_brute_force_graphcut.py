@@ -7,6 +7,7 @@ import weftex
 from random_cases import random_canvas, random_cases, random_exemplar
 from weftex.methods.graphcut.cutting import CutCanvas
 from weftex.reference.graphcut import NEW, OLD, Graph
+from weftex.repeats.salience import SaliencePenalty
 
 
 def seam_cost(exemplar, gradients, step, label, pixel, other, other_pixel):
@@ -73,12 +74,14 @@ def test_each_cut_is_a_minimum_cut(rng, placement, monkeypatch):
         pixels = growth.pixels.astype(int)
         fixed = done & ~canvas.hole if canvas.hole is not None else np.zeros(shape, bool)
         covered = whole(self, patch)
-        new, sample = {}, exemplar.shape
+        new, price, sample = {}, {}, exemplar.shape
         for v, u in np.ndindex(patch.height, patch.width):
             place = (patch.source_top + v) % sample[0], (patch.source_left + u) % sample[1]
             p = (patch.top + v) % shape[0], (patch.left + u) % shape[1]
             if exemplar.mask[place] and not fixed[p]:
-                new[p] = place
+                new[p], price[p] = place, 0
+                if self.penalty is not None:
+                    price[p] = int(prices[-1][v // self.penalty.cell, u // self.penalty.cell])
 
         def label(source, p):
             return divmod(int(source[p]), sample[1]) if source[p] >= 0 else None
@@ -95,7 +98,18 @@ def test_each_cut_is_a_minimum_cut(rng, placement, monkeypatch):
             p: (p if p in new else OLD) if done[p] else NEW
             for p in [*new, *zip(*np.nonzero(done), strict=True)]
         }
-        made, least, arcs, metric = 0, 0, [], True
+        # Not in the paper: what a pixel repeats has a price, if it becomes new.
+        arcs = [(p, OLD if price[p] > 0 else NEW, abs(price[p])) for p in new if done[p]]
+        always = sum(min(price[p], 0) if done[p] else price[p] for p in new)
+        made, metric = (
+            sum(
+                price[p]
+                for p in new
+                if label(growth.source, p) == new[p]
+                and (not done[p] or growth.source[p] != before[p] or price[p] < 0)
+            ),
+            True,
+        )
         after = growth.source
         for p, q, step in pairs_of(shape, canvas.wrap):
             if p not in node or q not in node or (p not in new and q not in new) or p == q:
@@ -120,14 +134,19 @@ def test_each_cut_is_a_minimum_cut(rng, placement, monkeypatch):
                 inner, change = (p, b) if p in new else (q, a)
                 arcs += [(inner, OLD, change), (inner, NEW, both)]
             metric &= abs(a - b) <= both <= a + b or (p, q) != (node[p], node[q])
-        least = least_cost(arcs)
+        least = least_cost(arcs) + always
         compared.append(made)
         assert made >= least
         if metric and not gradients:
             assert made == least
         return covered
 
-    whole = CutCanvas.paste
+    def recorded(self, *patch):
+        prices.append(priced(self, *patch))
+        return prices[-1]
+
+    whole, priced, prices = CutCanvas.paste, SaliencePenalty.prices, []
+    monkeypatch.setattr(SaliencePenalty, "prices", recorded)
     monkeypatch.setattr(CutCanvas, "paste", paste)
     method.fit(exemplar).sample(canvas, seed=int(rng.integers(100)))
     assert compared
