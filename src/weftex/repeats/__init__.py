@@ -1,10 +1,10 @@
 """Repetition penalties: what it costs to show the same part of a sample again.
 
-A `Repetition` is the policy; `salience.SaliencePenalty` applies it to one output. For each entire
+A `Repetition` is the policy; `salience.SaliencePenalty` applies it to one output. For each
 patch, it says by which factor, 1 or more, the cost of each candidate offset is multiplied. For each
-cut, it says what the pixels of a patch cost that show again what is shown nearby, and those of the
-canvas that it replaces: so the cut keeps what is shown rarely, and a clearly better seam is never
-given up.
+cut, it says what each pixel of the patch costs by what it repeats nearby, less what the pixel that
+it replaces does. Both are shares of other costs, so a clearly better match or seam is never given
+up.
 
 Graph cuts leave no boxes, so `repeat_kernels` count pixels. The square patches of quilting and the
 blocks of near-regular synthesis are compared with those around by their offsets, in their kernels.
