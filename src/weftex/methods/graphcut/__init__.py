@@ -9,7 +9,7 @@ from typing import Any, ClassVar, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from weftex.analysis.canvas_lattice import check_lattice, fitted_sample
+from weftex.analysis.canvas_lattice import check_lattice, fitted_sample, given_lattice
 from weftex.analysis.patch_sizes import HOLE_PATCHES, patch_size_for, patch_size_on
 from weftex.canvas import Canvas
 from weftex.endless.grid import Sizes
@@ -280,19 +280,19 @@ def placement_of(
     """
     if method.placement == "random":
         return EntirePatchMatching(sample, growth, random=True)
-    entire, penalty = method.placement == "entire", None
+    entire, lattice, penalty = method.placement == "entire", method.lattice, None
     boxes = (sample.boxes if entire else []) or [(0, 0, *sample.exemplar.shape)]
     if method.variety > 0:
-        nearby, use = 1.0, 0.25
-        if entire:  # things that are shown both ways up look less alike
-            nearby, use = 0.3 if sample.boxes else 0.4, 0.05
+        # Things that are shown both ways up look less alike.
+        nearby, use = (0.3 if sample.boxes else 0.4, 0.05) if entire else (1.0, 0.25)
         policy = Repetition(method.variety, nearby, use)
         small = sample.part(boxes[0]).levels(cell_side(boxes))[-1]
-        cells, cost = (small.pixels, small.mask), sample.usual_cost
+        # Joints of little contrast would be cut, to repeat less, so prices are half on a lattice.
+        cells, cost = (small.pixels, small.mask), sample.usual_cost * (0.5 if lattice else 1.0)
         penalty = SaliencePenalty(policy, sample.exemplar, growth, boxes, cells, cost)
     if method.placement == "subpatch":
         return SubPatchMatching(sample, growth, shape, method.boundary_width or 0, penalty)
-    return EntirePatchMatching(sample, growth, lattice=method.lattice, penalty=penalty)
+    return EntirePatchMatching(sample, growth, lattice=lattice, penalty=penalty)
 
 
 def cut_and_paste(
@@ -304,8 +304,8 @@ def cut_and_paste(
     copies = method.placement == "entire" and bool(sample.boxes)
     threads = min(growth.threads, count) if math.prod(placement.size) >= _LARGE else 1
     canvas = CutCanvas(sample, growth, placement, threads, copies=copies)
-    if method.lattice is not None:
-        canvas.penalty = None  # joints of little contrast would be cut, to repeat less
+    if method.lattice is not None and len(given_lattice(method.lattice).vectors) == 1:
+        canvas.penalty = None  # bricks that have no fixed length would be cut
     hole = np.ptp(holes_of(growth), axis=1)
     with quick_map(threads) as map_:
 
