@@ -156,7 +156,7 @@ def efforts() -> Table:
     rows = []
     for name in some(("bricks", "tiles", "weave", "grass", "pebbles", "wood", "leaves")):
         pixels, found = sample_of(256, name), {}
-        for effort in ("quick", "normal", "best"):
+        for effort in ("normal", "best"):
             runs = []
             for _ in some(range(3)):
                 start = process_time()
@@ -184,7 +184,7 @@ def efforts() -> Table:
         "256 to 512, one thread, medians of 3, processor time. The limit is that of normal: twice "
     )
     notes += "the method alone, named with its parameters, and 0.3 s."
-    return notes, ["", "normal chooses", "alone", "limit", "quick", "normal", "best"], rows
+    return notes, ["", "normal chooses", "alone", "limit", "normal", "best"], rows
 
 
 TABLES = (kernels, startup, memory, rivals, efforts)

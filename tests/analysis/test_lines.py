@@ -43,14 +43,6 @@ def test_courses_of_any_height_are_none(rng):
     assert find_lattice(Exemplar(courses(rng, [20, 62, 31, 50, 18, 40]))) is None
 
 
-def test_faint_joints_in_rough_grain_are_rows(rng):
-    heights, grain = (58, 50, 62, 53, 60), np.kron(rng.normal(0, 24, (128, 128)), np.ones((2, 2)))
-    for joint in np.cumsum(heights) - 20:
-        grain[joint : joint + 4] -= 18
-    found = find_lattice(Exemplar(np.clip(np.rint(grain + 180), 0, 255).astype(np.uint8)))
-    assert found.vectors[0][1] == pytest.approx(np.mean(heights[1:]), abs=2)
-
-
 def test_a_strip_knows_nothing_of_the_others(rng):
     noise = edges_of(Relief(rng.normal(size=(1, 96, 96)), np.ones((96, 96)), 1))
     assert abs(noise.alike(0.3)[:48]).max() < 0.3

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from weftex.analysis.autocorrelations import Autocorrelations
 from weftex.analysis.bonds import Bonds
-from weftex.analysis.lines import checked, find_courses, find_rows, find_uneven, rated, ridges
+from weftex.analysis.lines import checked, find_courses, find_rows, rated, ridges
 from weftex.analysis.pairs import contrast_of, fitted, highest, rate, rated_pairs, reach_of, reduced
 from weftex.analysis.prediction import maps_better, predicting
 from weftex.analysis.tile_multiples import alternating, made_of, settled
@@ -46,7 +46,6 @@ _CROSSINGS += [whole[::-1, ::-1] for whole in _CROSSINGS[2:]]
 WEIGHTS: dict[str, tuple[float, ...]] = {
     "pairs": (-4.32, 6.32, 1.54, 0.0, 0.0),
     "rows": (-7.08, 2.38, 2.18, 16.71, 0.0),
-    "uneven": (-6.0, 0.0, 0.0, 5.0, 0.0),  # rows by lines at uneven distances
     "crossings": (-4.78, 0.0, 0.0, 15.82, 0.0),  # of joints across rows
     "stripes": (-2.09, 0.0, 0.0, 12.34, 0.0),  # along both vectors
     "bonds": (-9.02, 0.0, 0.0, 0.0, 3.06),  # joints within rows
@@ -70,7 +69,7 @@ class Evidence(NamedTuple):
     contrast: float = 0.0  # of the correlation at multiples, less its standard error
     clear: float = 0.0  # the same of the whitened correlation, in units of chance
     number: int = 1  # of multiples
-    lines: float = 0.0  # `Courses.sure` of joints or stripes; how clear uneven rows are
+    lines: float = 0.0  # `Courses.sure` of joints or stripes
     bond: float = 0.0  # of joints within rows, see `Bonds.best`
 
     @property
@@ -193,13 +192,6 @@ def row_candidate(fields: Autocorrelations) -> Evidence | None:
     if found is None or other is None:
         return found or other
     return other if other.confidence > found.confidence + _SURER else found
-
-
-def uneven_rows(fields: Autocorrelations) -> Evidence | None:
-    """Return the rows whose heights vary, if lines tell them surely."""
-    found = find_uneven(fields.flat)
-    best = None if found is None else Evidence(found[0][None], "uneven", lines=found[1])
-    return best if best is not None and best.confidence >= LEAST else None
 
 
 def _rows_by(fields: Autocorrelations, vector: Floats, contrast: float) -> Evidence | None:

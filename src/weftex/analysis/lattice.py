@@ -198,7 +198,7 @@ def _by_contrast(fields: Autocorrelations) -> Evidence | None:
                 return evidence.with_alternation(fields, best)
         rows = _rows(fields)
         if rows is None:
-            return evidence.uneven_rows(fields)
+            return None
         best = evidence.lattice_of_rows(fields, rows)
         return best if best is rows else evidence.predicted(fields, best) or rows
 

@@ -10,7 +10,6 @@ up along lines in strips across the sample: rows are at the same places in each,
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from typing import Any, NamedTuple
 from weakref import WeakKeyDictionary
 
@@ -46,9 +45,6 @@ _CHANCE = 0.1  # standard error of one ridge, about
 _BLUR = 0.04  # of the distance, by which rows may be off
 _PARTS = 7  # closer rows that are tried
 _AS_HIGH = 0.8  # of the contrast, that closer rows must have
-_THROUGH = 0.3  # correlation of strips, from which lines run through all of them
-_LINE = 0.38  # of the height of the highest line, that others must have
-_UNEVEN = 0.2  # of the mean height of rows, by which single ones may differ
 _HIGHER = 0.8  # of its height: the most that every second ridge lies above the others
 
 
@@ -166,76 +162,19 @@ def find_courses(flat: Relief, across: Floats | None = None) -> Courses | None:
             best, angle, distance = rated, float(turn), found * coarse.step
     if best <= 0:
         return None
-
-    def highest(profile: Floats, step: int) -> float:
-        away = distance / step
-        return float(contrast(_blurred(profile, _BLUR * away), away * _NEAR)[0].max())
-
-    angle, plain = _turned(flat, angle, highest)
+    for joints, offs in zip((coarse, coarse, fine), _FINE, strict=True):
+        tried, away = [joints.alike(angle + off) for off in offs], distance / joints.step
+        blurred = (_blurred(one, _BLUR * away) for one in tried)
+        k = int(np.argmax([contrast(one, away * _NEAR)[0].max() for one in blurred]))
+        angle, plain = angle + float(offs[k]), tried[k]
     distance /= fine.step
     distance = _settled(plain, distance, _CLOSEST / fine.step, 2 * _FEWEST)
     return _rated(fine, distance * fine.step * np.array([-np.sin(angle), np.cos(angle)]))
 
 
-def _turned(
-    flat: Relief, angle: float, rated: Callable[[Floats, int], float]
-) -> tuple[float, Floats]:
-    """Return the direction near an angle with the best profile, and that profile."""
-    coarse, fine = (joints_of(flat, side) for side in _SIDES)
-    for joints, offs in zip((coarse, coarse, fine), _FINE, strict=True):
-        tried = [joints.alike(angle + off) for off in offs]
-        k = int(np.argmax([rated(one, joints.step) for one in tried]))
-        angle, plain = angle + float(offs[k]), tried[k]
-    return angle, plain
-
-
 def _angle(vector: Floats) -> float:
     """Return the direction of rows by the vector from one to the next."""
     return float(np.arctan2(-vector[0], vector[1]))
-
-
-def find_uneven(flat: Relief) -> tuple[Floats, float] | None:
-    """Return the mean vector of rows whose heights vary, and how clear they are.
-
-    Pale joints in rough grain have few edges, but the mean of a strip along them stands out.
-    """
-    if min(flat.usable.shape) < _CLOSEST * (_FEWEST + 1):
-        return None
-    across = [float(profile[0]) for profile in _tried(flat)]
-    angle, plain = _turned(flat, float(_COARSE[np.argmax(across)]), lambda one, _: float(one[0]))
-    if plain[0] < _THROUGH:
-        return None
-    tones = _tones(flat, _SIDES[1])
-    total, count = tones.lines(angle)
-    strips = total / np.maximum(count, 1)
-    side = max(4, strips.shape[1] // 16)
-    strips = np.stack([_blurred(one, 0.7) - _blurred(one, side / 2) for one in strips])
-    strips /= np.maximum(strips.std(axis=1, keepdims=True), 1e-12)
-    # A stone may cover a joint in one of the strips.
-    lines = (np.sort(signed, axis=0)[1] for signed in (strips, -strips))
-    distance, clear = _even_enough(max(lines, key=np.max), side)
-    vector = distance * tones.step * np.array([-np.sin(angle), np.cos(angle)])
-    return (vector, clear) if clear else None
-
-
-def _even_enough(line: Floats, side: int) -> tuple[float, float]:
-    """Return the mean distance of the peaks of a profile, and their height; zeros if uneven."""
-    found: list[int] = []
-    order = np.argsort(-line, kind="stable")
-    for place in order[line[order] >= _LINE * line.max()].tolist():
-        if all(abs(place - other) > side for other in found):
-            found.append(place)
-    gaps = np.diff(sorted(found))
-    if len(gaps) < 2:
-        return 0.0, 0.0
-    rows = np.maximum(np.rint(gaps / (1.1 * gaps.min())), 1)  # a faint line may lack
-    distance = float(gaps.sum() / rows.sum())
-    uneven = abs(gaps / rows - distance).max() > _UNEVEN * distance or rows.max() > 2
-    ends = max(min(found), len(line) - 1 - max(found)) > (1 + _UNEVEN) * distance
-    # More rows than that have ridges; and of stripes closer than `side` some are passed over.
-    if uneven or ends or rows.sum() < 3 or distance < 3 * side:
-        return 0.0, 0.0
-    return distance, float(line[found].mean())
 
 
 def find_rows(flat: Relief) -> tuple[Floats, float] | None:
@@ -280,7 +219,7 @@ def rated(flat: Relief, vector: Floats) -> Courses:
 
 def checked(flat: Relief, vectors: Floats) -> Courses | None:
     """Return the weaker evidence of stripes along the two vectors, as checked cloth has."""
-    stripes = _tones(flat, _SIDES[0])
+    stripes = _tones(flat)
     turned = vectors[::-1, ::-1] * [-1, 1]  # at right angles to the other vector
     rows = turned * (np.linalg.det(vectors) / (turned**2).sum(axis=1))[:, None]
     if np.hypot(*rows.T).min() < _CLOSEST * stripes.step:
@@ -288,11 +227,11 @@ def checked(flat: Relief, vectors: Floats) -> Courses | None:
     return min((_rated(stripes, row) for row in rows), key=lambda one: one.contrast * one.alike)
 
 
-def _tones(flat: Relief, side: int) -> Joints:
-    """Return the levels in place of the edges, averaged to about `side` pixels a side."""
+def _tones(flat: Relief) -> Joints:
+    """Return the levels in place of the edges, averaged as these are for all directions."""
     gray = mixed(flat.levels)
     tones = Joints(np.stack([gray, 0 * gray, gray]), flat.usable >= 0.5)  # of any direction
-    return tones.averaged(max(1, round(max(gray.shape) / side)))
+    return tones.averaged(max(1, round(max(gray.shape) / _SIDES[0])))
 
 
 def _rated(joints: Joints, vector: Floats) -> Courses:

@@ -28,7 +28,7 @@ from weftex.progress import Progress, ProgressCallback, listening
 from weftex.quality import FIGURES, SCORE, as_shown
 from weftex.random import seed_number
 from weftex.registry import AUTO
-from weftex.tasks.auto import MARGIN, Auto, AutoModel
+from weftex.tasks.auto import Auto, AutoModel
 from weftex.tasks.auto.rule import Choice
 
 _COLORS = "false colors by place in the sample: more red to the right, more green downwards"
@@ -112,8 +112,7 @@ class Comparison(Page):
             return ""
         return (
             f"{best.method} has a better score than auto's {auto} ({best.rank:.2f}, "
-            f"{mine[0].rank:.2f}), but auto chooses by analyzing the sample, before it makes "
-            f"anything; another method that it tries wins only if its score is lower by {MARGIN:g}"
+            f"{mine[0].rank:.2f}), but auto chooses before it makes anything, by the sample alone"
         )
 
     def as_dict(self) -> dict[str, Any]:

@@ -130,3 +130,13 @@ def fast_size(length: int) -> int:
         if rest == 1:
             return length
         length += 1
+
+
+def stacked(parts: list[NDArray[Any]], fill: Any) -> NDArray[Any]:
+    """Arrays one under the other; `fill` beside narrow ones."""
+    whole = np.full((sum(map(len, parts)), max(part.shape[1] for part in parts)), fill)
+    top = 0
+    for part in parts:
+        whole[top : top + len(part), : part.shape[1]] = part
+        top += len(part)
+    return whole

@@ -104,3 +104,13 @@ def cell_sums(values: NDArray[Any], side: int) -> NDArray[Any]:
         starts = np.arange(0, values.shape[axis], side)
         values = np.add.reduceat(values, starts, axis=axis, dtype=kind)
     return values
+
+
+def smaller_masks(places: NDArray[np.bool_], count: int) -> list[NDArray[np.uint8]]:
+    """Levels of a mask, each half as large: 1 where one of four pixels is; whole squares only."""
+    copies = [places.view(np.uint8)]
+    while len(copies) < count:
+        rows, columns = (n // 2 * 2 for n in copies[-1].shape)
+        either = copies[-1][:rows:2, :columns] | copies[-1][1:rows:2, :columns]
+        copies.append(either[:, ::2] | either[:, 1::2])
+    return copies

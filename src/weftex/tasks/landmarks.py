@@ -87,7 +87,7 @@ def thinned(model: Model, canvas: Canvas) -> PlainSample | None:
     # What looks the same from all sides is ground, such as leaves: no landmark is part of a whole.
     most = _COARSE if choice.parameters.get("orientations") == "all" else _FINE
     small = findings.scale <= most * min(findings.shape)
-    if findings.lattice or not small or choice.method != "graphcut":
+    if findings.lattice or findings.rows or not small or choice.method != "graphcut":
         return None
     if has_joint_network(model.exemplar):
         return None

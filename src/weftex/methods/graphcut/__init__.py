@@ -64,8 +64,8 @@ class GraphCut(Method):
 
     placement: str = parameter(
         "subpatch",
-        "what is placed: squares (subpatch), or the entire sample, where it matches or at random",
-        choices=("subpatch", "entire", "random"),
+        "what is placed: squares (subpatch), or the entire sample: best match, by rows, or random",
+        choices=("subpatch", "entire", "rows", "random"),
     )
     patch_size: int | None = parameter(
         None,
@@ -91,14 +91,14 @@ class GraphCut(Method):
         low=0.0,
         high=1000.0,
         default_text="0.003; 0 if placement is entire",
-        needs=("placement", ("subpatch", "entire")),
+        needs=("placement", ("subpatch", "entire", "rows")),
     )
     candidates: int | None = parameter(
         None,
         "number of placements tried for each patch; the cheapest seam wins; higher is slower",
         low=1,
         high=1000,
-        default_text="4; if placement is entire 12, in holes 48; with a lattice 24, in holes 96",
+        default_text="4; if placement is entire 12, in holes 48; rows 24; lattice 24, in holes 96",
     )
     seam_cost: str = parameter(
         "gradient",
@@ -118,7 +118,7 @@ class GraphCut(Method):
         "penalty for repeating a part of the sample nearby; higher repeats less (0 in the paper)",
         low=0.0,
         high=1000.0,
-        needs=("placement", ("subpatch", "entire")),
+        needs=("placement", ("subpatch", "entire", "rows")),
         control="variety",
     )
     halvings: int | None = parameter(
@@ -186,9 +186,9 @@ class GraphCut(Method):
         way = self.placement
         if self.lattice is not None:
             check_lattice(self.lattice, exemplar)
-        count = self.candidates or (4 if way != "entire" else 24 if self.lattice else 12)
+        count = self.candidates or {"entire": 24 if self.lattice else 12, "rows": 24}.get(way, 4)
         refinements = _given(self.refinements, 1.0 if way == "random" else 0.0)
-        tolerance = _given(self.tolerance, {"subpatch": 0.003, "entire": 0.0}.get(way))
+        tolerance = _given(self.tolerance, {"subpatch": 0.003, "entire": 0.0, "rows": 0.0}.get(way))
         found = replace(self, candidates=count, refinements=refinements, tolerance=tolerance)
         return found.for_patches(self.patch_shape(exemplar)) if way == "subpatch" else found
 
@@ -278,11 +278,9 @@ def placement_of(
 
     Oriented copies, the lattice and the repetition penalty are not in the paper.
     """
-    if method.placement == "random":
-        return EntirePatchMatching(sample, growth, random=True)
-    entire, lattice, penalty = method.placement == "entire", method.lattice, None
+    entire, lattice, penalty = method.placement != "subpatch", method.lattice, None
     boxes = (sample.boxes if entire else []) or [(0, 0, *sample.exemplar.shape)]
-    if method.variety > 0:
+    if method.variety > 0 and method.placement != "random":
         # Things that are shown both ways up look less alike.
         nearby, use = (0.3 if sample.boxes else 0.4, 0.05) if entire else (1.0, 0.25)
         policy = Repetition(method.variety, nearby, use)
@@ -290,9 +288,9 @@ def placement_of(
         # Joints of little contrast would be cut, to repeat less, so prices are half on a lattice.
         cells, cost = (small.pixels, small.mask), sample.usual_cost * (0.5 if lattice else 1.0)
         penalty = SaliencePenalty(policy, sample.exemplar, growth, boxes, cells, cost)
-    if method.placement == "subpatch":
+    if not entire:
         return SubPatchMatching(sample, growth, shape, method.boundary_width or 0, penalty)
-    return EntirePatchMatching(sample, growth, lattice=lattice, penalty=penalty)
+    return EntirePatchMatching(sample, growth, method.placement, lattice, penalty)
 
 
 def cut_and_paste(
@@ -301,10 +299,11 @@ def cut_and_paste(
     """Cover an output with patches of the sample: sections 3 to 5 of Kwatra et al. (2003)."""
     assert method.candidates is not None and method.refinements is not None
     count, tolerance = method.candidates, _given(method.tolerance, 1.0)  # random: all match
-    copies = method.placement == "entire" and bool(sample.boxes)
+    copies = method.placement in ("entire", "rows") and bool(sample.boxes)
     threads = min(growth.threads, count) if math.prod(placement.size) >= _LARGE else 1
     canvas = CutCanvas(sample, growth, placement, threads, copies=copies)
-    if method.lattice is not None and len(given_lattice(method.lattice).vectors) == 1:
+    by_rows = method.lattice is not None and len(given_lattice(method.lattice).vectors) == 1
+    if by_rows or method.placement == "rows":
         canvas.penalty = None  # bricks that have no fixed length would be cut
     hole = np.ptp(holes_of(growth), axis=1)
     with quick_map(threads) as map_:

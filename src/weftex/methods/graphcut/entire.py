@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from weftex.analysis.canvas_lattice import VISIBLE_STRAIN, CanvasLattice, given_lattice
+from weftex.analysis.rows import find_boards
 from weftex.methods.graphcut.placement import Matches, Patch, size_on
 from weftex.methods.graphcut.sample import (
     CutSample,
@@ -22,7 +23,8 @@ from weftex.methods.graphcut.sample import (
     on_levels,
 )
 from weftex.methods.pixels import Growth
-from weftex.raster.arrays import fast_size
+from weftex.raster.arrays import fast_size, stacked
+from weftex.raster.boxes import smaller_masks
 from weftex.repeats.salience import SaliencePenalty
 from weftex.search.fft_mismatch import Spectra, overlap_mismatch
 
@@ -30,6 +32,7 @@ _AROUND = 32  # pixels around a hole that are matched, or half as many as it is 
 _DRIFT = 16  # in photos a tile lies up to 1/16 of its shorter side off the lattice
 _MOST = 4.0  # pixels, at most
 _LEAST = 0.75  # pixels, so that there is a whole one at each multiple of the vectors
+_OVER, _OFF = 6, 1  # pixels that patches reach beyond their row, for cuts, and may lie off it
 _UNIT = 1 << 16  # of `CanvasLattice.phase`
 #: Pyramids of what is around a pixel, by the shape of the copies that may cover it.
 Around = dict[tuple[int, int], list[Level]]
@@ -49,20 +52,20 @@ class EntirePatchMatching:
     """The entire sample is shifted over the canvas, to where it matches or, `random`, anywhere.
 
     Of a picture of oriented copies each patch is one copy, but for `random`. `lattice` limits the
-    shifts of a sample without copies to multiples of its vectors.
+    shifts of a sample without copies to multiples of its vectors. `rows`, if any are found, are
+    kept whole, but in holes, endless textures and canvases that wrap.
     """
 
     def __init__(
         self,
         sample: CutSample,
         growth: Growth,
-        *,
-        random: bool = False,
+        placement: str,
         lattice: tuple[float, ...] | None = None,
         penalty: SaliencePenalty | None = None,
     ) -> None:
-        self.canvas, self.random = growth.canvas, random
-        boxes = [] if random else sample.boxes
+        self.canvas, self.random = growth.canvas, placement == "random"
+        boxes = [] if self.random else sample.boxes
         parts = [sample.part(box) for box in boxes] or [sample]
         sizes = [size_on(growth.canvas, part.windows.shape) for part in parts]
         # Quarter turns of a sample that is not square have other sides.
@@ -80,7 +83,11 @@ class EntirePatchMatching:
         self._spectra: dict[tuple[tuple[int, int], int], Spectra] = {}
         self._on_canvas = Level(growth.pixels, growth.done)
         self._holes = holes_of(growth)
-        self._lattice = None
+        self._lattice = self._rows = None
+        plain = not (self.canvas.shown is not None or growth.done.any() or any(self.canvas.wrap))
+        if placement == "rows" and plain and not boxes and sample.windows.usable.all():
+            if found := find_boards(sample.windows.pixels):
+                self._rows = found.row_map(self.canvas.shape[found.axis], growth.seed)
         if lattice:
             self._lattice = CanvasLattice(lattice, self.canvas, VISIBLE_STRAIN)
             shortest = min(np.hypot(*vector) for vector in given_lattice(lattice).reduced().vectors)
@@ -127,24 +134,29 @@ class EntirePatchMatching:
     ) -> list[NDArray[np.uint8]]:
         """The pixels of a copy that may lie on the pixel, on all levels.
 
-        In the middle where that is possible, and on the lattice, or near it if there are pixels
-        around.
+        In the middle if possible; on its line if there are rows; on or near the lattice.
         """
-        if self._lattice is None and centered in copy.places:
+        if self._lattice is None and self._rows is None and centered in copy.places:
             return copy.places[centered]
         # Eighths of the sample that cover the pixel. With fewer, little of it overlaps the canvas,
         # and it matches worse; with more, it covers little that is missing.
         low, high = (2, 6) if centered else (2, 4) if self.penalty is None else (1, 6)
         usable = copy.levels[0].mask
         middle = np.zeros_like(usable)
-        rows, columns = (slice(n * low // 8, n * high // 8 + 1) for n in copy.shape)
-        middle[rows, columns] = usable[rows, columns]
+        parts = [slice(n * low // 8, n * high // 8 + 1) for n in copy.shape]
+        if self._rows is not None:
+            (start, _, source), axis = self._rows.band(pixel), self._rows.axis
+            at = source + pixel[axis] - start
+            parts[axis] = slice(max(at - _OFF, 0), at + _OFF + 1)
+        middle[*parts] = usable[*parts]
+        if self._rows is not None:
+            return smaller_masks(middle != 0, len(copy.levels))
         if self._lattice is not None:
             near = self._drift if boxes[copy.shape][0].mask.any() else _LEAST
             on = self._on_lattice(self._lattice, copy.shape, pixel, near)
             for some in (middle, usable):
                 if (found := on & (some != 0)).any():
-                    return on_smaller(found, len(copy.levels))
+                    return smaller_masks(found, len(copy.levels))
         copy.places[centered] = on_levels(middle if middle.any() else usable, copy.levels)
         return copy.places[centered]
 
@@ -162,14 +174,22 @@ class EntirePatchMatching:
         found: NDArray[np.bool_] = (abs(off[0]) <= most) & (abs(off[1]) <= most)
         return found
 
+    def _limits(self, pixel: tuple[int, int], over: int) -> list[tuple[int, int]]:
+        """The lines that patches on a pixel may cover: of the hole, or `over` beyond its row."""
+        limits = list(self._holes)
+        if self._rows is not None:
+            (start, end, _), axis = self._rows.band(pixel), self._rows.axis
+            limits[axis] = max(start - over, 0), min(end + over, self.canvas.shape[axis])
+        return limits
+
     def _around(self, pixel: tuple[int, int], reaches: list[int]) -> list[Level]:
         """The pyramid of all that a copy may cover with this pixel."""
         lines = []
         for at, reach, (low, high), n, wraps in zip(
-            pixel, reaches, self._holes, self.canvas.shape, self.canvas.wrap, strict=True
+            pixel, reaches, self._limits(pixel, 0), self.canvas.shape, self.canvas.wrap, strict=True
         ):
             line = np.arange(at - reach, at + reach + self.reduction)
-            around = max((high - low) // 2, _AROUND)
+            around = max((high - low) // 2, _AROUND) if self._rows is None else 0
             low, high = max(low - around, 0), min(high + around, n)
             line = line % n if wraps else np.where((line >= low) & (line < high), line, -1)
             lines.append(line.astype(np.int32))
@@ -200,8 +220,8 @@ class EntirePatchMatching:
                     a[: rows + 1, : columns + 1][::-1, ::-1][:height, :width] for a in (total, area)
                 )
                 costs = total / np.maximum(area, 1)
-                if area[allowed[len(found)]].any():  # the sample might lie apart from everything
-                    costs[area == 0] = np.inf
+                # Where the sample lies apart from everything, only what it repeats counts.
+                costs[area == 0] = np.inf if area[allowed[len(found)]].any() else 1.0
                 found.append(costs)
         return found
 
@@ -212,7 +232,7 @@ class EntirePatchMatching:
         tops, lengths, sources = [], [], []
         for p, at, corner, side, size, (low, high), wraps in zip(
             pixel, np.array(found).T, copy.corner, copy.shape, size_on(self.canvas, copy.shape),
-            self._holes, self.canvas.wrap, strict=True,
+            self._limits(pixel, _OVER), self.canvas.wrap, strict=True,
         ):  # fmt: skip
             start = p - at
             if wraps:
@@ -225,16 +245,6 @@ class EntirePatchMatching:
             sources.append(first - start + corner)
         boxes = (part.tolist() for part in (*tops, *lengths, *sources))
         return [Patch(*box) for box in zip(*boxes, factors, strict=True)]
-
-
-def stacked(parts: list[NDArray[Any]], fill: Any) -> NDArray[Any]:
-    """Arrays one under the other; `fill` beside narrow ones."""
-    whole = np.full((sum(map(len, parts)), max(part.shape[1] for part in parts)), fill)
-    top = 0
-    for part in parts:
-        whole[top : top + len(part), : part.shape[1]] = part
-        top += len(part)
-    return whole
 
 
 def holes_of(growth: Growth) -> list[tuple[int, int]]:
@@ -251,13 +261,3 @@ def holes_of(growth: Growth) -> list[tuple[int, int]]:
         all_ = wraps or not len(some)
         holes.append((0, n) if all_ else (int(some[0]), int(some[-1]) + 1))
     return holes
-
-
-def on_smaller(places: NDArray[np.bool_], count: int) -> list[NDArray[np.uint8]]:
-    """Levels of a mask, each half as large: 1 where one of four pixels is; whole squares only."""
-    copies = [places.view(np.uint8)]
-    while len(copies) < count:
-        rows, columns = (n // 2 * 2 for n in copies[-1].shape)
-        either = copies[-1][:rows:2, :columns] | copies[-1][1:rows:2, :columns]
-        copies.append(either[:, ::2] | either[:, 1::2])
-    return copies

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from weftex.analysis.canvas_lattice import VISIBLE_STRAIN, Around, CanvasLattice
-from weftex.analysis.colored_rows import ColoredRows
+from weftex.analysis.rows import ColoredRows
 from weftex.canvas import Canvas
 from weftex.endless.boxes import Corner, PlaneRequest, check_period
 from weftex.methods.near_regular.sample import BlockSample

@@ -14,8 +14,8 @@ from weftex.analysis.canvas_lattice import (
     found_vectors,
     given_lattice,
 )
-from weftex.analysis.colored_rows import ColoredRows, find_colored_rows
 from weftex.analysis.lattice import Lattice
+from weftex.analysis.rows import ColoredRows, find_colored_rows
 from weftex.canvas import Canvas
 from weftex.errors import InvalidInputError
 from weftex.exemplar import Exemplar

@@ -384,7 +384,7 @@ export class App extends Shelf {
     if (pace * recipe.size[0] * recipe.size[1] < SOON) return recipe;
     const most = this.method(recipe.method).fast ? 512 : 192; // the others go pixel by pixel
     const shrink = Math.min(1, most / Math.max(...recipe.size));
-    const parameters = recipe.method === "auto" ? { effort: "quick" } : recipe.parameters;
+    const parameters = recipe.method === "auto" ? {} : recipe.parameters;
     return { ...recipe, parameters, size: recipe.size.map((side) => Math.max(1, Math.round(side * shrink))) };
   }
 }

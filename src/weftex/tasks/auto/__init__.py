@@ -19,7 +19,7 @@ from weftex.method import Method, Model
 from weftex.methods.lattices import LatticeModel, is_strained
 from weftex.naming import make_method
 from weftex.parameters import parameter
-from weftex.progress import Progress, ProgressCallback, counted
+from weftex.progress import ProgressCallback, counted
 from weftex.results.synthesis import Synthesis
 from weftex.tasks.auto.findings import Findings, look, with_full
 from weftex.tasks.auto.rule import (
@@ -30,7 +30,6 @@ from weftex.tasks.auto.rule import (
     places_freely,
     strain_notes,
 )
-from weftex.tasks.auto.trial import MARGIN, best_of_choices, others
 
 #: Tried in turn where a method cannot be fitted, as to a sample that is mostly masked.
 _OTHERS = ("graphcut", "quilting", "patch-sampling", "ashikhmin")
@@ -60,8 +59,8 @@ class Auto(Method):
 
     effort: str = parameter(
         "normal",
-        "try nothing (quick), compare if unclear (normal), allow slower methods, too (best)",
-        choices=("quick", "normal", "best"),
+        "the method that suits the sample (normal), also where it is slower (best)",
+        choices=("normal", "best"),
     )
 
     def fit_exemplar(self, exemplar: Exemplar) -> AutoModel:
@@ -94,7 +93,7 @@ class AutoModel(Model):
         return found.full or found.lattice
 
     def choose(self, size: Canvas | int | tuple[int, int]) -> Choice:
-        """Return the rule's method for a canvas, and why; nothing is tried."""
+        """Return the rule's method for a canvas, and why."""
         canvas = as_canvas(size)
         if canvas.guide is not None:
             return Choice("refinement", {}, "there is a guide to follow")
@@ -135,35 +134,14 @@ class AutoModel(Model):
         The result's provenance has the method with its parameters, so that it can be made again by
         name, and the reason.
         """
-        choice, _ = self.chosen(canvas)
-        choices = [choice]
-        if canvas.guide is None and canvas.known is None and self._effort != "quick":
-            choices += others(choice, self.findings, canvas)
-        done: list[Synthesis] = []
-        steps = Progress(progress, len(choices), "choices", lambda: done[-1].image)
-
-        def tried(one: Choice) -> Synthesis:
-            within = progress if len(choices) == 1 else steps.within()
-            model = self._fitted(one)
-            result = model.sample(canvas, seed=seed, threads=threads, progress=within)
-            done.append(result)
-            if len(choices) > 1:
-                steps.advance(1)
-            return result
-
-        choice, made = best_of_choices(choices, self.exemplar, tried)
-        made.provenance["reason"] = choice.reason
-        if choice.warnings:
-            made.provenance["warnings"] = list(choice.warnings)
-        return made
+        choice, model = self.chosen(canvas)
+        made = model.sample(canvas, seed=seed, threads=threads, progress=progress)
+        return _with_reason(made, choice)
 
     def make_window(
         self, box: Box, asked: PlaneRequest, progress: ProgressCallback | None = None
     ) -> Synthesis:
-        """See `Model.make_window`: the rule's choice for a picture as large as there can be.
-
-        Nothing is tried, so that every window has the same method.
-        """
+        """See `Model.make_window`: the rule's choice for a picture as large as there can be."""
         choice, model = self.chosen(_ENDLESS)
         if places_freely(choice):  # patches join blocks better, in half of the time
             choice = replace(choice, parameters={})
@@ -176,14 +154,17 @@ class AutoModel(Model):
             because = f"{choice.because}, but the endless texture has a period"
             choice = Choice("quilting", {}, because, choice.warnings)
             model = self._fitted(choice)
-        made = model.make_window(box, asked, progress)
-        made.provenance["reason"] = choice.reason
-        if choice.warnings:
-            made.provenance["warnings"] = list(choice.warnings)
-        return made
+        return _with_reason(model.make_window(box, asked, progress), choice)
 
 
-__all__ = ["MARGIN", "Auto", "AutoModel", "Findings", "choose", "choose_for_hole", "look"]
+__all__ = ["Auto", "AutoModel", "Findings", "choose", "choose_for_hole", "look"]
+
+
+def _with_reason(made: Synthesis, choice: Choice) -> Synthesis:
+    made.provenance["reason"] = choice.reason
+    if choice.warnings:
+        made.provenance["warnings"] = list(choice.warnings)
+    return made
 
 
 def fitting_canvas(canvas: Canvas, exemplar: Exemplar, method: Method) -> Canvas:

@@ -92,6 +92,7 @@ def choose(findings: Findings, canvas: Canvas, *, patient: bool = False) -> Choi
     choice = (
         _too_small(findings)
         or _regular(findings, canvas, patient)
+        or _in_rows(findings, canvas)
         or _fine(findings, canvas, pixels <= (2 * PATIENCE if patient else PATIENCE))
         or _irregular(findings, canvas, patient or pixels <= PATIENCE)
     )
@@ -124,6 +125,13 @@ def _regular(findings: Findings, canvas: Canvas, patient: bool) -> Choice | None
     if exact and entire:
         return Choice("graphcut", {**WHOLE, **given}, because, notes)
     return Choice("near-regular", given, because, notes)
+
+
+def _in_rows(findings: Findings, canvas: Canvas) -> Choice | None:
+    """Return entire samples by rows that differ, such as boards; even ones are `_regular`."""
+    if not findings.rows or any(canvas.wrap) or math.prod(canvas.shape) > _LARGE:
+        return None
+    return Choice("graphcut", {"placement": "rows"}, "the sample has rows of different kinds")
 
 
 def _fine(findings: Findings, canvas: Canvas, entire: bool) -> Choice | None:

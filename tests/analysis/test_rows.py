@@ -1,10 +1,12 @@
-"""Rows of a sample that keep a color each, and how near-regular synthesis continues them."""
+"""Rows of a sample: colors of their own and joints, and how methods continue them."""
 
 import numpy as np
 import pytest
 
+import weftex
 from methods.test_near_regular import model_of
-from weftex.analysis.colored_rows import find_colored_rows
+from weftex.analysis.rows import find_boards, find_colored_rows
+from weftex.canvas import Canvas
 
 
 def boards(side, high=16, tone=40):
@@ -86,3 +88,44 @@ def test_rows_of_mixed_colors_are_free():
     assert find_colored_rows(boards(128), slanted) is None
     for other in (pixels.astype(np.uint8), np.full((128, 128, 3), 9, np.uint8)):
         assert find_colored_rows(other, level) is None
+
+
+UNEVEN = np.array([0, 21, 55, 80, 126, 147, 180])  # where boards begin
+
+
+def planks(side=180):
+    """Boards that lie, of different heights, with a joint of three lines above each."""
+    rng, y = np.random.default_rng(8), np.arange(side)
+    row = np.searchsorted(UNEVEN, y, side="right") - 1
+    grain = rng.integers(0, 9, (side, side, 1))
+    pixels = rng.integers(90, 160, (len(UNEVEN), 3))[row][:, None] + grain
+    pixels[y - UNEVEN[row] < 3] = 20
+    return pixels.astype(np.uint8)
+
+
+@pytest.mark.parametrize("stands", [False, True])
+def test_joints_run_through_an_output(stands):
+    """Each of its lines shows one line of the sample, or one beside it; not in holes or planes."""
+    pixels = np.ascontiguousarray(planks().swapaxes(0, 1) if stands else planks())
+    rows = find_boards(pixels)
+    assert np.abs(rows.edges[2:] - UNEVEN[1:]).max() <= 3 and rows.axis == int(stands)
+    model = weftex.Auto().fit(weftex.Exemplar(pixels))
+    assert model.choose(300).parameters == {"placement": "rows"}
+    others = map(model.choose, (4096, Canvas(300, 300, (True, True))))
+    assert all(one.parameters != {"placement": "rows"} for one in others)
+    out = model.sample((300, 340), seed=1)
+    both = out.source[..., int(stands)], out.image
+    lines, image = (one.swapaxes(0, 1) if stands else one for one in both)
+    assert (abs(lines - np.median(lines, axis=1)[:, None]) <= 2).mean() > 0.9
+    dark = (image.max(axis=2) < 60).mean(axis=1)
+    assert ((dark < 0.05) | (dark > 0.95)).all() and 20 < (dark > 0.95).sum() < 60
+    weftex.synthesize(pixels, 200, method="graphcut", placement="rows", tileable=True, seed=1)
+
+
+def test_a_map_of_rows_fills_an_output():
+    assert find_boards(np.random.default_rng(1).integers(0, 255, (96, 96, 3), np.uint8)) is None
+    for size in (90, 700):
+        start, end, source = np.array(find_boards(planks()).row_map(size, 3).bands).T
+        assert [*start, size] == [0, *end] and (end > start).all()
+        assert source.min() >= 0 and (source + end - start).max() <= 180
+        assert find_boards(planks()).row_map(size, 4).bands[0][1] != end[0]

@@ -1,0 +1,214 @@
+"""Rows of a sample, such as boards: whether they keep a color each, and one map of them.
+
+Joints run through a whole picture, so each of its lines shows one line of the sample. A map says
+which: whole rows of the sample, from joint to joint, in an order that is drawn.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from weftex.analysis.canvas_lattice import CanvasLattice
+from weftex.random import draw
+from weftex.raster.arrays import Floats
+from weftex.raster.boxes import centered_sums, sums_along
+
+_SLANT = 0.1  # of rows that are still taken for level, or upright
+_SHARE = (2, 5)  # of the variance of colors, from which rows keep their color; boards 0.5 to 0.8
+_JOINT = 12  # of a row's height, over which a joint is looked for
+_WIDE = 2  # lines at either side of a joint over which its steps in tone are added up
+_HIGHEST, _STEP = 8, 0.35  # of the mean of that many highest steps, that a joint must have
+_MOST = 16  # rows of a sample
+_BORDER = 3  # lines at a border of the sample, in which no joint is looked for
+_THROUGH = 0.6  # share of a step that is the same along the whole joint; stones up to 0.55
+_NEAR = 10  # lines at either side of joints that are compared
+_ALIGNED = 4  # lines by which one of two joints is shifted to match the other
+_NEVER = 1e9  # a cost
+_TRIES, _STEPS = 24, 64  # orders of rows that are compared; rows from which what is drawn repeats
+_SAME, _AGAIN, _PAIR, _DRAWN = 0.5, 0.6, 0.5, 0.3  # costs of repeats, and of what is drawn
+#: Whole rows up to which those cut by the border count; their least height over the mean, and cost.
+_FEW, _PART, _PARTIAL = 2, 0.55, 0.2
+
+
+class ColoredRows(NamedTuple):
+    """The rows of a sample whose rows keep a color each."""
+
+    axis: int  # along which they change: 0 where they lie, 1 where they stand
+    height: float  # pixels
+    joint: int  # where the first one ends, along the axis
+
+    def division(self, size: int, height: float | None = None) -> tuple[int, int]:
+        """How many rows a block no larger than `size` has, and how many blocks share a row.
+
+        One of the two is 1. On a canvas that wraps rows have another `height`.
+
+        >>> ColoredRows(0, 8.0, 0).division(20), ColoredRows(0, 50.0, 0).division(20)
+        ((2, 1), (1, 3))
+        """
+        height = height or self.height
+        return max(1, int(size / height + 1e-9)), math.ceil(height / size - 1e-9)
+
+
+def find_colored_rows(pixels: NDArray[np.uint8], vectors: tuple[float, ...]) -> ColoredRows | None:
+    """Find rows that keep a color each; None if rows are slanted or of mixed colors.
+
+    The first of the vectors x1, y1, x2, y2 leads from row to row.
+
+    >>> boards = np.repeat(np.uint8([90, 120, 100, 140, 95, 130]), 8)
+    >>> boards[4::8] = 30
+    >>> find_colored_rows(np.tile(boards, (48, 1))[..., None], (8, 0, 0, 7))
+    ColoredRows(axis=1, height=8, joint=4)
+    """
+    x, y = abs(vectors[0]), abs(vectors[1])
+    if min(x, y) > _SLANT * max(x, y):
+        return None
+    axis = 0 if y > x else 1
+    period = round(max(x, y))
+    rest = np.moveaxis(pixels.astype(np.int64) - mean_tiles(pixels, vectors), axis, 0)
+    # Colors of boxes as long as rows are high, or half the sample, and half as high.
+    high, period = max(1, period // 2), min(period, rest.shape[1] // 2)
+    count = rest.shape[1] // max(1, period)
+    if count < 2 or len(rest) < high:
+        return None
+    parts = rest[:, : count * period].reshape(len(rest), count, period, -1).sum(axis=2)
+    first = np.arange(len(parts) - high + 1)
+    parts = sums_along(parts, 0, first, first + high)
+    whole = parts.sum(axis=(0, 1)) ** 2
+    number = parts.shape[0] * count
+    rows = (parts.sum(axis=1) ** 2).sum(axis=0) * len(parts) - whole
+    total = (parts**2).sum(axis=(0, 1)) * number - whole
+    if total.sum() > 0 and _SHARE[1] * int(rows.sum()) >= _SHARE[0] * int(total.sum()):
+        return ColoredRows(axis, max(x, y), _first_joint(pixels, max(x, y), axis))
+    return None
+
+
+def mean_tiles(pixels: NDArray[np.uint8], vectors: tuple[float, ...]) -> NDArray[np.uint8]:
+    """Replace each pixel by the mean of all at its place of the tile, to about a pixel."""
+    lattice = CanvasLattice(vectors)
+    sides = [max(1, round(float(np.hypot(*v)))) for v in lattice.sample]
+    y, x = np.indices(pixels.shape[:2])
+    cell = lattice.cell(y, x, sides)
+    flat, count = cell.ravel(), np.bincount(cell.ravel())
+    total = np.stack([np.bincount(flat, c.ravel()) for c in np.moveaxis(pixels, 2, 0)], axis=1)
+    mean: NDArray[np.uint8] = np.rint(total / np.maximum(count, 1)[:, None]).astype(np.uint8)
+    return mean[cell]
+
+
+def _first_joint(pixels: NDArray[np.uint8], period: float, axis: int) -> int:
+    """Where all rows look most alike, as they do in joints."""
+    lines = np.moveaxis(pixels, axis, 0).sum(axis=1, dtype=np.int64)
+    at = np.arange(len(lines))
+    place = np.floor(at - np.floor(at / period) * period).astype(np.int64)
+    count = np.bincount(place)
+    variance = np.zeros(len(count), np.int64)
+    for line in lines.T:
+        total, squares = (np.bincount(place, k).astype(np.int64) for k in (line, line**2))
+        variance += (squares * count - total**2) // count**2
+    near = max(0, round(period / _JOINT) // 2)
+    around = np.stack([np.roll(variance, k) for k in range(-near, near + 1)]).sum(axis=0)
+    return int(around.argmin())
+
+
+class RowMap(NamedTuple):
+    """Which line of a sample each line of an output shows."""
+
+    axis: int  # across the rows: 0 where they lie, 1 where they stand
+    bands: list[tuple[int, int, int]]  # from, to (not included), and the first's of the sample
+
+    def band(self, pixel: tuple[int, int]) -> tuple[int, int, int]:
+        """The band of lines that a pixel of the output lies in."""
+        return next(band for band in self.bands if pixel[self.axis] < band[1])
+
+
+class Boards:
+    """The rows of a sample uint8 (H, W, K), from joint to joint, that lie across an axis."""
+
+    def __init__(self, pixels: NDArray[np.uint8], axis: int) -> None:
+        lines = np.ascontiguousarray(np.moveaxis(pixels, 2, 0)).swapaxes(1, axis + 1)
+        self.axis, height, one, two = axis, pixels.shape[axis], lines[:, 1:], lines[:, :-1]
+        self._tones = lines.sum(axis=2, dtype=np.int64).T
+        steps = (np.maximum(one, two) - np.minimum(one, two)).sum(axis=2, dtype=np.int64).T
+        # Steps in tone around each line: what the whole line has in common, and all.
+        both = np.pad([abs(np.diff(self._tones, axis=0)), steps], ((0, 0), (1, 1), (0, 0)))
+        common, every = centered_sums(both.sum(axis=2), _WIDE, (1,))
+        least, found = _STEP * np.sort(common)[-_HIGHEST:].mean(), list[int]()
+        for k in np.argsort(-common, kind="stable").tolist():
+            if common[k] >= least and all(abs(k - one) * _MOST >= height for one in found):
+                found.append(k)
+        found = [k for k in found if _BORDER <= k <= height - _BORDER]
+        self._steps, self.edges = both[1, 1:], np.array([0, *sorted(found), height])
+        #: The share of the steps at joints that all columns have.
+        self.through = 0.0
+        if len(found) > 1:
+            self.through = float(common[found].sum() / max(every[found].sum(), 1))
+
+    def _jumps(self) -> tuple[Floats, NDArray[np.int64]]:
+        """Return the costs of showing row b after the joint a, and by how much b is shifted.
+
+        The tones of lines, less slow changes, and their steps are compared around both joints.
+        """
+        height, tones = len(self._tones), self._tones
+        slow, count = (centered_sums(a, _NEAR, (0,)) for a in (tones, np.ones_like(tones)))
+        looks = np.concatenate([tones - (slow // count).astype(np.int64), self._steps], axis=1)
+        away, shifts = np.arange(-_NEAR, _NEAR), np.arange(-_ALIGNED, _ALIGNED + 1)
+        starts = self.edges[:, None] + shifts
+        first, second = self.edges[:, None, None, None] + away, starts[..., None] + away
+        known = (np.minimum(first, second) >= 0) & (np.maximum(first, second) < height)
+        first, second = (np.clip(one, 0, height - 1) for one in (first, second))
+        weights = known * (2 * _NEAR - abs(2 * away + 1))
+        apart = (np.square(looks[first] - looks[second]).sum(axis=-1) * weights).sum(axis=-1)
+        usual = np.square(looks - looks.sum(axis=0) // height).sum() / height
+        cost = apart / np.maximum(weights.sum(axis=-1), 1) / max(usual, 1)
+        outside = (starts < 0) | (starts >= np.append(self.edges[1:], 0)[:, None])
+        cost[outside | (known.sum(axis=-1) < _NEAR)] = _NEVER
+        cost[-1, :, 1:] = _NEVER  # after a row that the border cuts, all of the next joint
+        best = cost.argmin(axis=-1)
+        cost, shift = np.take_along_axis(cost, best[..., None], -1)[..., 0], shifts[best]
+        cost[-1, 0] = _NEVER  # without a joint
+        np.fill_diagonal(cost, 0.0)  # as in the sample
+        np.fill_diagonal(shift, 0)
+        return cost, shift
+
+    def row_map(self, size: int, seed: int) -> RowMap:
+        """Return a map of rows for an output, the cheapest of several that are drawn."""
+        jumps, count = self._jumps(), len(self.edges) - 1
+        drawn = draw(seed, "rows", *np.ogrid[:_TRIES, :_STEPS, :count]) >> np.uint64(32)
+        tried = [self._walk(size, one, *jumps) for one in drawn.astype(np.int64)]
+        return RowMap(self.axis, min(tried, key=lambda one: one[0])[1])
+
+    def _walk(
+        self, size: int, drawn: NDArray[np.int64], costs: Floats, shifts: NDArray[np.int64]
+    ) -> tuple[float, list[tuple[int, int, int]]]:
+        """Return what each row of a map costs on average, and the map."""
+        edges, heights = self.edges.tolist(), np.diff(self.edges)
+        # The sample's border cuts the first and the last row.
+        few = len(heights) <= _FEW + 2
+        own = np.where(few & (heights >= _PART * heights[1:-1].mean()), _PARTIAL, _NEVER)
+        own[1:-1] = 0.0
+        costs, total, bands = costs.copy(), 0.0, list[tuple[int, int, int]]()
+        shown: list[tuple[int, int]] = []
+        y, source = 0, int(drawn[0, 0]) % min(edges[-1] // 3, edges[-2])
+        row = int(np.searchsorted(edges, source, side="right")) - 1
+        while (end := y + edges[row + 1] - source) < size:
+            bands.append((y, end, source))
+            shown.append((row, y))
+            y, before = end, row + 1
+            options = costs[before, :-1] + own
+            options[row] += _SAME
+            for one, at in shown:
+                options[one] += max(0.0, _AGAIN * (1 - (y - at) / (2 * edges[-1])))
+            row = int((options + _DRAWN * (drawn[len(bands) % _STEPS] / 2**32)).argmin())
+            total += float(options[row])
+            costs[before, row] += _PAIR
+            source = max(0, edges[row] + int(shifts[before, row]))
+        return total / (len(bands) + 1), [*bands, (y, size, source)]
+
+
+def find_boards(pixels: NDArray[np.uint8]) -> Boards | None:
+    """Find rows whose joints run through a sample uint8 (H, W, K)."""
+    found = max((Boards(pixels, axis) for axis in (0, 1)), key=lambda one: one.through)
+    return found if found.through >= _THROUGH else None
