@@ -51,9 +51,8 @@ def run_synth(argv: list[str]) -> None:
 def run_fill(argv: list[str]) -> None:
     """Fill the holes in a photo.
 
-    All other pixels stay unchanged unless --overlap is given. Without --method, weftex chooses
-    graphcut for photos with a lattice, and for photos up to 512x512 with rows or large features.
-    With --sample or a method parameter, and for all others, it uses patch-sampling.
+    All other pixels stay unchanged unless --overlap is given. Without --method, weftex uses
+    graphcut; with --sample or a method parameter, patch-sampling.
 
     examples:
       weftex fill photo.png --mask hole.png -o whole.png
