@@ -140,7 +140,7 @@ def fit_vectors(
     """
     height, width = (side // 2 + 1 for side in correlation.shape)
     window = max(1, min(3, int(np.hypot(*vectors.T).min() // 5)))
-    agreed, limit, before = 0, 1, np.zeros((0, 0))
+    agreed, limit = 0, 1
     # Far shifts compare a small part of the sample; half of each side is enough.
     far = 0.6 * np.array([width, height])
     while True:
@@ -148,10 +148,7 @@ def fit_vectors(
         places = times @ vectors
         keep = (abs(places) <= far).all(axis=1)
         times, nearest = times[keep], np.rint(places[keep]).astype(int)
-        looked_at = np.column_stack([times, nearest, np.full(len(times), window)])
-        # None is near where a vector is longer than that; the same say the same vectors again.
-        if len(times) and not np.array_equal(looked_at, before):
-            before = looked_at
+        if len(times):  # none is near where a vector is longer than that
             found, heights = np.empty((len(nearest), 2)), np.empty(len(nearest))
             kernels.tops(correlation, nearest, window, found, heights)  # 0 where there is no peak
             good = heights > 0

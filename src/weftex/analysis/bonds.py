@@ -18,11 +18,13 @@ _REACH = 0.7  # of the sample: the farthest that is compared
 _LEAST = 0.1  # of the sample, that must overlap
 _SHORTEST = 0.5  # of the distance of rows, and
 _FINEST = 6.0  # pixels: the shortest piece
-_LONGEST = 0.65  # of what is compared, and
+_LONGEST = 0.85  # of what is compared, and
+_BRICK = 1.5  # of the distance of rows: the shortest brick
 _FLATTEST = 4.0  # of the distance of rows: the longest; slanted lines have longer stairs
 _SHIFTS = 48  # shifts of a row against the next that are tried
 _SUMS = 6  # of vectors, that may lead along a row, or to the next
 _OFF, _SLANT = 0.1, 0.02  # of the distance, and of their length, that these may be off
+_FAINTEST = 0.01  # of all edges: the least that joints are
 _CHANCE = 0.7  # of chance: the least spread, about, of a photograph along its rows
 
 
@@ -41,25 +43,28 @@ class Bonds:
         power = (self.table**2 * self.weights).sum() / max(float(self.weights.sum()), 1e-12)
         self.spread = max(float(np.sqrt(power)), 1e-12)
 
-    def best(self, chance: float = 0.0) -> tuple[Floats, float] | None:
-        """The most likely bond and its confidence; None where rows are too short.
+    def best(self, chance: float = 0.0, half: bool = False) -> tuple[Floats, float, float] | None:
+        """The most likely bond, its confidence and its share; None where rows are too short.
 
         Vectors lead along a row and to the next. How far multiples are above what is between them,
         times the root of their number, is in units of the spread of all, or of `chance` if that is
-        more: stairs of a drawing come back, far below it.
+        more: stairs of a drawing come back, far below it. The share is that of the correlation at
+        no shift. With `half` each row is moved by half a brick: chance makes few of these.
         """
-        best, found = 0.0, None
-        shortest = max(_FINEST, _SHORTEST * self.distance)
-        for length in np.arange(shortest, min(_LONGEST * self.far, _FLATTEST * self.distance)):
-            shifts = np.arange(0, length, max(1.0, length / _SHIFTS))
-            sure = self._rated(float(length), shifts)
+        best, share, found = 0.0, 0.0, None
+        shortest = max(_FINEST, (_BRICK if half else _SHORTEST) * self.distance)
+        longest = min(_LONGEST * self.far, _FLATTEST * self.distance)
+        for length in np.arange(shortest, longest):
+            first, step = (length / 2, length) if half else (0, max(1.0, length / _SHIFTS))
+            shifts = np.arange(first, length, step)
+            sure, shares = self._rated(float(length), shifts)
             k = int(sure.argmax())
             if sure[k] > best:
-                best, found = float(sure[k]), (length * self.along, shifts[k])
-        if found is None:
+                best, share, found = float(sure[k]), float(shares[k]), (length, shifts[k])
+        if found is None or (half and found[0] >= longest - 1):  # of longer bricks, perhaps
             return None
         best *= min(1.0, self.spread / max(_CHANCE * chance, 1e-12))
-        return np.stack([found[0], self.rows + found[1] * self.along]), best
+        return np.stack([found[0] * self.along, self.rows + found[1] * self.along]), best, share
 
     def of(self, vectors: Floats) -> float | None:
         """The confidence of the bond that a lattice has; None if it is no bond of these rows."""
@@ -73,10 +78,10 @@ class Bonds:
         length = float(places[same].min())
         if not next_one.any():  # two rows of pieces longer than any are chance
             return 0.0 if length > _FLATTEST * self.distance else None
-        return float(self._rated(length, places[next_one][:1] % length)[0])
+        return float(self._rated(length, places[next_one][:1] % length)[0][0])
 
-    def _rated(self, length: float, shifts: Floats) -> Floats:
-        """The evidence for multiples of a piece, for each shift."""
+    def _rated(self, length: float, shifts: Floats) -> tuple[Floats, Floats]:
+        """The evidence for multiples of a piece, for each shift, and their share."""
         most = int(self.far / length) + 2
         away, times = np.mgrid[: _ROWS + 1, -most - _ROWS : most + 1].reshape(2, -1)
         ahead = (away > 0) | (times > 0)
@@ -90,8 +95,9 @@ class Bonds:
             weight = share.sum(axis=0)
             means.append((self.table[away, place] * share).sum(axis=0) / np.maximum(weight, 1e-9))
             total = weight if phase == 0 else total
-        found: Floats = (means[0] - np.max(means[1:], axis=0)) * np.sqrt(total) / self.spread
-        return found
+        higher: Floats = means[0] - np.max(means[1:], axis=0)
+        own = max(float(self.table[0, self.far]), _FAINTEST)
+        return higher * np.sqrt(total) / self.spread, higher / own
 
 
 def _along(
@@ -126,12 +132,9 @@ def _along(
 
 def _between(values: Floats, x: Floats, y: Floats) -> Floats:
     """Values at places between pixels, which at the border are those of the border."""
-    places = []
-    for at, size in ((y, values.shape[0]), (x, values.shape[1])):
-        inside = np.clip(at, 0, size - 1.001)
-        first = inside.astype(np.int64)
-        places.append((first, inside - first))
-    (i, down), (j, along) = places
+    x, y = (np.clip(at, 0, side - 1.001) for at, side in ((x, values.shape[1]), (y, len(values))))
+    i, j = y.astype(np.int64), x.astype(np.int64)
+    down, along = y - i, x - j
     upper = values[i, j] * (1 - along) + values[i, j + 1] * along
     lower = values[i + 1, j] * (1 - along) + values[i + 1, j + 1] * along
     found: Floats = upper * (1 - down) + lower * down

@@ -19,7 +19,7 @@ from weftex.analysis.autocorrelations import Autocorrelations
 from weftex.analysis.bonds import Bonds
 from weftex.analysis.lines import checked, find_courses, find_rows, rated, ridges
 from weftex.analysis.pairs import contrast_of, fitted, highest, rate, rated_pairs, reach_of, reduced
-from weftex.analysis.prediction import maps_better, predicting
+from weftex.analysis.prediction import correlation_across, predicting
 from weftex.analysis.tile_multiples import alternating, made_of, settled
 from weftex.raster.arrays import Floats
 
@@ -50,6 +50,7 @@ WEIGHTS: dict[str, tuple[float, ...]] = {
     "stripes": (-2.09, 0.0, 0.0, 12.34, 0.0),  # along both vectors
     "bonds": (-9.02, 0.0, 0.0, 0.0, 3.06),  # joints within rows
     "both": (-10.0, 0.0, 0.0, 10.0, 3.06),  # joints across and within rows
+    "running": (-16.0, 0.0, 0.0, 60.0, 1.0),  # edges across the rows, as of bricks
 }
 #: Of the surest: some tiles pass for lattices that are part of one, whatever is fields.
 SUREST = 0.95
@@ -140,8 +141,8 @@ def _of_checks(fields: Autocorrelations, highest: Floats, settled: Evidence) -> 
 def better_pair(fields: Autocorrelations, pairs: Sequence[Evidence]) -> Evidence | None:
     """Return the second pair if it is clearer or the first consists of its tiles, else the first.
 
-    It must have half of the first one's contrast, as the threads of a checked cloth are clear too,
-    or map edges better. Chance makes some larger tile better, so all multiples count together.
+    It must have half of the first one's contrast, as the threads of a checked cloth are clear too.
+    Chance makes some larger tile better, so all multiples count together.
     """
     if len(pairs) < 2:
         return pairs[0] if pairs else None
@@ -150,10 +151,7 @@ def better_pair(fields: Autocorrelations, pairs: Sequence[Evidence]) -> Evidence
         return first  # or they are one lattice
     if made_of(first.vectors, second.vectors) is None and second.figures[2] <= first.figures[2]:
         return first
-    if max(second.contrast, 0.0) >= max(first.contrast, 0.0) / 2:
-        return second
-    better = second.confidence >= LEAST and maps_better(fields, second.vectors, first.vectors)
-    return second if better else first
+    return second if max(second.contrast, 0.0) >= max(first.contrast, 0.0) / 2 else first
 
 
 def predicted(fields: Autocorrelations, one: Evidence) -> Evidence | None:
@@ -205,12 +203,14 @@ def _rows_by(fields: Autocorrelations, vector: Floats, contrast: float) -> Evide
     return Evidence(vector[None], "rows", contrast, clear, number, sure)
 
 
-def bond_candidate(fields: Autocorrelations, rows: Evidence) -> Evidence | None:
-    """Return the bond with the best evidence of joints within the rows."""
-    found = Bonds(fields.white.correlation, rows.vectors[0]).best(fields.chance)
-    if found is None:
-        return None
-    return Evidence(fitted(fields.white, reduced(found[0])), "bonds", bond=found[1])
+def bond_candidate(fields: Autocorrelations, rows: Evidence, half: bool = False) -> Evidence | None:
+    """Return the best bond by joints within the rows, or running bond (`half`) by edges."""
+    vector = rows.vectors[0]
+    if half:
+        found = Bonds(correlation_across(fields.flat, vector), vector).best(half=True)
+        return found and Evidence(reduced(found[0]), "running", lines=found[2], bond=found[1])
+    found = Bonds(fields.white.correlation, vector).best(fields.chance)
+    return found and Evidence(fitted(fields.white, reduced(found[0])), "bonds", bond=found[1])
 
 
 def checked_by_rows(fields: Autocorrelations, pair: Evidence) -> Evidence:
@@ -242,13 +242,12 @@ def lattice_of_rows(fields: Autocorrelations, rows: Evidence) -> Evidence:
 
     Rows without a bond have neither, so two faint kinds of evidence together may be sure.
     """
-    both = crossing_candidate(fields, rows), bond_candidate(fields, rows)
-    found = [one for one in both if one is not None]
-    if len(found) == 2:
-        across, within = found
-        told = within._replace(lines=across.lines, kind="both")
-        found += [told._replace(vectors=one.vectors) for one in found]
-    sure = filter(_sure, found)
+    across, within = crossing_candidate(fields, rows), bond_candidate(fields, rows)
+    found = [across, within, bond_candidate(fields, rows, half=True)]
+    if across is not None and within is not None:
+        both = within._replace(lines=across.lines, kind="both")
+        found += [both, both._replace(vectors=across.vectors)]
+    sure = [one for one in found if one is not None and _sure(one)]
     return max(sure, key=lambda one: (_clear(fields, one.vectors), one.confidence), default=rows)
 
 

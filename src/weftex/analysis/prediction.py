@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from weftex.analysis.autocorrelations import Autocorrelations
+from weftex.analysis.correlation import correlate
 from weftex.analysis.lines import edges_of, joints_of
 from weftex.analysis.pairs import fitted, multiples, reduced
 from weftex.analysis.relief import Relief, means
@@ -58,13 +59,12 @@ def predicting(fields: Autocorrelations, vectors: Floats) -> Floats | None:
     return vectors if sure or vectors is not given else None
 
 
-def maps_better(fields: Autocorrelations, vectors: Floats, others: Floats) -> bool:
-    """Return whether multiples of vectors map edges onto edges more often than those of others."""
-    shortest = min(float(np.hypot(*pair.T).min()) for pair in (vectors, others))
-    edges, times = Edges(fields.flat, shortest), multiples(_FAR, (0, 0))
-    pairs = (edges.at(edges.all, times @ pair / edges.step) for pair in (vectors, others))
-    one, other = (float(high @ share) / max(share.sum(), 1e-12) for high, share in pairs)
-    return shortest >= _CLOSE and one > other
+def correlation_across(flat: Relief, rows: Floats) -> Floats:
+    """Return the correlation of the edges across rows, less those along them."""
+    (one, both, other), inner = joints_of(flat)[:2]
+    x, y = rows / np.hypot(*rows)
+    edges = ((y * y - x * x) * (one - other) - 4 * x * y * both) * inner
+    return correlate(edges[None], inner)
 
 
 class Edges:
