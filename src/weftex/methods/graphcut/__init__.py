@@ -281,12 +281,12 @@ def placement_of(
     entire, lattice, penalty = method.placement != "subpatch", method.lattice, None
     boxes = (sample.boxes if entire else []) or [(0, 0, *sample.exemplar.shape)]
     if method.variety > 0 and method.placement != "random":
-        # Things that are shown both ways up look less alike.
+        # Things shown both ways up look less alike. High prices would cut joints of a lattice.
         nearby, use = (0.3 if sample.boxes else 0.4, 0.05) if entire else (1.0, 0.25)
         policy = Repetition(method.variety, nearby, use)
         small = sample.part(boxes[0]).levels(cell_side(boxes))[-1]
-        # Joints of little contrast would be cut, to repeat less, so prices are half on a lattice.
-        cells, cost = (small.pixels, small.mask), sample.usual_cost * (0.5 if lattice else 1.0)
+        price = 1.0 if lattice is None else 0.0 if any(growth.canvas.wrap) else 0.5
+        cells, cost = (small.pixels, small.mask), sample.usual_cost * price
         penalty = SaliencePenalty(policy, sample.exemplar, growth, boxes, cells, cost)
     if not entire:
         return SubPatchMatching(sample, growth, shape, method.boundary_width or 0, penalty)
