@@ -34,7 +34,7 @@ def test_a_persons_whole_way(tab: Any, address: str, photo: Path) -> None:
     page.click("[data-screen=make]")
     one.size(160, 128)
     page.check("input[value=xy]")
-    page.check("input[value=quick]")
+    page.check("input[value=best]")
     one.press_make()
     assert len(page.query_selector_all(".strip button")) == 2
     for mode in ("split", "light", "picture"):
@@ -147,7 +147,7 @@ def test_keys_alone(tab: Any, address: str) -> None:
     page.keyboard.press("Control+z")
     page.wait_for_selector("text=0 % painted")
     page.keyboard.press("Alt+2")
-    page.check("input[value=quick]")
+    page.check("input[value=best]")
     page.keyboard.press("Control+Enter")
     page.wait_for_selector(".panel >> text=Made by")
     page.keyboard.press("r")
