@@ -6,5 +6,5 @@ has it as one function: `correlation` (3.1 and 3.2), `autocorrelations` and thei
 
 What the thesis lacks, and photos need, can be skipped: `evidence` weighs what speaks for a lattice
 or for rows, from `tile_multiples` (smaller, larger), `lines` (ridges, joints) and `bonds`.
-`rows` finds boards, for near-regular synthesis.
+`rows` finds boards, for near-regular synthesis and graph cut.
 """

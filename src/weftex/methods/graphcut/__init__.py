@@ -285,8 +285,7 @@ def placement_of(
         nearby, use = (0.3 if sample.boxes else 0.4, 0.05) if entire else (1.0, 0.25)
         policy = Repetition(method.variety, nearby, use)
         small = sample.part(boxes[0]).levels(cell_side(boxes))[-1]
-        price = 1.0 if lattice is None else 0.0 if any(growth.canvas.wrap) else 0.5
-        cells, cost = (small.pixels, small.mask), sample.usual_cost * price
+        cells, cost = (small.pixels, small.mask), sample.usual_cost * (0.5 if lattice else 1.0)
         penalty = SaliencePenalty(policy, sample.exemplar, growth, boxes, cells, cost)
     if not entire:
         return SubPatchMatching(sample, growth, shape, method.boundary_width or 0, penalty)
@@ -302,9 +301,10 @@ def cut_and_paste(
     copies = method.placement in ("entire", "rows") and bool(sample.boxes)
     threads = min(growth.threads, count) if math.prod(placement.size) >= _LARGE else 1
     canvas = CutCanvas(sample, growth, placement, threads, copies=copies)
-    by_rows = method.lattice is not None and len(given_lattice(method.lattice).vectors) == 1
-    if by_rows or method.placement == "rows":
-        canvas.penalty = None  # bricks that have no fixed length would be cut
+    lattice = given_lattice(method.lattice) if method.lattice else None
+    strict = lattice is not None and (any(growth.canvas.wrap) or len(lattice.vectors) == 1)
+    if strict or method.placement == "rows":
+        canvas.penalty = None  # bricks of any length, or of tileable outputs, would be cut
     hole = np.ptp(holes_of(growth), axis=1)
     with quick_map(threads) as map_:
 
