@@ -26,7 +26,7 @@ def test_results_are_retouched_and_nothing_is_lost(tab: Any, address: str, photo
     page.wait_for_selector(".strip [aria-current] >> text=Hole filled")
     one.settle()
     assert "200 × 200" in page.inner_text(".stage-bar")  # the result was filled, not the photo
-    page.click("text=Use as sample")
+    page.click("text=Use as sample", delay=2000)  # the analysis ends meanwhile
     page.wait_for_selector(".panel h2 >> text=wall_filled")
     before = steps(page)
 

@@ -33,6 +33,12 @@ export function fill(element, ...children) {
   return element;
 }
 
+/** Do something once no button is pressed: one that is drawn anew between press and release gets no click. */
+export function unpressed(action) {
+  if (document.querySelector(":is(button, label, summary):active")) setTimeout(() => unpressed(action), 50);
+  else action();
+}
+
 /** What tells a control from its neighbors. */
 function sign(one) {
   return [one.tagName, one.type, one.ariaLabel ?? one.labels?.[0]?.textContent ?? one.textContent].join();

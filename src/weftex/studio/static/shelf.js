@@ -1,3 +1,5 @@
+import { unpressed } from "./dom.js";
+
 /** The materials that are open, the one that work begins from, and what analysis says about it. */
 export class Shelf extends EventTarget {
   constructor() {
@@ -55,11 +57,12 @@ export class Shelf extends EventTarget {
     if (this.looking) return;
     const asked = this.material;
     const { signal } = (this.looking = new AbortController());
-    const set = (type, changes) => {
-      if (this.material !== asked) return;
-      Object.assign(this, changes);
-      this.tell(type);
-    };
+    const set = (type, changes) =>
+      unpressed(() => {
+        if (this.material !== asked) return;
+        Object.assign(this, changes);
+        this.tell(type);
+      });
     this.api
       .found(`materials/${asked.id}/look`, {}, (lookJob) => set("looking", { lookJob }), signal)
       .then((look) => set("look", { look, lookJob: null }))

@@ -1,4 +1,4 @@
-import { fault, field, fill, h, icon, iconButton, segments, tick } from "../dom.js";
+import { fault, field, fill, h, icon, iconButton, segments, tick, unpressed } from "../dom.js";
 import { controls, parameterForm } from "../form.js";
 import { sameJson } from "../shelf.js";
 import { duration, number, said, t } from "../strings.js";
@@ -21,8 +21,9 @@ export class MakeScreen {
   enter(panel, { now = false } = {}) {
     this.panel = panel;
     this.stage.setSubject("result");
-    const update = (event) => this.refresh(event.detail?.passing);
-    const tell = () => (this.learn(this.app.preview?.result) ? this.refresh() : fill(this.toldBox, this.told() ?? []));
+    const soon = (action) => (event) => unpressed(() => this.panel && action(event));
+    const update = soon((event) => this.refresh(event.detail?.passing));
+    const tell = soon(() => (this.learn(this.app.preview?.result) ? this.refresh() : fill(this.toldBox, this.told() ?? [])));
     this.stop?.(); // it may be entered twice
     this.stop = this.app.listen({ result: update, look: update, preview: tell, recipe: tell, job: tell });
     this.draw();
