@@ -21,7 +21,7 @@ from weftex.endless.boxes import A_BLOCK, PlaneRequest, box_of
 from weftex.endless.corners import sure_vectors
 from weftex.endless.plane import usable_corners
 from weftex.endless.tiles import TilePlane, belt_of, size_with_periods, torus
-from weftex.errors import InvalidInputError, shown, whole_pair
+from weftex.errors import InvalidInputError, whole_pair, wrong_value
 from weftex.exemplar import Exemplar, Sample, load_exemplar
 from weftex.method import Method
 from weftex.naming import is_auto, make_method
@@ -156,8 +156,7 @@ class Atlas:
     def _numbers(self, nodes: NDArray[np.int64]) -> NDArray[np.int64]:
         """The numbers of the tiles between nodes of these colors."""
         upper = nodes[:, :-1] + self.colors * nodes[:, 1:]
-        found: NDArray[np.int64] = upper[:-1] + self.colors**2 * upper[1:]
-        return found
+        return upper[:-1] + self.colors**2 * upper[1:]
 
     def _pieces(self, pixels: NDArray[Any], cells: NDArray[np.int64]) -> NDArray[Any]:
         """The tiles of a grid without gutters at some cells (…, 2)."""
@@ -175,8 +174,7 @@ class Atlas:
             gutter = self.gutter * side // own
             around = np.arange(-gutter, side + gutter)
             lines.append((np.arange(count)[:, None] * side + around).ravel() % whole)
-        found: NDArray[Any] = pixels[np.ix_(*lines)]
-        return found
+        return pixels[np.ix_(*lines)]
 
 
 def atlas(
@@ -240,7 +238,7 @@ def atlas(
     ((256, 256, 3), (16, 64, 64, 3), (192, 320, 3))
     """
     if type(colors) is not int or colors not in (2, 3):
-        raise InvalidInputError(f"colors is {shown(colors)}; it must be 2 or 3")
+        raise wrong_value("colors", colors, "2 or 3")
     chosen = make_method(method, parameters)
     if not is_auto(chosen):
         chosen.require(A_BLOCK)
@@ -307,10 +305,8 @@ def _as_size(given: Any, exemplar: Exemplar) -> tuple[int, int]:
         given = max(_LEAST, min(_USUAL, *exemplar.shape))
     size = whole_pair(given, _LEAST)
     if size is None:
-        raise InvalidInputError(
-            f"tile_size is {shown(given)}; it must be a number of pixels, {_LEAST} or more, or a "
-            "height and a width"
-        )
+        wanted = f"a number of pixels, {_LEAST} or more, or a height and a width"
+        raise wrong_value("tile_size", given, wanted)
     return size
 
 
@@ -327,9 +323,7 @@ def _check_gutter(gutter: Any, size: tuple[int, int], exemplar: Exemplar) -> Non
     """Refuse a gutter out of range, and sizes that are no whole pixels of a coarser map."""
     most = min(size) // 2
     if type(gutter) is not int or not 0 <= gutter <= most:
-        raise InvalidInputError(
-            f"gutter is {shown(gutter)}; it must be from 0 to {most}, half of a tile"
-        )
+        raise wrong_value("gutter", gutter, f"from 0 to {most}, half of a tile")
     for name in exemplar.maps:
         step = Fraction(exemplar.scale_of(name)).denominator
         if any(pixels % step for pixels in (*size, gutter)):

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from weftex.errors import InvalidInputError, is_whole, shown
+from weftex.errors import InvalidInputError, is_whole, shown, wrong_value
 from weftex.exemplar import Exemplar
 from weftex.raster.arrays import as_mask, check_guide, check_pixels
 
@@ -87,9 +87,7 @@ class Canvas:
         for name in ("height", "width"):
             value = getattr(self, name)
             if not is_whole(value, 1):
-                raise InvalidInputError(
-                    f"{name} is {shown(value)}; it must be an integer of 1 or more"
-                )
+                raise wrong_value(name, value, "an integer of 1 or more")
             object.__setattr__(self, name, int(value))
         if self.height * self.width > MAX_PIXELS:
             raise InvalidInputError(
@@ -98,9 +96,7 @@ class Canvas:
             )
         wrap = self.wrap
         if not (isinstance(wrap, tuple) and len(wrap) == 2 and {*map(type, wrap)} == {bool}):
-            raise InvalidInputError(
-                f"wrap is {shown(wrap)}; it must be two booleans (vertical, horizontal)"
-            )
+            raise wrong_value("wrap", wrap, "two booleans (vertical, horizontal)")
         self._check_origin()
         if self.known_from is not None:
             object.__setattr__(self, "known_from", _place(self.known_from))
@@ -122,12 +118,10 @@ class Canvas:
 
     def _check_origin(self) -> None:
         if not isinstance(self.origin, tuple) or len(self.origin) != 2:
-            raise InvalidInputError(f"origin is {shown(self.origin)}; it must be (top, left)")
+            raise wrong_value("origin", self.origin, "(top, left)")
         for name, at in zip(("top", "left"), self.origin, strict=True):
             if type(at) is not int or not -FAR <= at <= FAR:
-                raise InvalidInputError(
-                    f"{name} is {shown(at)}; it must be an integer from -2**40 to 2**40"
-                )
+                raise wrong_value(name, at, "an integer from -2**40 to 2**40")
         whole = self.shown is None and self.hole is not None  # no block of a plane
         if self.origin != (0, 0) and (any(self.wrap) or whole):
             raise InvalidInputError(
@@ -163,11 +157,9 @@ class Canvas:
         try:
             top, left, height, width = (operator.index(part) for part in window)
         except (TypeError, ValueError):
-            raise InvalidInputError(
-                f"window is {shown(window)}; it must be (top, left, height, width)"
-            ) from None
+            raise wrong_value("window", window, "(top, left, height, width)") from None
         if min(top, left) < 0 or min(height, width) < 1:
-            raise InvalidInputError(f"window is {shown(window)}; it must be inside the output")
+            raise wrong_value("window", window, "inside the output")
         if top + height > self.height or left + width > self.width:
             raise InvalidInputError(
                 f"window {shown(window)} leaves the output, which is {self.height} high "
@@ -212,9 +204,7 @@ def _place(value: Any) -> tuple[int, int]:
         y, x = (operator.index(part) for part in value)
         return y, x
     except (TypeError, ValueError):
-        raise InvalidInputError(
-            f"known_from is {shown(value)}; it must be (row, column) in the sample"
-        ) from None
+        raise wrong_value("known_from", value, "(row, column) in the sample") from None
 
 
 def _check_kind(what: str, pixels: NDArray[Any], exemplar: Exemplar) -> None:
@@ -250,9 +240,7 @@ def as_canvas(size: Canvas | int | tuple[int, int], tileable: bool | str = False
     """
     wraps = {False: (False, False), True: (True, True), "x": (False, True), "y": (True, False)}
     if not isinstance(tileable, (bool, str)) or tileable not in wraps:
-        raise InvalidInputError(
-            f"tileable is {shown(tileable)}; it must be True, False, 'x' or 'y'"
-        )
+        raise wrong_value("tileable", tileable, "True, False, 'x' or 'y'")
     if isinstance(size, Canvas):
         if tileable:
             raise InvalidInputError("tileable has no effect with a Canvas; give wrap to the Canvas")
@@ -263,5 +251,5 @@ def as_canvas(size: Canvas | int | tuple[int, int], tileable: bool | str = False
         pair: Any = size if isinstance(size, (list, tuple, np.ndarray)) else ()
         height, width = pair
     except (TypeError, ValueError):
-        raise InvalidInputError(f"size is {shown(size)}; it must be (height, width)") from None
+        raise wrong_value("size", size, "(height, width)") from None
     return Canvas(height, width, wraps[tileable])

@@ -23,6 +23,7 @@ __all__ = [
     "missing_packages",
     "shown",
     "whole_pair",
+    "wrong_value",
 ]
 
 _LONGEST = 80  # characters of a value in a message
@@ -89,6 +90,11 @@ def shown(value: object) -> str:
     except Exception:  # anybody's own, or an integer of more digits than Python prints
         text = f"a {type(value).__name__}"
     return text if len(text) <= _LONGEST else text[: _LONGEST - 3] + "..."
+
+
+def wrong_value(name: str, value: object, wanted: str) -> InvalidInputError:
+    """Return the error that a value is not what it must be; `wanted` says that in words."""
+    return InvalidInputError(f"{name} is {shown(value)}; it must be {wanted}")
 
 
 def is_whole(value: object, least: int, most: float = math.inf) -> TypeGuard[int]:

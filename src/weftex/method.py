@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from weftex.canvas import CANVAS_KINDS, CANVAS_NAMES, Canvas, as_canvas
 from weftex.endless.boxes import A_BLOCK, Box, PlaneRequest, as_period, box_of
 from weftex.endless.grid import Sizes
-from weftex.errors import InvalidInputError, UnsupportedError, did_you_mean, is_whole, shown
+from weftex.errors import InvalidInputError, UnsupportedError, did_you_mean, is_whole, wrong_value
 from weftex.exemplar import Exemplar, Sample, load_exemplar
 from weftex.parameters import check_value, numbers_of
 from weftex.progress import ProgressCallback, listening
@@ -131,7 +131,7 @@ class Model(ABC):
         [(3, 64, 64), (3, 64, 64)]
         """
         if count is not None and not is_whole(count, 0):
-            raise InvalidInputError(f"count is {shown(count)}; it must be 0 or more, or None")
+            raise wrong_value("count", count, "0 or more, or None")
         first, at_once = seed_number(seed), thread_count(threads)
         canvas = as_canvas(size, tileable)
 

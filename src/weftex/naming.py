@@ -7,7 +7,7 @@ import shlex
 from collections.abc import Mapping
 from typing import Any
 
-from weftex.errors import InvalidInputError, shown
+from weftex.errors import InvalidInputError, shown, wrong_value
 from weftex.method import Method
 from weftex.parameters import kind_of
 from weftex.registry import AUTO, METHODS, method_class, owners
@@ -28,7 +28,7 @@ def make_method(method: str | Method, parameters: Mapping[str, Any]) -> Method:
     if isinstance(method, Method):
         return dataclasses.replace(method, **parameters)
     if not isinstance(method, str):
-        raise InvalidInputError(f"method is {shown(method)}; it must be a name or a Method")
+        raise wrong_value("method", method, "a name or a Method")
     found = method_class(method)
     for name in parameters if method == AUTO else ():
         able = ", ".join(owners(name))

@@ -8,7 +8,7 @@ import numbers
 from collections.abc import Sequence
 from typing import Any
 
-from weftex.errors import InvalidInputError, did_you_mean, shown
+from weftex.errors import InvalidInputError, did_you_mean, shown, wrong_value
 
 __all__ = ["kind_of", "parameter"]
 
@@ -80,14 +80,14 @@ def check_value(field: dataclasses.Field[Any], value: Any) -> None:
     kind = numbers.Integral if whole else numbers.Real
     if not isinstance(value, kind) or isinstance(value, bool) or value != value:
         wanted = "an integer" if whole else "a number"
-        raise InvalidInputError(f"{name} is {shown(value)}; it must be {wanted}")
+        raise wrong_value(name, value, wanted)
     low, high = meta["low"], meta["high"]
     if (low is not None and value < low) or (high is not None and value > high):
-        raise InvalidInputError(f"{name} is {shown(value)}; it must be {bounds(field)}")
+        raise wrong_value(name, value, bounds(field))
     if isinstance(value, numbers.Integral) and abs(int(value)) > _MOST_WHOLE:
-        raise InvalidInputError(f"{name} is {shown(value)}; it must be at most 2**63 - 1")
+        raise wrong_value(name, value, "at most 2**63 - 1")
     if meta["parity"] and value and value % 2 != (meta["parity"] == "odd"):
-        raise InvalidInputError(f"{name} is {shown(value)}; it must be {meta['parity']}")
+        raise wrong_value(name, value, meta["parity"])
 
 
 def numbers_of(name: str, value: Any, count: int) -> tuple[float, ...]:
@@ -97,7 +97,7 @@ def numbers_of(name: str, value: Any, count: int) -> tuple[float, ...]:
     except (TypeError, ValueError, OverflowError):
         found = ()
     if len(found) != count or not all(map(math.isfinite, found)):
-        raise InvalidInputError(f"{name} is {shown(value)}; it must be {count} numbers")
+        raise wrong_value(name, value, f"{count} numbers")
     return found
 
 

@@ -9,7 +9,7 @@ from contextvars import ContextVar
 from time import perf_counter, process_time, thread_time
 from typing import Any, Literal
 
-from weftex.errors import CancelledError, InvalidInputError, shown
+from weftex.errors import CancelledError, wrong_value
 
 __all__ = ["Bar", "Progress", "ProgressCallback", "listening"]
 
@@ -102,7 +102,7 @@ def _called(callback: ProgressCallback | None) -> Callable[..., object] | None:
     """Return what to call, a bar for True; raises `InvalidInputError` if it cannot be called."""
     called = Bar() if callback is True else callback
     if called is not None and not callable(called):
-        raise InvalidInputError(f"progress is {shown(called)}; it must be callable, or True")
+        raise wrong_value("progress", called, "callable, or True")
     return called
 
 

@@ -15,7 +15,7 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from weftex.errors import InvalidInputError, shown
+from weftex.errors import InvalidInputError, wrong_value
 
 Seed: TypeAlias = "int | np.random.Generator | None"  # a string: naming it imports numpy.random
 
@@ -32,7 +32,7 @@ def seed_number(seed: Seed) -> int:
         return int.from_bytes(os.urandom(8), "little")
     if isinstance(seed, numbers.Integral) and not isinstance(seed, bool):
         if not 0 <= int(seed) < 2**64:
-            raise InvalidInputError(f"seed is {shown(seed)}; it must be from 0 to 2**64 - 1")
+            raise wrong_value("seed", seed, "from 0 to 2**64 - 1")
         return int(seed)
     if hasattr(seed, "integers"):
         return int(seed.integers(0, 2**64, dtype=np.uint64))

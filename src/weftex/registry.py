@@ -12,7 +12,7 @@ from functools import cached_property
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
-from weftex.errors import InvalidInputError, did_you_mean, shown
+from weftex.errors import InvalidInputError, did_you_mean, wrong_value
 
 if TYPE_CHECKING:
     from importlib.metadata import EntryPoint
@@ -56,7 +56,7 @@ class Registry(Mapping[str, type[Any]]):
 
     def __getitem__(self, slug: str) -> type[Any]:
         if not isinstance(slug, str):
-            raise InvalidInputError(f"method is {shown(slug)}; it must be a name")
+            raise wrong_value("method", slug, "a name")
         if slug in _HOMES:
             return _class_at(_HOMES[slug])
         if slug in self._outside:

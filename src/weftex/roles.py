@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from functools import cache
 from typing import Any
 
-from weftex.errors import InvalidInputError, did_you_mean, is_number, shown
+from weftex.errors import InvalidInputError, did_you_mean, is_number, shown, wrong_value
 
 __all__ = ["COLOR", "ROLES", "Role", "is_preview", "role_of", "words_of"]
 
@@ -176,14 +176,12 @@ def checked_weights(given: Any, maps: Collection[str]) -> dict[str, float]:
     """The weight of each map in matching, 1 by default; raises for unknown maps or bad values."""
     weights = dict.fromkeys(maps, 1.0)
     if given is not None and not isinstance(given, Mapping):
-        raise InvalidInputError(f"weights is {shown(given)}; it must be numbers by maps' names")
+        raise wrong_value("weights", given, "numbers by maps' names")
     for name, value in (given or {}).items():
         if name not in weights:
             raise InvalidInputError(f"weights has {shown(name)}{did_you_mean(str(name), maps)}")
         if not (is_number(value) and 0 <= value <= _HEAVIEST):
-            raise InvalidInputError(
-                f"the weight of {name} is {shown(value)}; it must be from 0 to {_HEAVIEST}"
-            )
+            raise wrong_value(f"the weight of {name}", value, f"from 0 to {_HEAVIEST}")
         weights[name] = float(value)
     return weights
 

@@ -9,7 +9,7 @@ from contextlib import AbstractContextManager, contextmanager, nullcontext
 from functools import cache
 from typing import Any
 
-from weftex.errors import InvalidInputError, is_whole, shown
+from weftex.errors import is_whole, wrong_value
 
 __all__ = ["in_turn", "thread_count"]
 
@@ -17,7 +17,7 @@ __all__ = ["in_turn", "thread_count"]
 def thread_count(threads: int | None) -> int:
     """The number of threads: `threads`, which must be 1 or more, or one per usable processor."""
     if threads is not None and not is_whole(threads, 1):
-        raise InvalidInputError(f"threads is {shown(threads)}; it must be an integer of 1 or more")
+        raise wrong_value("threads", threads, "an integer of 1 or more")
     threads = None if threads is None else int(threads)
     return threads or _processors()
 

@@ -63,8 +63,7 @@ class Field:
         """Return the correlation at shifts (n, m) of n pairs, or the highest around them."""
         # A neighbor of a place between close multiples would itself be a multiple.
         coarse = (shortest(pairs) >= _CLOSE).astype(np.int64)
-        found: Floats = self.tables[coarse, *self._at(x, y)]
-        return found
+        return self.tables[coarse, *self._at(x, y)]
 
     def around(self, x: Floats, y: Floats) -> Floats:
         """Return the highest correlation around each shift."""
@@ -188,8 +187,7 @@ def _around(table: Floats) -> Floats:
     """Return the maximum of each place and its eight neighbors."""
     framed = np.pad(table, 1, mode="edge")
     tall = np.maximum(np.maximum(framed[:-2], framed[1:-1]), framed[2:])
-    around: Floats = np.maximum(np.maximum(tall[:, :-2], tall[:, 1:-1]), tall[:, 2:])
-    return around
+    return np.maximum(np.maximum(tall[:, :-2], tall[:, 1:-1]), tall[:, 2:])
 
 
 def shortest(pairs: Floats) -> Floats:

@@ -155,5 +155,4 @@ def _overlaps(side: int, most: int) -> tuple[NDArray[np.int64], Floats]:
 def _unwrapped(values: Floats, far: tuple[int, int]) -> Floats:
     """Return shifts in rising order, from the wrapped ones of a transform."""
     rows, columns = (np.arange(-most, most + 1) for most in far)
-    found: Floats = values[rows[:, None], columns]
-    return found
+    return values[rows[:, None], columns]

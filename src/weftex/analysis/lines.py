@@ -108,8 +108,7 @@ class Joints(NamedTuple):
         others = abs(waves.sum(axis=0)) ** 2 - own[0], abs(masks.sum(axis=0)) ** 2 - own[1]
         products, overlap = (np.fft.irfft(part, size)[:number] for part in others)
         power = float((values**2).sum()) / max(float(known.sum()), 1)
-        found: Floats = products / np.maximum(overlap, 1) / max(power, 1e-12)
-        return found
+        return products / np.maximum(overlap, 1) / max(power, 1e-12)
 
 
 def edges_of(flat: Relief) -> Joints:
@@ -288,8 +287,7 @@ def _blurred(profile: Floats, by: float) -> Floats:
     window = np.exp(-0.5 * (np.arange(-side, side + 1) / by) ** 2)
     before, after = profile[side:0:-1], np.repeat(profile[-1:], side)
     framed = np.concatenate([before, profile, after])
-    found: Floats = np.convolve(framed, window / window.sum(), "valid")
-    return found
+    return np.convolve(framed, window / window.sum(), "valid")
 
 
 def _with_edges(levels: Floats) -> Floats:
@@ -300,8 +298,7 @@ def _with_edges(levels: Floats) -> Floats:
     if gray.var() < _COLORED * mixed(levels).var():  # colors of one brightness
         gray = mixed(levels)[None]
     share = levels.var(axis=(1, 2)).mean() / max(edges.var(axis=(1, 2)).sum(), 1e-12)
-    found: Floats = np.concatenate([gray, edges * share**0.5])
-    return found
+    return np.concatenate([gray, edges * share**0.5])
 
 
 def _profiles(correlation: Floats, angles: Floats, reach: int) -> Floats:

@@ -145,8 +145,7 @@ def rate(field: Field, pairs: Floats, reach: int, kind: str, *, exact: bool = Fa
 
 def goodness_of(mean: Floats | float, number: Floats | float) -> Floats:
     """Return the goodness of means over a number of multiples (eq. 3.23)."""
-    found: Floats = np.maximum(mean, 0) ** ALPHA * np.maximum(number, 1) ** (ALPHA - 1)
-    return found
+    return np.maximum(mean, 0) ** ALPHA * np.maximum(number, 1) ** (ALPHA - 1)
 
 
 def contrast_of(field: Field, pair: Floats) -> float:

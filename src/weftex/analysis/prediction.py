@@ -86,8 +86,7 @@ class Edges:
         self.all = self._correlation(abs(one - other) ** 2 / 2 + 2 * abs(both) ** 2)
 
     def _correlation(self, power: Floats) -> Floats:
-        found: Floats = np.fft.irfft2(power, self._size) / self._overlap
-        return found
+        return np.fft.irfft2(power, self._size) / self._overlap
 
     @cached_property
     def _halves(self) -> list[Floats]:

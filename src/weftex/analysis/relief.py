@@ -113,8 +113,7 @@ def _moments(
     Not by a matrix product, whose threads wait for one another longer than it takes.
     """
     rows = [np.einsum("yx,x->y", values, power) for power in along]
-    result: NDArray[np.float64] = np.array([[(row * p).sum() for row in rows] for p in down])
-    return result
+    return np.array([[(row * p).sum() for row in rows] for p in down])
 
 
 def smaller_copy(exemplar: Exemplar, largest: int) -> tuple[Exemplar, int]:

@@ -223,10 +223,7 @@ def _tiles(flat: Relief, vectors: Floats) -> tuple[Floats, NDArray[np.int64], Fl
     levels = _softened(flat.levels).reshape(len(flat.levels), -1)
 
     def tiles(where: NDArray[np.int64]) -> Floats:
-        found: Floats = (
-            levels[:, where].swapaxes(0, 1).reshape(len(where), len(levels) * len(inner))
-        )
-        return found
+        return levels[:, where].swapaxes(0, 1).reshape(len(where), len(levels) * len(inner))
 
     own = tiles(at)
     some = at[:: -(-len(at) // _SLOPES) if len(at) else 1]

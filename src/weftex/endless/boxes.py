@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from weftex.canvas import FAR, Canvas
-from weftex.errors import InvalidInputError, shown, whole_pair
+from weftex.errors import InvalidInputError, whole_pair, wrong_value
 
 #: What every block of a plane is, to refuse parameters that have no effect there: a hole.
 A_BLOCK = Canvas(1, 2, known=np.zeros((1, 2), np.uint8), hole=np.array([[True, False]]))
@@ -97,10 +97,8 @@ def as_period(period: int | tuple[int, int] | None) -> tuple[int, int] | None:
         return None
     sides = whole_pair(period, 1, FAR)
     if sides is None:
-        raise InvalidInputError(
-            f"period is {shown(period)}; it must be a whole number of pixels from 1 to 2**40, or "
-            "two of them"
-        )
+        wanted = "a whole number of pixels from 1 to 2**40, or two of them"
+        raise wrong_value("period", period, wanted)
     return sides
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from weftex.errors import InvalidInputError, shown
+from weftex.errors import InvalidInputError, wrong_value
 from weftex.exemplar.exemplar import Exemplar
 from weftex.exemplar.material import Sample, load_exemplar
 from weftex.raster.turning import TURNS, Box, boxes_of, turned_pixels
@@ -48,7 +48,7 @@ def turned(sample: Sample, turn: str) -> Exemplar:
     """
     exemplar = load_exemplar(sample)
     if not isinstance(turn, str) or turn not in TURNS:
-        raise InvalidInputError(f"turn is {shown(turn)}; it must be one of {', '.join(TURNS)}")
+        raise wrong_value("turn", turn, f"one of {', '.join(TURNS)}")
     if exemplar.turn is not None:
         raise InvalidInputError(f"{exemplar.name} already consists of rotated copies")
     return exemplar.changed(

@@ -10,7 +10,7 @@ from typing import IO, Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from weftex.errors import FileError, InvalidInputError, printable, shown
+from weftex.errors import FileError, InvalidInputError, printable, wrong_value
 from weftex.io.png import SIGNATURE
 
 StrPath = str | os.PathLike[str]
@@ -89,7 +89,7 @@ def path_text(path: StrPath) -> str:
     try:
         return os.fsdecode(path)
     except (TypeError, ValueError):
-        raise InvalidInputError(f"path is {shown(path)}; it must be a string or a path") from None
+        raise wrong_value("path", path, "a string or a path") from None
 
 
 def suffix_of(path: str) -> str:

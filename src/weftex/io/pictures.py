@@ -29,15 +29,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from weftex.errors import (
-    FileError,
-    InvalidInputError,
-    WeftexError,
-    did_you_mean,
-    is_number,
-    is_whole,
-    shown,
-)
+from weftex.errors import FileError, WeftexError, did_you_mean, is_number, is_whole, wrong_value
 from weftex.io import temporary as temporaries
 from weftex.io.formats import (
     COLOR_SPACES,
@@ -138,7 +130,7 @@ def read_image(path: StrPath, *, max_pixels: int | None = MAX_PIXELS) -> Picture
         If the file is missing, unreadable, damaged, cut short, too large or not a picture.
     """
     if max_pixels is not None and not is_whole(max_pixels, 1):
-        raise InvalidInputError(f"max_pixels is {shown(max_pixels)}; it must be 1 or more, or None")
+        raise wrong_value("max_pixels", max_pixels, "1 or more, or None")
     name, given = locate(path)
     kind = kind_of(name, given)
     oiio = image_library()
@@ -225,9 +217,9 @@ def write_image(
     pixels = as_array(pixels, "pixels")
     check_output(path, pixels, alpha=alpha)
     if icc is not None and not isinstance(icc, bytes):
-        raise InvalidInputError(f"icc is {shown(icc)}; it must be bytes")
+        raise wrong_value("icc", icc, "bytes")
     if density is not None and not (is_number(density) and 0 < density < 2**31):
-        raise InvalidInputError(f"density is {shown(density)}; it must be above 0, below 2**31")
+        raise wrong_value("density", density, "above 0, below 2**31")
     form = FORMATS[suffix_of(path_text(path))]
     native = np.float32 if pixels.dtype.kind == "f" else pixels.dtype.newbyteorder("=")
     with np.errstate(all="ignore"):  # infinities are as good as any other value

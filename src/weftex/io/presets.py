@@ -12,7 +12,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from weftex.errors import FileError, InvalidInputError, did_you_mean, shown
+from weftex.errors import FileError, InvalidInputError, did_you_mean, shown, wrong_value
 from weftex.io.formats import FORMATS, StrPath, file_error, path_text
 from weftex.roles import ROLES, UNUSED, Role, width_of
 
@@ -121,10 +121,8 @@ def _preset(name: str, found: dict[str, Any]) -> Preset:
     for role, value in found.get("missing", {}).items():
         _check_role(role)
         if type(value) not in (int, float) or not 0 <= value <= 1 or width_of(role) != 1:
-            raise InvalidInputError(
-                f"missing.{role} is {shown(value)}; it must be a number from 0 to 1, for a role of "
-                "one channel"
-            )
+            wanted = "a number from 0 to 1, for a role of one channel"
+            raise wrong_value(f"missing.{role}", value, wanted)
         missing[role] = float(value)
     if others:
         _check_name(others, ("name", "role", "Role"), "others")
@@ -188,7 +186,7 @@ def _file(found: Any, above: dict[str, Any]) -> PresetFile:
         raise InvalidInputError(f"format is {shown(suffix)}{did_you_mean(suffix, known)}")
     bits = found.get("bits", above.get("bits", 16))
     if bits not in (8, 16):
-        raise InvalidInputError(f"bits is {shown(bits)}; it must be 8 or 16")
+        raise wrong_value("bits", bits, "8 or 16")
     return PresetFile(name, tuple(roles), optional, f".{suffix}" if suffix else "", bits)
 
 
@@ -198,7 +196,7 @@ def _check(found: dict[str, Any], keys: dict[str, type], where: str) -> None:
             raise InvalidInputError(f"{where} has the key {shown(key)}{did_you_mean(key, keys)}")
         if not isinstance(value, keys[key]):
             kind = {str: "a text", int: "a number", list: "a list", dict: "a table"}[keys[key]]
-            raise InvalidInputError(f"{key} is {shown(value)}; it must be {kind}")
+            raise wrong_value(key, value, kind)
 
 
 def _check_role(role: str, *, alone: bool = False) -> None:
@@ -211,6 +209,4 @@ def _check_name(name: str, fields: tuple[str, ...], key: str) -> None:
     used = re.findall(r"\{(.*?)\}", name)
     plain = os.path.basename(name) == name and name.isprintable() and not name.startswith(".")
     if not plain or used.count("name") != 1 or not set(used) <= set(fields):
-        raise InvalidInputError(
-            f"{key} is {shown(name)}; it must be a file name without suffix that has {{name}} once"
-        )
+        raise wrong_value(key, name, "a file name without suffix that has {name} once")

@@ -21,7 +21,7 @@ from weftex import (
     load_exemplar,
 )
 from weftex.canvas import as_canvas
-from weftex.errors import shown
+from weftex.errors import wrong_value
 from weftex.naming import make_method
 from weftex.pages.html import Page, document, number, parameters, pictures, show, small, table
 from weftex.progress import Progress, ProgressCallback, listening
@@ -228,7 +228,7 @@ def compare(
     (['quilting', 'best-tile'], 'graphcut')
     """
     if methods is not None and not isinstance(methods, (list, tuple)):
-        raise InvalidInputError(f"methods is {shown(methods)}; it must be a list of names")
+        raise wrong_value("methods", methods, "a list of names")
     names = [AUTO, *METHODS] if methods is None else list(methods)
     made = {name: make_method(name, {}) for name in names}  # raises for an unknown one
     if not names or len(made) < len(names):

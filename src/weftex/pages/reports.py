@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from weftex import Assessment, Exemplar, Synthesis, assess, load_exemplar
-from weftex.errors import InvalidInputError, shown
+from weftex.errors import wrong_value
 from weftex.pages.html import Page, document, number, parameters, pictures, small, table
 from weftex.quality import FIGURES, LARGEST_MEASURED, SCORE, as_shown, fault_maps, real_crops
 
@@ -221,7 +221,7 @@ def report(
         result = pixels = made.pixels
         named, made_maps = made.name, made.maps
     if not isinstance(source, Synthesis | None):
-        raise InvalidInputError(f"source is {shown(source)}; it must be a Synthesis or its file")
+        raise wrong_value("source", source, "a Synthesis or its file")
     maps = fault_maps(exemplar, pixels, source)
     notes: list[str] = []
     if source is not None:

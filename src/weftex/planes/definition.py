@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 import weftex
 from weftex import Exemplar, Method
 from weftex.canvas import as_canvas
-from weftex.errors import InvalidInputError, shown, whole_pair
+from weftex.errors import InvalidInputError, whole_pair, wrong_value
 from weftex.io.npz import DamageError, one_line_errors, open_npz, write_npz
 from weftex.method import Model
 from weftex.naming import make_method
@@ -250,7 +250,7 @@ def define(
     wrap = as_canvas(1, tileable).wrap
     shape = whole_pair(size, 1)
     if shape is None:
-        raise InvalidInputError(f"size is {shown(size)}; it must be (height, width), 1 or more")
+        raise wrong_value("size", size, "(height, width), 1 or more")
     number = seed_number(seed)
     chosen, exemplar = make_method(method, parameters), weftex.load_exemplar(sample)
     how: dict[str, Any] = {"stems": dict(stems or {}), "density": density}

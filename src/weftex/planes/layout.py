@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from weftex.errors import InvalidInputError, shown
+from weftex.errors import wrong_value
 
 #: (level, row, column) of a block.
 Place = tuple[int, int, int]
@@ -110,7 +110,5 @@ def check_block(block: object) -> None:
     """Raise `InvalidInputError` unless the side of blocks is a power of two in its bounds."""
     bounds = range(SMALLEST_BLOCK, LARGEST_BLOCK + 1)
     if type(block) is not int or block not in bounds or block.bit_count() != 1:
-        raise InvalidInputError(
-            f"block is {shown(block)}; it must be a power of two from {SMALLEST_BLOCK} to "
-            f"{LARGEST_BLOCK}"
-        )
+        wanted = f"a power of two from {SMALLEST_BLOCK} to {LARGEST_BLOCK}"
+        raise wrong_value("block", block, wanted)

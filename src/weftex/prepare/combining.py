@@ -10,7 +10,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from weftex.errors import InvalidInputError, did_you_mean, is_number, shown
+from weftex.errors import InvalidInputError, did_you_mean, is_number, shown, wrong_value
 from weftex.exemplar import Exemplar, Sample, load_exemplar
 from weftex.raster.levels import scale_between
 from weftex.raster.mixing import middle_of, opposite
@@ -172,7 +172,7 @@ def _constant(exemplar: Exemplar, like: Exemplar, key: str, value: float | str) 
     shape = tuple(int(side * scale) for side in exemplar.shape)
     if (value == FLAT) != (given.role.kind == "normal"):
         right = f"'{FLAT}'" if given.role.kind == "normal" else "a number from 0 to 1"
-        raise InvalidInputError(f"missing['{key}'] is {shown(value)}; it must be {right}")
+        raise wrong_value(f"missing['{key}']", value, right)
     levels = [0.5, 0.5, 1.0, 1.0][: given.channels] if value == FLAT else [value] * given.channels
     if given.alpha:
         levels[-1] = 1.0
@@ -203,9 +203,7 @@ def _checked(missing: Mapping[str, float | str] | None) -> dict[str, float | str
     for name, value in (missing or {}).items():
         inside = is_number(value) and 0 <= value <= 1
         if not isinstance(name, str) or not (inside or value == FLAT):
-            raise InvalidInputError(
-                f"missing[{shown(name)}] is {shown(value)}; it must be from 0 to 1, or '{FLAT}'"
-            )
+            raise wrong_value(f"missing[{shown(name)}]", value, f"from 0 to 1, or '{FLAT}'")
     normals = ("normal_gl", "normal_dx")
     return {"normal" if k in normals else k: v for k, v in (missing or {}).items()}
 

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from weftex.analysis.lattice import find_lattice
 from weftex.analysis.relief import smaller_copy
-from weftex.errors import InvalidInputError, did_you_mean, shown
+from weftex.errors import InvalidInputError, did_you_mean, shown, wrong_value
 from weftex.exemplar import Exemplar, Sample, load_exemplar
 from weftex.prepare.surfaces import (
     check_relief,
@@ -89,7 +89,7 @@ def estimate_maps(
     exemplar = load_exemplar(sample)
     check_relief(relief)
     if not isinstance(invert, bool):
-        raise InvalidInputError(f"invert is {shown(invert)}; it must be True or False")
+        raise wrong_value("invert", invert, "True or False")
     there = {name: exemplar.map(name) for name in exemplar.maps}
     known = {exemplar.role.name: exemplar} | there
     wanted = _wanted(exemplar, maps, list(known))
@@ -192,10 +192,7 @@ def _has_light_joints(exemplar: Exemplar) -> bool:
 def _shares(values: Floats, flat: float) -> Floats:
     """Return values as shares of the way between their quantiles `_ENDS`; `flat` if all agree."""
     low, high = np.quantile(values, _ENDS)
-    found: Floats = (
-        np.clip((values - low) / (high - low), 0, 1) if high > low else 0 * values + flat
-    )
-    return found
+    return np.clip((values - low) / (high - low), 0, 1) if high > low else 0 * values + flat
 
 
 def _roughness(exemplar: Exemplar) -> Floats:

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.polynomial.legendre import leggrid2d, legvander2d
 from numpy.typing import NDArray
 
-from weftex.errors import InvalidInputError, shown
+from weftex.errors import wrong_value
 from weftex.exemplar import Exemplar, Sample, load_exemplar
 from weftex.prepare.estimating import blurred
 from weftex.raster.arrays import Floats
@@ -63,7 +63,7 @@ def even_light(sample: Sample, degree: int = 2) -> Exemplar:
     (True, True)
     """
     if isinstance(degree, bool) or degree not in range(1, _HIGHEST + 1):
-        raise InvalidInputError(f"degree is {shown(degree)}; it must be from 1 to {_HIGHEST}")
+        raise wrong_value("degree", degree, f"from 1 to {_HIGHEST}")
     exemplar = load_exemplar(sample)
     pixels = exemplar.pixels.reshape(*exemplar.shape, -1)
     usable = exemplar.usable
@@ -205,5 +205,4 @@ def _stored(linear: Floats, dtype: np.dtype[Any]) -> NDArray[Any]:
         most = np.finfo(dtype).max
         return np.clip(linear, -most, most).astype(dtype)
     shares = to_stored(np.clip(linear, 0, 1))
-    stored: NDArray[Any] = np.rint(shares * np.iinfo(dtype).max).astype(dtype)
-    return stored
+    return np.rint(shares * np.iinfo(dtype).max).astype(dtype)

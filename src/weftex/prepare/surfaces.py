@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import DTypeLike, NDArray
 
-from weftex.errors import InvalidInputError, is_number, shown
+from weftex.errors import InvalidInputError, is_number, wrong_value
 from weftex.raster.arrays import Floats, check_pixels
 from weftex.raster.mixing import middle_of, stored, vectors_of
 
@@ -161,7 +161,7 @@ def occlusion_from_height(
     """
     surface = heights_of(height, relief).astype(np.float32)
     if isinstance(radius, bool) or not isinstance(radius, numbers.Integral) or radius < 1:
-        raise InvalidInputError(f"radius is {shown(radius)}; it must be 1 or more")
+        raise wrong_value("radius", radius, "1 or more")
     margin = min(int(radius), max(surface.shape))
     padded = np.pad(surface, margin, "wrap" if tileable else "symmetric")
     distances = np.unique(np.rint(np.geomspace(1, margin, _STEPS)).astype(int))
@@ -174,8 +174,7 @@ def occlusion_from_height(
             other = padded[margin + y :, margin + x :][:rows, :columns]
             np.maximum(slope, (other - surface) / np.float32(np.hypot(y, x)), out=slope)
         open_sky += 1 / (1 + slope * slope)
-    found: NDArray[np.float32] = open_sky / _DIRECTIONS
-    return found
+    return open_sky / _DIRECTIONS
 
 
 def heights_of(height: NDArray[Any], relief: float) -> Floats:
@@ -185,11 +184,10 @@ def heights_of(height: NDArray[Any], relief: float) -> Floats:
     if pixels.ndim != 2:
         raise InvalidInputError(f"height has the shape {pixels.shape}; it must be (H, W)")
     top = np.iinfo(pixels.dtype).max if pixels.dtype.kind == "u" else 1
-    surface: Floats = pixels * (relief / top)
-    return surface
+    return pixels * (relief / top)
 
 
 def check_relief(relief: Any) -> None:
     """Raise `InvalidInputError` unless a relief is a number of pixels above 0, at most 1000."""
     if not is_number(relief) or not 0 < relief <= _MOST:
-        raise InvalidInputError(f"relief is {shown(relief)}; it must be above 0, at most {_MOST}")
+        raise wrong_value("relief", relief, f"above 0, at most {_MOST}")

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from weftex.errors import InvalidInputError, shown
+from weftex.errors import wrong_value
 from weftex.exemplar import Exemplar, Sample, load_exemplar
 from weftex.exemplar.turns import as_it_was
 from weftex.progress import counted
@@ -169,9 +169,7 @@ def _checked(
     tiles = False if tileable is None else tileable
     wrap: Any = tiles if isinstance(tiles, tuple) else (tiles,) * 2
     if len(wrap) != 2 or not all(isinstance(axis, (bool, np.bool_)) for axis in wrap):
-        raise InvalidInputError(
-            f"tileable is {shown(tileable)}; it must be True, False or two of them"
-        )
+        raise wrong_value("tileable", tileable, "True, False or two of them")
     pixels: Any = result
     if isinstance(result, Synthesis):
         pixels = result.image if result.exemplar is not None else result.render(exemplar)

@@ -88,8 +88,7 @@ def _marked(
     if keep < 1:
         base = np.repeat(255 - (255 - base.mean(axis=2, keepdims=True)) * keep, 3, axis=2)
     share = 0.85 * strength[..., None]
-    marked: Bytes = np.rint(base * (1 - share) + np.array(color) * share).astype(np.uint8)
-    return marked
+    return np.rint(base * (1 - share) + np.array(color) * share).astype(np.uint8)
 
 
 @dataclass(frozen=True)

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from weftex.errors import InvalidInputError, shown
+from weftex.errors import InvalidInputError, wrong_value
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -25,7 +25,7 @@ def as_array(values: Any, name: str) -> NDArray[Any]:
     try:
         return np.asarray(values)
     except (TypeError, ValueError, OverflowError):
-        raise InvalidInputError(f"{name} is {shown(values)}; it must be an array") from None
+        raise wrong_value(name, values, "an array") from None
 
 
 def is_masked(values: Any) -> bool:

@@ -73,8 +73,7 @@ def _distance_along(mask: NDArray[np.bool_], most: int, wraps: bool) -> NDArray[
     before = np.maximum.accumulate(np.where(mask, at, -nowhere), axis=1)
     after = np.minimum.accumulate(np.where(mask, at, nowhere + len(at))[:, ::-1], axis=1)[:, ::-1]
     nearest = np.minimum(np.minimum(at - before, after - at), most + 1)
-    result: NDArray[np.int64] = nearest[:, around : mask.shape[1] - around]
-    return result
+    return nearest[:, around : mask.shape[1] - around]
 
 
 def steps_to(mask: NDArray[np.bool_], most: int) -> NDArray[np.int32]:

@@ -40,7 +40,7 @@ from dataclasses import dataclass
 from typing import Any, Self
 
 from weftex.canvas import as_canvas
-from weftex.errors import InvalidInputError, did_you_mean, shown
+from weftex.errors import InvalidInputError, did_you_mean, shown, wrong_value
 from weftex.io.pictures import sample_path
 from weftex.method import Method
 from weftex.naming import make_method
@@ -103,7 +103,7 @@ class Recipe:
         If `local`, materials may be paths, and errors name options of the command line.
         """
         if not isinstance(given, Mapping):
-            raise InvalidInputError(f"recipe is {shown(given)}; it must be an object")
+            raise wrong_value("recipe", given, "an object")
         task = given.get("task", "synth")
         if not isinstance(task, str) or task not in TASKS:
             raise InvalidInputError(f"task is {shown(task)}{did_you_mean(str(task), TASKS)}")
@@ -250,7 +250,7 @@ def checked_material(given: Any, *, local: bool = False) -> dict[str, Any]:
         raise InvalidInputError("name has no effect on a sample")
     for name in ("sample", "path", "name"):
         if name in spec and not isinstance(spec[name], str):
-            raise InvalidInputError(f"{name} is {shown(spec[name])}; it must be a string")
+            raise wrong_value(name, spec[name], "a string")
     if "sample" in spec:
         spec["sample"] = spec["sample"].removeprefix("sample:")
         sample_path(spec["sample"])
@@ -282,9 +282,9 @@ def _method(
     task_declared = TASKS[task]
     name = task_declared.default_method if name is None else name
     if not isinstance(name, str):
-        raise InvalidInputError(f"method is {shown(name)}; it must be a name")
+        raise wrong_value("method", name, "a name")
     if not isinstance(given or {}, Mapping):
-        raise InvalidInputError(f"parameters is {shown(given)}; it must be an object")
+        raise wrong_value("parameters", given, "an object")
     own = {key: value for key, value in (given or {}).items() if value is not None}
     if name == AUTO and task != "synth" and (own or task_declared.default_method != AUTO):
         name = task_declared.parameter_method

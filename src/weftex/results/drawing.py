@@ -51,8 +51,7 @@ def draw_pieces(source: NDArray[np.int32], sample_shape: tuple[int, int]) -> NDA
 def _shifts(source: NDArray[np.int32], sample_shape: tuple[int, int]) -> NDArray[np.int64]:
     """How far the source of each pixel is from it, (H, W, 2); equal within a copied piece."""
     y, x = np.indices(source.shape[:2])
-    shifts: NDArray[np.int64] = (source - np.stack([y, x], axis=-1)) % sample_shape
-    return shifts
+    return (source - np.stack([y, x], axis=-1)) % sample_shape
 
 
 def gray_of(pixels: NDArray[Any]) -> NDArray[np.uint8]:

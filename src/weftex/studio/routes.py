@@ -13,7 +13,7 @@ from starlette.responses import FileResponse, JSONResponse, Response
 
 import weftex
 from weftex import Exemplar
-from weftex.errors import InvalidInputError, shown
+from weftex.errors import InvalidInputError, shown, wrong_value
 from weftex.io.pictures import sample_names
 from weftex.recipe import Recipe
 from weftex.recipe.opening import PreparedMaterial
@@ -113,7 +113,7 @@ async def sets(call: Call) -> Any:
     """Sort what was dropped together."""
     given = (await call.object("uploads")).get("uploads")
     if not isinstance(given, list) or not given:
-        raise InvalidInputError(f"uploads is {shown(given)}; it must be a list")
+        raise wrong_value("uploads", given, "a list")
     specs, notes = materials.sets_of([call.session.upload(one) for one in given])
     return {"materials": specs, "notes": notes}
 

@@ -16,7 +16,7 @@ from weftex.analysis.lattice import Lattice, Rated, lattice_in, rate_lattices
 from weftex.analysis.overlay import courses
 from weftex.analysis.properties import Evenness, regularity
 from weftex.analysis.scale import StructureScale, structure_scale
-from weftex.errors import InvalidInputError
+from weftex.errors import InvalidInputError, wrong_value
 from weftex.exemplar import Exemplar, Sample, load_exemplar
 from weftex.progress import counted
 from weftex.quality import borders_of
@@ -221,9 +221,7 @@ def analyze(
     (12, True, (False, False))
     """
     if isinstance(runners_up, bool) or runners_up not in range(_MOST_RUNNERS_UP + 1):
-        raise InvalidInputError(
-            f"runners_up is {runners_up!r}; it must be from 0 to {_MOST_RUNNERS_UP}"
-        )
+        raise wrong_value("runners_up", runners_up, f"from 0 to {_MOST_RUNNERS_UP}")
     exemplar = load_exemplar(sample)
     given = None if lattice is None else checked_lattice(lattice, exemplar)
     with counted(8, "analysis") as step:

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from weftex.analysis.scale import structure_scale
 from weftex.canvas import Canvas, as_canvas
-from weftex.errors import InvalidInputError, did_you_mean, is_whole, shown
+from weftex.errors import InvalidInputError, did_you_mean, is_whole, shown, wrong_value
 from weftex.exemplar import Exemplar, Sample, load_exemplar
 from weftex.label_maps import Gradient, labels_of, map_picture
 from weftex.method import Method
@@ -129,9 +129,7 @@ def fuse(
 
     belt_method(chosen.window_for(1))  # refuses what it does not take
     if belt_width is not None and not is_whole(belt_width, 2):
-        raise InvalidInputError(
-            f"belt_width is {shown(belt_width)}; it must be an integer of 2 or more"
-        )
+        raise wrong_value("belt_width", belt_width, "an integer of 2 or more")
     with listening(progress):
         exemplars, notes = paired(of_one_kind(_load(samples)), missing)
         widths = [structure_scale(exemplar).window_width for exemplar in exemplars]
@@ -220,19 +218,15 @@ def _labels(
         labels, pairs = label_map.label_map(wanted, [width // 2 for width in window_widths], seed)
         return labels, [*single, *pairs]
     if colors is not None and not isinstance(colors, (list, tuple, range)):
-        raise InvalidInputError(f"colors is {shown(colors)}; it must be a list of colors")
+        raise wrong_value("colors", colors, "a list of colors")
     if mixed is not None and not isinstance(mixed, Mapping):
-        raise InvalidInputError(
-            f"mixed is {shown(mixed)}; it must be a mapping of color to two numbers"
-        )
+        raise wrong_value("mixed", mixed, "a mapping of color to two numbers")
     mixed = mixed or {}
     for key, pair in mixed.items():
         pairing = isinstance(pair, Sequence) and len(pair) == 2
         if not pairing or pair[0] == pair[1] or not all(k in range(count) for k in pair):
-            raise InvalidInputError(
-                f"mixed[{shown(key)}] is {shown(pair)}; it must be two numbers of samples, "
-                f"0 to {count - 1}"
-            )
+            numbers = f"two numbers of samples, 0 to {count - 1}"
+            raise wrong_value(f"mixed[{shown(key)}]", pair, numbers)
     picture = map_picture(label_map)
     if colors is None and picture.ndim == 2 and np.isin(picture, [*range(count), *mixed]).all():
         colors = range(count)

@@ -276,8 +276,7 @@ def hills(
         astray[here] = wander(across.shape, max(1, round(width)), wrap, seed)[here]
     # A sum of integers is the same on every machine.
     heights = np.rint(astray[np.abs(across) < 1] * 2**20).astype(np.int64)
-    result: NDArray[np.float64] = astray - int(heights.sum()) / (max(1, len(heights)) * 2**20)
-    return result
+    return astray - int(heights.sum()) / (max(1, len(heights)) * 2**20)
 
 
 def wander(

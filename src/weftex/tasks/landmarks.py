@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from weftex.analysis.relief import smaller_copy
 from weftex.canvas import Canvas
-from weftex.errors import InvalidInputError, shown
+from weftex.errors import InvalidInputError, wrong_value
 from weftex.exemplar import Exemplar
 from weftex.exemplar.turns import as_made_from
 from weftex.method import Model
@@ -61,7 +61,7 @@ def plain_sample(exemplar: Exemplar, landmarks: str) -> PlainSample | None:
     """Return a sample with its landmarks filled; None if it has none, or a lattice or rows."""
     if not isinstance(landmarks, str) or landmarks not in LANDMARKS:
         known = ", ".join(LANDMARKS)
-        raise InvalidInputError(f"landmarks is {shown(landmarks)}; it must be one of {known}")
+        raise wrong_value("landmarks", landmarks, f"one of {known}")
     if exemplar.pieces:
         raise InvalidInputError(
             f"landmarks is {landmarks}; with several samples or rotated copies it must be keep"

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from weftex.canvas import Canvas, as_canvas
-from weftex.errors import InvalidInputError, is_whole, shown
+from weftex.errors import InvalidInputError, is_whole, wrong_value
 from weftex.exemplar import Exemplar, Sample, load_exemplar
 from weftex.method import Method, Model
 from weftex.naming import make_method
@@ -113,7 +113,7 @@ def synthesize(
             raise InvalidInputError("the canvas has a guide; give none beside it")
         canvas = dataclasses.replace(canvas, guide=_guide(guide))
     if not is_whole(best_of, 1, _MOST_TRIES):
-        raise InvalidInputError(f"best_of is {shown(best_of)}; it must be from 1 to {_MOST_TRIES}")
+        raise wrong_value("best_of", best_of, f"from 1 to {_MOST_TRIES}")
     with listening(progress):
         chosen.require(canvas)
         exemplar = load_exemplar(sample)

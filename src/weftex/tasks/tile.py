@@ -10,7 +10,7 @@ import numpy as np
 from weftex.analysis.canvas_lattice import CanvasLattice, is_sure
 from weftex.analysis.lattice import find_lattice
 from weftex.canvas import Canvas, as_canvas
-from weftex.errors import InvalidInputError, shown
+from weftex.errors import InvalidInputError, shown, wrong_value
 from weftex.exemplar import Exemplar, Sample, load_exemplar
 from weftex.method import Method
 from weftex.naming import is_auto, method_for_task
@@ -80,7 +80,7 @@ def tile(
     exemplar = load_exemplar(photo)
     wrap = as_canvas(exemplar.shape, axes).wrap
     if not any(wrap):
-        raise InvalidInputError(f"axes is {shown(axes)}; it must be True, 'x' or 'y'")
+        raise wrong_value("axes", axes, "True, 'x' or 'y'")
     sides = [side for side, wraps in zip(exemplar.shape, wrap, strict=True) if wraps]
     most = min(sides) // _LEAST
     wxh = f"{exemplar.shape[1]}x{exemplar.shape[0]}"
@@ -93,7 +93,7 @@ def tile(
     elif isinstance(border, numbers.Integral) and not isinstance(border, bool):
         anew = min(_ANEW, (border + 1) // 2)
     else:
-        raise InvalidInputError(f"border is {shown(border)}; it must be a whole number of pixels")
+        raise wrong_value("border", border, "a whole number of pixels")
     if not 1 <= border <= most:
         raise InvalidInputError(f"border is {shown(border)}; for {wxh} it must be from 1 to {most}")
     inside = [slice(anew * w, n - anew * w) for n, w in zip(exemplar.shape, wrap, strict=True)]

@@ -184,8 +184,7 @@ class Layout:
     def visible_gaps(self) -> NDArray[np.int64]:
         """Rows and columns (n, 2) of the gaps among them."""
         start = self.rows.visible.start, self.columns.visible.start
-        found: NDArray[np.int64] = np.argwhere(self.gap[self.visible]) + start
-        return found
+        return np.argwhere(self.gap[self.visible]) + start
 
     def preview(self, sample: BlockSample, sources: NDArray[np.int32]) -> NDArray[np.uint8]:
         """The blocks that have a source, with straight edges."""
@@ -304,5 +303,4 @@ def _choose_rows(
     turn = np.where(bits >> np.uint64(63), turn, -turn)
     chosen = ((bits % count.astype(np.uint64)).astype(np.int64) + turn) % count
     first = (there.cumsum(axis=-1) == chosen[..., None] + 1).argmax(axis=-1)
-    result: NDArray[np.int64] = np.where(there.any(axis=-1), multiples[first], ANY)
-    return result
+    return np.where(there.any(axis=-1), multiples[first], ANY)

@@ -55,8 +55,7 @@ class SampleLevel:
         may = self.usable.ravel()[self.padded_index]
         if may.all():
             return self.padded_index
-        result: NDArray[np.int32] = self.padded_index.ravel()[nearest_center(may)]
-        return result
+        return self.padded_index.ravel()[nearest_center(may)]
 
     def may_center(self, y: NDArray[np.integer], x: NDArray[np.integer]) -> NDArray[np.bool_]:
         """Whether windows may be centered on pixels of the sample."""
@@ -101,8 +100,7 @@ class StackLayout:
     @cached_property
     def sample_index(self) -> NDArray[np.int32]:
         """Flat index of the pixel of the sample that each shows; -1 for none and for a mirrored."""
-        result: NDArray[np.int32] = self._numbers("wrap" if self.tileable else "constant") - 1
-        return result
+        return self._numbers("wrap" if self.tileable else "constant") - 1
 
     @cached_property
     def padded_index(self) -> NDArray[np.int32]:

@@ -60,8 +60,7 @@ def similar_places(
                 advance(len(centers[part]))
     rank = np.zeros(windows.usable.size, np.int32)
     rank[centers] = np.arange(len(centers), dtype=np.int32)
-    result: NDArray[np.int32] = found[rank[nearest_center(windows.usable).ravel()]]
-    return result
+    return found[rank[nearest_center(windows.usable).ravel()]]
 
 
 def nearest_center(usable: NDArray[np.uint8]) -> NDArray[np.int32]:
