@@ -28,7 +28,7 @@ CEILINGS = {
     "efros-leung: files to read": 8,
     "efros-leung: lines to read": 1_176,
     "near-regular: files to read": 9,
-    "near-regular: lines to read": 1_604,
+    "near-regular: lines to read": 1_602,
 }
 
 

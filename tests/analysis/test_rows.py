@@ -24,7 +24,7 @@ def test_boards_go_on(stands):
     pixels = boards(128)
     pixels = pixels.swapaxes(0, 1) if stands else pixels
     model = model_of(np.ascontiguousarray(pixels))
-    assert model.blocks.colored_rows.axis == int(stands)
+    assert model.blocks.colored_rows.axis == stands
     out = model.sample((300, 300), seed=1)
     image = out.image.swapaxes(0, 1) if stands else out.image
     dark = image.max(axis=2) < 60
@@ -43,7 +43,6 @@ def test_boards_go_on(stands):
 def test_boards_go_on_around_a_tileable_picture(height, size):
     """An odd number of boards, or boards that are wider than a block, too."""
     model = model_of(boards(160, height), lattice=(1, 0, 0, height))
-    assert model.blocks.colored_rows.axis == 0
     assert (model.method.block_size < height) == (height == 56)
     image = model.sample((size, size), seed=1, tileable=True).image
     dark = np.flatnonzero((image.max(axis=2) < 60).mean(axis=1) > 0.98)
@@ -53,7 +52,6 @@ def test_boards_go_on_around_a_tileable_picture(height, size):
         board = image[(start + 4 + np.arange(height - 6)) % size]
         parts = board.reshape(height - 6, size // 8, 8, 3).mean(axis=2)
         assert np.ptp(parts, axis=1).max() < 9  # of one color around
-    assert np.array_equal(image, model.sample((size, size), seed=1, tileable=True).image)
 
 
 def test_rows_that_are_given_are_rows_that_are_found():
@@ -69,7 +67,6 @@ def test_rows_that_are_given_are_rows_that_are_found():
 def test_boards_wider_than_a_block_keep_their_color():
     """Blocks share a board; windows of the plane agree."""
     model = model_of(boards(240, 40), lattice=(1, 0, 0, 40), block_size=36)
-    assert model.blocks.colored_rows.axis == 0
     image = model.sample((300, 300), seed=2).image
     y = np.arange(300) % 40
     inner = image[(y > 4) & (y < 38)].reshape(-1, 15, 20, 3).mean(axis=2)
@@ -103,29 +100,32 @@ def planks(side=180):
     return pixels.astype(np.uint8)
 
 
-@pytest.mark.parametrize("stands", [False, True])
-def test_joints_run_through_an_output(stands):
-    """Each of its lines shows one line of the sample, or one beside it; not in holes or planes."""
+@pytest.mark.parametrize(("stands", "tileable"), [(0, 0), (0, 1), (1, 0), (1, 1)])
+def test_joints_run_through_an_output(stands, tileable):
+    """Each of its lines shows one line of the sample, or one beside it; not in large ones."""
     pixels = np.ascontiguousarray(planks().swapaxes(0, 1) if stands else planks())
     rows = find_boards(pixels)
-    assert np.abs(rows.edges[2:] - UNEVEN[1:]).max() <= 3 and rows.axis == int(stands)
+    assert np.abs(rows.edges[2:] - UNEVEN[1:]).max() <= 3 and rows.axis == stands
     model = weftex.Auto().fit(weftex.Exemplar(pixels))
     assert model.choose(300).parameters == {"placement": "rows"}
-    others = map(model.choose, (4096, Canvas(300, 300, (True, True))))
-    assert all(one.parameters != {"placement": "rows"} for one in others)
-    out = model.sample((300, 340), seed=1)
-    both = out.source[..., int(stands)], out.image
+    assert model.choose(4096).parameters != {"placement": "rows"}
+    out = model.sample((300, 340), seed=1, tileable=tileable == 1)
+    both = out.source[..., stands], out.image
     lines, image = (one.swapaxes(0, 1) if stands else one for one in both)
     assert (abs(lines - np.median(lines, axis=1)[:, None]) <= 2).mean() > 0.9
     dark = (image.max(axis=2) < 60).mean(axis=1)
     assert ((dark < 0.05) | (dark > 0.95)).all() and 20 < (dark > 0.95).sum() < 60
-    weftex.synthesize(pixels, 200, method="graphcut", placement="rows", tileable=True, seed=1)
+    starts = np.flatnonzero((dark > 0.95) & (np.roll(dark, 1) < 0.05))
+    heights = np.diff(starts, append=starts[:1] + len(dark)) if tileable else np.diff(starts)
+    assert heights.min() > 15 and heights.max() < 60  # the last board is whole, too
+    assert model.sample((60, 50), tileable=True).source.min() >= 0  # a board is most of it
 
 
 def test_a_map_of_rows_fills_an_output():
     assert find_boards(np.random.default_rng(1).integers(0, 255, (96, 96, 3), np.uint8)) is None
     for size in (90, 700):
-        start, end, source = np.array(find_boards(planks()).row_map(size, 3).bands).T
+        one, other = (find_boards(planks()).row_map(Canvas(size, size), k).bands for k in (3, 4))
+        start, end, source = np.array(one).T
         assert [*start, size] == [0, *end] and (end > start).all()
         assert source.min() >= 0 and (source + end - start).max() <= 180
-        assert find_boards(planks()).row_map(size, 4).bands[0][1] != end[0]
+        assert other[0][1] != end[0]

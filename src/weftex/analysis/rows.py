@@ -7,12 +7,14 @@ which: whole rows of the sample, from joint to joint, in an order that is drawn.
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from weftex.analysis.canvas_lattice import CanvasLattice
+from weftex.analysis.canvas_lattice import MOST_STRETCHED, CanvasLattice
+from weftex.canvas import Canvas
 from weftex.random import draw
 from weftex.raster.arrays import Floats
 from weftex.raster.boxes import centered_sums, sums_along
@@ -29,9 +31,12 @@ _NEAR = 10  # lines at either side of joints that are compared
 _ALIGNED = 4  # lines by which one of two joints is shifted to match the other
 _NEVER = 1e9  # a cost
 _TRIES, _STEPS = 24, 64  # orders of rows that are compared; rows from which what is drawn repeats
+_STRAINED = 2.0  # cost of a map whose size is off by all of the output's
 _SAME, _AGAIN, _PAIR, _DRAWN = 0.5, 0.6, 0.5, 0.3  # costs of repeats, and of what is drawn
 #: Whole rows up to which those cut by the border count; their least height over the mean, and cost.
 _FEW, _PART, _PARTIAL = 2, 0.55, 0.2
+
+Band = tuple[int, int, int]  # lines of an output: from, to (excluded), the first's of the sample
 
 
 class ColoredRows(NamedTuple):
@@ -117,11 +122,27 @@ class RowMap(NamedTuple):
     """Which line of a sample each line of an output shows."""
 
     axis: int  # across the rows: 0 where they lie, 1 where they stand
-    bands: list[tuple[int, int, int]]  # from, to (not included), and the first's of the sample
+    wraps: bool  # whether the last row leads to the first
+    bands: list[Band]
 
-    def band(self, pixel: tuple[int, int]) -> tuple[int, int, int]:
+    def band(self, pixel: tuple[int, int]) -> Band:
         """The band of lines that a pixel of the output lies in."""
         return next(band for band in self.bands if pixel[self.axis] < band[1])
+
+    def sources(self, pixel: tuple[int, int], off: int) -> slice:
+        """The lines of the sample that the pixel may show, if it lies `off` its own at most."""
+        start, _, source = self.band(pixel)
+        line = source + pixel[self.axis] - start
+        return slice(max(line - off, 0), line + off + 1)
+
+    def limits(self, pixel: tuple[int, int], over: int) -> tuple[int, int, bool]:
+        """The lines up to `over` beyond the pixel's band, and whether these are all and wrap."""
+        (start, end, _), size = self.band(pixel), self.bands[-1][1]
+        start, end = start - over, end + over
+        if not self.wraps:
+            return max(start, 0), min(end, size), False
+        # No patch covers more than two thirds of what wraps.
+        return (start, end, False) if end - start <= 2 * size // 3 else (0, size, True)
 
 
 class Boards:
@@ -173,30 +194,64 @@ class Boards:
         np.fill_diagonal(shift, 0)
         return cost, shift
 
-    def row_map(self, size: int, seed: int) -> RowMap:
-        """Return a map of rows for an output, the cheapest of several that are drawn."""
-        jumps, count = self._jumps(), len(self.edges) - 1
-        drawn = draw(seed, "rows", *np.ogrid[:_TRIES, :_STEPS, :count]) >> np.uint64(32)
-        tried = [self._walk(size, one, *jumps) for one in drawn.astype(np.int64)]
-        return RowMap(self.axis, min(tried, key=lambda one: one[0])[1])
+    def fitted(self, canvas: Canvas, seed: int) -> Canvas:
+        """Return a canvas of nearly this size that whole rows close around, if there is one."""
+        found = self.row_map(canvas, seed, MOST_STRETCHED / 2)
+        if found is None or canvas.kinds != ("wrap",):
+            return canvas
+        sides = [found.bands[-1][1] if k == self.axis else n for k, n in enumerate(canvas.shape)]
+        return Canvas(sides[0], sides[1], canvas.wrap)
 
-    def _walk(
-        self, size: int, drawn: NDArray[np.int64], costs: Floats, shifts: NDArray[np.int64]
-    ) -> tuple[float, list[tuple[int, int, int]]]:
-        """Return what each row of a map costs on average, and the map."""
+    def row_map(self, canvas: Canvas, seed: int, strain: float = 0.0) -> RowMap | None:
+        """Return a map of rows for an output, the cheapest of several that are drawn.
+
+        If it wraps the last row leads to the first, in its size or one that differs by a share,
+        `strain`; None if that is so in no map.
+        """
+        size, jumps, count = canvas.shape[self.axis], self._jumps(), len(self.edges) - 1
+        off = strain * size if canvas.wrap[self.axis] else None
+        drawn = draw(seed, "rows", *np.ogrid[:_TRIES, :_STEPS, :count]) >> np.uint64(32)
+        found = [x for one in drawn.astype(np.int64) for x in self._maps(size, off, one, *jumps)]
+        return RowMap(self.axis, off is not None, min(found)[1]) if found else None
+
+    def _maps(
+        self,
+        size: int,
+        off: float | None,
+        drawn: NDArray[np.int64],
+        costs: Floats,
+        shifts: NDArray[np.int64],
+    ) -> Iterator[tuple[float, list[Band]]]:
+        """Yield what each row of a map costs on average, and the map.
+
+        There is one map or, if a size that is `off` by this much closes, one for each such size.
+        """
         edges, heights = self.edges.tolist(), np.diff(self.edges)
         # The sample's border cuts the first and the last row.
         few = len(heights) <= _FEW + 2
         own = np.where(few & (heights >= _PART * heights[1:-1].mean()), _PARTIAL, _NEVER)
         own[1:-1] = 0.0
-        costs, total, bands = costs.copy(), 0.0, list[tuple[int, int, int]]()
+        jumps, costs, total, bands = costs, costs.copy(), 0.0, list[Band]()
         shown: list[tuple[int, int]] = []
         y, source = 0, int(drawn[0, 0]) % min(edges[-1] // 3, edges[-2])
         row = int(np.searchsorted(edges, source, side="right")) - 1
-        while (end := y + edges[row + 1] - source) < size:
+        if off is not None:
+            row = int((own + _DRAWN * (drawn[0] / 2**32)).argmin())
+            source = edges[row]
+        first, most = row, size if off is None else size + off + _ALIGNED + 1
+        while (end := y + edges[row + 1] - source) < most:
             bands.append((y, end, source))
             shown.append((row, y))
             y, before = end, row + 1
+            if off is not None:
+                # The first row is shifted to match the last, and all others with it.
+                begin = max(0, edges[first] + int(shifts[before, first]))
+                shift = edges[first] - begin
+                joint = jumps[before, first] + (_SAME if row == first else 0.0)
+                if (over := abs(y + shift - size)) <= off and joint < _NEVER:
+                    closed = [(a + shift, b + shift, c) for a, b, c in bands]
+                    closed[0] = (0, closed[0][1], begin)
+                    yield float(total + joint) / len(bands) + _STRAINED * over / size, closed
             options = costs[before, :-1] + own
             options[row] += _SAME
             for one, at in shown:
@@ -205,7 +260,8 @@ class Boards:
             total += float(options[row])
             costs[before, row] += _PAIR
             source = max(0, edges[row] + int(shifts[before, row]))
-        return total / (len(bands) + 1), [*bands, (y, size, source)]
+        if off is None:
+            yield total / (len(bands) + 1), [*bands, (y, size, source)]
 
 
 def find_boards(pixels: NDArray[np.uint8]) -> Boards | None:

@@ -250,8 +250,10 @@ class GraphCutModel(PixelModel):
     def make(
         self, canvas: Canvas, seed: int, threads: int, progress: ProgressCallback | None
     ) -> PixelSynthesis:
-        """See `Model.make`; not in the paper: sample and output are stretched to the lattice."""
+        """See `Model.make`; not in the paper: outputs are stretched to whole rows or a lattice."""
         fitting, fitted = fitted_sample(self.exemplar, self.method.lattice, canvas)
+        if self.method.placement == "rows" and self.prepared.boards is not None:
+            fitting = self.prepared.boards.fitted(canvas, seed)
         if fitted is None:
             return super().make(fitting, seed, threads, progress).stretched(canvas)
         index, vectors, sample = fitted

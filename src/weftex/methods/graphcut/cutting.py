@@ -186,11 +186,8 @@ class WorstSeams:
         for start, length, n, wraps in zip(
             (top, left), (height, width), self.canvas.shape, self.canvas.wrap, strict=True
         ):
-            if wraps:
-                line = (start + np.arange(min(length, n))) % n
-            else:
-                line = np.arange(max(start, 0), min(start + length, n))
-            lines.append(line.astype(np.int32))
+            line = start + np.arange(length, dtype=np.int32)
+            lines.append(line[:n] % n if wraps else line[(line >= 0) & (line < n)])
         rows, columns = lines
         cost_kernels.sum_seams(self.labeling, rows, columns, self.cost, self.cells, _CELL)
 

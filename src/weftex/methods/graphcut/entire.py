@@ -11,7 +11,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from weftex.analysis.canvas_lattice import VISIBLE_STRAIN, CanvasLattice, given_lattice
-from weftex.analysis.rows import find_boards
 from weftex.methods.graphcut.placement import Matches, Patch, size_on
 from weftex.methods.graphcut.sample import (
     CutSample,
@@ -53,7 +52,7 @@ class EntirePatchMatching:
 
     Of a picture of oriented copies each patch is one copy, but for `random`. `lattice` limits the
     shifts of a sample without copies to multiples of its vectors. `rows`, if any are found, are
-    kept whole, but in holes, endless textures and canvases that wrap.
+    kept whole, but in holes and endless textures.
     """
 
     def __init__(
@@ -84,10 +83,9 @@ class EntirePatchMatching:
         self._on_canvas = Level(growth.pixels, growth.done)
         self._holes = holes_of(growth)
         self._lattice = self._rows = None
-        plain = not (self.canvas.shown is not None or growth.done.any() or any(self.canvas.wrap))
-        if placement == "rows" and plain and not boxes and sample.windows.usable.all():
-            if found := find_boards(sample.windows.pixels):
-                self._rows = found.row_map(self.canvas.shape[found.axis], growth.seed)
+        plain = self.canvas.shown is None and not growth.done.any()
+        if placement == "rows" and plain and sample.boards is not None:
+            self._rows = sample.boards.row_map(self.canvas, growth.seed)
         if lattice:
             self._lattice = CanvasLattice(lattice, self.canvas, VISIBLE_STRAIN)
             shortest = min(np.hypot(*vector) for vector in given_lattice(lattice).reduced().vectors)
@@ -145,9 +143,7 @@ class EntirePatchMatching:
         middle = np.zeros_like(usable)
         parts = [slice(n * low // 8, n * high // 8 + 1) for n in copy.shape]
         if self._rows is not None:
-            (start, _, source), axis = self._rows.band(pixel), self._rows.axis
-            at = source + pixel[axis] - start
-            parts[axis] = slice(max(at - _OFF, 0), at + _OFF + 1)
+            parts[self._rows.axis] = self._rows.sources(pixel, _OFF)
         middle[*parts] = usable[*parts]
         if self._rows is not None:
             return smaller_masks(middle != 0, len(copy.levels))
@@ -174,19 +170,18 @@ class EntirePatchMatching:
         found: NDArray[np.bool_] = (abs(off[0]) <= most) & (abs(off[1]) <= most)
         return found
 
-    def _limits(self, pixel: tuple[int, int], over: int) -> list[tuple[int, int]]:
-        """The lines that patches on a pixel may cover: of the hole, or `over` beyond its row."""
-        limits = list(self._holes)
+    def _limits(self, pixel: tuple[int, int], over: int) -> list[tuple[int, int, bool]]:
+        """Lines that patches on a pixel may cover, `over` beyond a row, and whether they wrap."""
+        limits = [(*hole, wraps) for hole, wraps in zip(self._holes, self.canvas.wrap, strict=True)]
         if self._rows is not None:
-            (start, end, _), axis = self._rows.band(pixel), self._rows.axis
-            limits[axis] = max(start - over, 0), min(end + over, self.canvas.shape[axis])
+            limits[self._rows.axis] = self._rows.limits(pixel, over)
         return limits
 
     def _around(self, pixel: tuple[int, int], reaches: list[int]) -> list[Level]:
         """The pyramid of all that a copy may cover with this pixel."""
-        lines = []
-        for at, reach, (low, high), n, wraps in zip(
-            pixel, reaches, self._limits(pixel, 0), self.canvas.shape, self.canvas.wrap, strict=True
+        lines, limits = [], self._limits(pixel, 0)
+        for at, reach, n, (low, high, wraps) in zip(
+            pixel, reaches, self.canvas.shape, limits, strict=True
         ):
             line = np.arange(at - reach, at + reach + self.reduction)
             around = max((high - low) // 2, _AROUND) if self._rows is None else 0
@@ -230,16 +225,15 @@ class EntirePatchMatching:
     ) -> list[Patch]:
         """The part of a copy that is on the canvas if these pixels of it lie on this one."""
         tops, lengths, sources = [], [], []
-        for p, at, corner, side, size, (low, high), wraps in zip(
+        for p, at, corner, side, size, (low, high, wraps) in zip(
             pixel, np.array(found).T, copy.corner, copy.shape, size_on(self.canvas, copy.shape),
-            self._limits(pixel, _OVER), self.canvas.wrap, strict=True,
+            self._limits(pixel, _OVER), strict=True,
         ):  # fmt: skip
             start = p - at
             if wraps:
-                first = np.maximum(start, p - size // 2)
-                last = np.minimum(start + side, first + size)
-            else:
-                first, last = np.maximum(start, low), np.minimum(start + side, high)
+                low = p - size // 2
+                high = np.maximum(start, low) + size
+            first, last = np.maximum(start, low), np.minimum(start + side, high)
             tops.append(first)
             lengths.append(last - first)
             sources.append(first - start + corner)

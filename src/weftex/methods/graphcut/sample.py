@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from weftex.analysis.patch_sizes import patch_size_of
+from weftex.analysis.rows import Boards, find_boards
 from weftex.errors import InvalidInputError
 from weftex.exemplar import Exemplar
 from weftex.exemplar.turns import copies_in
@@ -49,6 +50,12 @@ class CutSample:
     def boxes(self) -> list[Box]:
         """Where the sample and its oriented copies lie, if it is a picture of them."""
         return [] if self.exemplar.turn is None else copies_in(self.exemplar)
+
+    @cached_property
+    def boards(self) -> Boards | None:
+        """Its rows, if their joints run through it."""
+        plain = not self.boxes and self.is_whole(copies=False)
+        return find_boards(self.windows.pixels) if plain else None
 
     def part(self, box: Box) -> CutSample:
         """One of the oriented copies."""

@@ -129,7 +129,7 @@ def _regular(findings: Findings, canvas: Canvas, patient: bool) -> Choice | None
 
 def _in_rows(findings: Findings, canvas: Canvas) -> Choice | None:
     """Return entire samples by rows that differ, such as boards; even ones are `_regular`."""
-    if not findings.rows or any(canvas.wrap) or math.prod(canvas.shape) > _LARGE:
+    if not findings.rows or math.prod(canvas.shape) > _LARGE:
         return None
     return Choice("graphcut", {"placement": "rows"}, "the sample has rows of different kinds")
 
