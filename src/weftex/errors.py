@@ -70,11 +70,7 @@ def missing_packages(what: str, extra: str) -> UnsupportedError:
 
 def printable(text: str) -> str:
     """Return a text with escapes for characters that would not print, or end the line."""
-    return (
-        text
-        if text.isprintable()
-        else "".join(c if c.isprintable() else ascii(c)[1:-1] for c in text)
-    )
+    return "".join(c if c.isprintable() else ascii(c)[1:-1] for c in text)
 
 
 def shown(value: object) -> str:

@@ -66,6 +66,12 @@ def parameter(
     return dataclasses.field(default=about.pop("default"), metadata=about)
 
 
+def window_parameter(help: str, default_text: str, high: int | None = None) -> Any:
+    """Declare the odd width of a square window, which the sample decides by default."""
+    how: dict[str, Any] = {"low": 1, "high": high, "unit": "px", "parity": "odd"}
+    return parameter(None, help, default_text=default_text, control="size", **how)
+
+
 def check_value(field: dataclasses.Field[Any], value: Any) -> None:
     """Raise `InvalidInputError` unless a parameter may have this value."""
     meta, name = field.metadata, field.name

@@ -97,11 +97,7 @@ def _converted(pixels: Pixels, role: str, dtype: np.dtype[Any], alpha: bool) -> 
     if shows.srgb:
         colors = (..., slice(0, -1)) if alpha else ...
         values[colors] = (to_stored if dtype.kind == "u" else to_light)(values[colors])
-    return (
-        np.rint(values * np.iinfo(dtype).max).astype(dtype)
-        if dtype.kind == "u"
-        else (values.astype(dtype))
-    )
+    return (np.rint(values * np.iinfo(dtype).max) if dtype.kind == "u" else values).astype(dtype)
 
 
 class OutputSet(NamedTuple):

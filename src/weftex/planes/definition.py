@@ -154,12 +154,11 @@ class Definition:
         """Return the file of each picture: the target, or beside it, named by `stems`."""
         if len(self.layouts) == 1:
             return {name: TiffStore(target, layout) for name, layout in self.layouts.items()}
-        (folder, own), found = os.path.split(target), {}
+        folder, own = os.path.split(target)
         stem, suffix = os.path.splitext(own)
-        for name, layout in self.layouts.items():
-            file = self.stems.get(name) or f"{stem}_{name}"
-            found[name] = TiffStore(os.path.join(folder, file + suffix), layout)
-        return found
+        stems = {name: self.stems.get(name) or f"{stem}_{name}" for name in self.layouts}
+        paths = {name: os.path.join(folder, one + suffix) for name, one in stems.items()}
+        return {name: TiffStore(paths[name], layout) for name, layout in self.layouts.items()}
 
     def _packed(self) -> tuple[dict[str, Any], dict[str, NDArray[Any]]]:
         """Plain values and arrays of the samples and the method."""
@@ -220,18 +219,10 @@ class Definition:
         _check_plain(about, [*facts["maps"], *about["stems"].values()])
         own, *samples = unpacked(facts["samples"], arrays)
         maps = dict(zip(facts["maps"], samples, strict=True))
-        return cls(
-            own.changed(maps=maps, weights=facts["weights"]),
-            _method(facts["method"], about),
-            about["seed"],
-            about["height"],
-            about["width"],
-            tuple(about["wrap"]),
-            about["block"],
-            about["stems"],
-            header["reason"],
-            about["density"],
-        )
+        exemplar = own.changed(maps=maps, weights=facts["weights"])
+        names = ("seed", "height", "width", "block", "stems", "density")
+        how = {name: about[name] for name in names} | {"reason": header["reason"]}
+        return cls(exemplar, _method(facts["method"], about), wrap=tuple(about["wrap"]), **how)
 
 
 def define(

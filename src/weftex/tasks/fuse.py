@@ -143,17 +143,10 @@ def fuse(
     chosen.require_kind("many")
     chosen.require(canvas)
     whole = combined(exemplars)
-    fusion = Fusion(
-        whole,
-        exemplars,
-        widths,
-        chosen,
-        canvas,
-        number,
-        None if belt_width is None else belt_width // 2,
-        belt_method if boundary == "merged" else None,
-        {"threads": threads, "progress": progress},
-    )
+    half = None if belt_width is None else belt_width // 2
+    belts = belt_method if boundary == "merged" else None
+    how = {"threads": threads, "progress": progress}
+    fusion = Fusion(whole, exemplars, widths, chosen, canvas, number, half, belts, how)
     about = {"seed": number, "samples": [e.name for e in exemplars], "boundary": boundary}
     about |= {"warnings": notes} if notes else {}
     with listening(progress):

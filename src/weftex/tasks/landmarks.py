@@ -60,8 +60,7 @@ def remove_landmarks(exemplar: Exemplar) -> Exemplar:
 def plain_sample(exemplar: Exemplar, landmarks: str) -> PlainSample | None:
     """Return a sample with its landmarks filled; None if it has none, or a lattice or rows."""
     if not isinstance(landmarks, str) or landmarks not in LANDMARKS:
-        known = ", ".join(LANDMARKS)
-        raise wrong_value("landmarks", landmarks, f"one of {known}")
+        raise wrong_value("landmarks", landmarks, f"one of {', '.join(LANDMARKS)}")
     if exemplar.pieces:
         raise InvalidInputError(
             f"landmarks is {landmarks}; with several samples or rotated copies it must be keep"

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from weftex.exemplar import Exemplar
 from weftex.methods.ashikhmin import candidate_kernels as kernels
 from weftex.methods.pixels import Growth, PixelModel, WindowedMethod, square_width
-from weftex.parameters import parameter
+from weftex.parameters import parameter, window_parameter
 from weftex.random import pick
 from weftex.raster.masks import peeled
 from weftex.search.windows import Windows, new_query, square_windows
@@ -50,14 +50,9 @@ class Ashikhmin(WindowedMethod):
     )
     supports: ClassVar[frozenset[str]] = frozenset({"wrap", "known", "guide", "many"})
 
-    window_width: int | None = parameter(
-        None,
+    window_width: int | None = window_parameter(
         "side of the square window that is compared, odd; wider keeps larger shapes",
-        low=1,
-        parity="odd",
-        unit="px",
-        default_text="5, less for a very small sample",
-        control="size",
+        "5, less for a very small sample",
     )
     passes: int = parameter(
         2,
@@ -85,9 +80,8 @@ class Ashikhmin(WindowedMethod):
 
     def resolved(self, exemplar: Exemplar) -> Self:
         """See `Method.resolved`."""
-        return replace(
-            self, window_width=square_width(self.window_width, exemplar, _PROPOSED_WIDTH)
-        )
+        width = square_width(self.window_width, exemplar, _PROPOSED_WIDTH)
+        return replace(self, window_width=width)
 
 
 @dataclass(frozen=True, eq=False)

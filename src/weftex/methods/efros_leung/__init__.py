@@ -15,7 +15,7 @@ from weftex.exemplar import Exemplar
 from weftex.methods.efros_leung.layers import Waves, in_threads, seed_piece, unfilled_neighbors
 from weftex.methods.efros_leung.weighted_search import ExactSearch, gaussian_weights
 from weftex.methods.pixels import Growth, PixelModel, WindowedMethod, square_width
-from weftex.parameters import parameter
+from weftex.parameters import parameter, window_parameter
 from weftex.search.windows import Windows, square_windows
 
 _PROPOSED_WIDTH, _SEED_WIDTH = 15, 3  # pixels
@@ -48,15 +48,10 @@ class EfrosLeung(WindowedMethod):
     )
     supports: ClassVar[frozenset[str]] = frozenset({"wrap", "known", "many"})
 
-    window_width: int | None = parameter(
-        None,
+    window_width: int | None = window_parameter(
         "side of the square window that is compared, odd; wider keeps larger shapes and is "
         "less random",
-        low=1,
-        parity="odd",
-        unit="px",
-        default_text="15, less for a small sample",
-        control="size",
+        "15, less for a small sample",
     )
     tolerance: float = parameter(
         0.1,
@@ -68,9 +63,8 @@ class EfrosLeung(WindowedMethod):
 
     def resolved(self, exemplar: Exemplar) -> Self:
         """See `Method.resolved`."""
-        return replace(
-            self, window_width=square_width(self.window_width, exemplar, _PROPOSED_WIDTH)
-        )
+        width = square_width(self.window_width, exemplar, _PROPOSED_WIDTH)
+        return replace(self, window_width=width)
 
     def fit_exemplar(self, exemplar: Exemplar) -> PixelModel:
         """Find the sample's windows, and weigh their pixels."""

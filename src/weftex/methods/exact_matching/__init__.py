@@ -20,7 +20,7 @@ from weftex.methods.exact_matching.matching import (
     structured_band,
 )
 from weftex.methods.pixels import Growth, PixelModel, WindowedMethod
-from weftex.parameters import parameter
+from weftex.parameters import parameter, window_parameter
 
 
 @dataclass(frozen=True)
@@ -51,16 +51,11 @@ class ExactMatching(WindowedMethod):
     )
     supports: ClassVar[frozenset[str]] = frozenset({"wrap", "known", "many"})
 
-    window_width: int | None = parameter(
-        None,
+    window_width: int | None = window_parameter(
         "side of the square window that is compared, odd; at least the size of features "
         "to keep whole",
-        low=1,
-        parity="odd",
+        "17 with several levels, else from the sample's scale",
         high=1001,
-        unit="px",
-        default_text="17 with several levels, else from the sample's scale",
-        control="size",
     )
     tolerance: float | None = parameter(
         None,

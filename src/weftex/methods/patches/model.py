@@ -144,15 +144,9 @@ class PatchCanvas:
         self.cuts = np.zeros((0, 0), np.uint16)
         if self.method.blend == "cut" and not self.method.pixelwise:
             self.cuts = np.zeros((len(self.placements), 2 * sum(self.frame.window)), np.uint16)
-        self._patches = Patches(
-            analysis.pixels,
-            analysis.transposed,
-            self.placements,
-            self.cuts,
-            self.order.bits,
-            self.order.around,
-            self.method.keep_apart,
-        )
+        pictures, pasted = (analysis.pixels, analysis.transposed), (self.placements, self.cuts)
+        drawn = self.order.bits, self.order.around
+        self._patches = Patches(*pictures, *pasted, *drawn, self.method.keep_apart)
         #: The candidates of a patch, of each thread.
         self._shortlists: dict[int, Shortlist] = {}
 

@@ -26,7 +26,7 @@ from weftex.methods.refinement.start import (
     start_window,
 )
 from weftex.methods.refinement.sweeps import Convergence, refine_texture, sweep_of
-from weftex.parameters import parameter
+from weftex.parameters import parameter, window_parameter
 
 _PITCH = 384  # pixels, at least, from one node of a plane to the next
 
@@ -56,14 +56,9 @@ class Refinement(WindowedMethod):
     supports: ClassVar[frozenset[str]] = frozenset({"wrap", "known", "guide", "many"})
     belt_parameters: ClassVar[frozenset[str]] = frozenset({"seed_scale", "seed_density", "matches"})
 
-    window_width: int | None = parameter(
-        None,
+    window_width: int | None = window_parameter(
         "side of the square window that is compared, odd; wider keeps larger shapes",
-        low=1,
-        parity="odd",
-        unit="px",
-        default_text="twice the sample's scale (weftex analyze), at least 29 if coherent",
-        control="size",
+        "twice the sample's scale (weftex analyze), at least 29 if coherent",
     )
     search: str = parameter(
         "coherent",

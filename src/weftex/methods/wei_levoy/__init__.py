@@ -27,7 +27,7 @@ from weftex.methods.wei_levoy.levels import (
     window_width,
 )
 from weftex.methods.wei_levoy.tsvq import Trees
-from weftex.parameters import parameter
+from weftex.parameters import parameter, window_parameter
 from weftex.progress import Progress
 from weftex.random import draw
 from weftex.raster.masks import peeled
@@ -78,14 +78,9 @@ class WeiLevoy(WindowedMethod):
         high=16,
         default_text="4, fewer where the coarsest level would not hold two windows",
     )
-    window_width: int | None = parameter(
-        None,
+    window_width: int | None = window_parameter(
         "side S of the square window at a pixel's own level, odd; wider keeps larger shapes",
-        low=1,
-        parity="odd",
-        unit="px",
-        default_text=f"{PROPOSED_WIDTH}, less for a very small sample",
-        control="size",
+        f"{PROPOSED_WIDTH}, less for a very small sample",
     )
     parent_width: int | None = parameter(
         None,
