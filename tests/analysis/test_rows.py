@@ -94,8 +94,7 @@ def planks(side=180):
     """Boards that lie, of different heights, with a joint of three lines above each."""
     rng, y = np.random.default_rng(8), np.arange(side)
     row = np.searchsorted(UNEVEN, y, side="right") - 1
-    grain = rng.integers(0, 9, (side, side, 1))
-    pixels = rng.integers(90, 160, (len(UNEVEN), 3))[row][:, None] + grain
+    pixels = rng.integers(0, 9, (side, side, 1)) + rng.integers(90, 160, (7, 3))[row][:, None]
     pixels[y - UNEVEN[row] < 3] = 20
     return pixels.astype(np.uint8)
 
@@ -110,8 +109,7 @@ def test_joints_run_through_an_output(stands, tileable):
     assert model.choose(300).parameters == {"placement": "rows"}
     assert model.choose(4096).parameters != {"placement": "rows"}
     out = model.sample((300, 340), seed=1, tileable=tileable == 1)
-    both = out.source[..., stands], out.image
-    lines, image = (one.swapaxes(0, 1) if stands else one for one in both)
+    lines, image = (one.swapaxes(0, stands) for one in (out.source[..., stands], out.image))
     assert (abs(lines - np.median(lines, axis=1)[:, None]) <= 2).mean() > 0.9
     dark = (image.max(axis=2) < 60).mean(axis=1)
     assert ((dark < 0.05) | (dark > 0.95)).all() and 20 < (dark > 0.95).sum() < 60
@@ -119,6 +117,8 @@ def test_joints_run_through_an_output(stands, tileable):
     heights = np.diff(starts, append=starts[:1] + len(dark)) if tileable else np.diff(starts)
     assert heights.min() > 15 and heights.max() < 60  # the last board is whole, too
     assert model.sample((60, 50), tileable=True).source.min() >= 0  # a board is most of it
+    filled = weftex.fill(pixels, hole := np.pad(np.ones((60, 60), bool), 60), seed=1)
+    assert abs(filled.source[..., stands] - np.indices(hole.shape)[stands])[hole].max() <= 1
 
 
 def test_a_map_of_rows_fills_an_output():

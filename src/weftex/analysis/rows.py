@@ -8,13 +8,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from weftex.analysis.canvas_lattice import MOST_STRETCHED, CanvasLattice
-from weftex.canvas import Canvas
+from weftex.canvas import MAX_PIXELS, Canvas
 from weftex.random import draw
 from weftex.raster.arrays import Floats
 from weftex.raster.boxes import centered_sums, sums_along
@@ -268,3 +268,17 @@ def find_boards(pixels: NDArray[np.uint8]) -> Boards | None:
     """Find rows whose joints run through a sample uint8 (H, W, K)."""
     found = max((Boards(pixels, axis) for axis in (0, 1)), key=lambda one: one.through)
     return found if found.through >= _THROUGH else None
+
+
+def rows_around(pixels: NDArray[np.uint8], usable: NDArray[Any], canvas: Canvas) -> RowMap | None:
+    """Return a map that continues rows across holes, if joints run through the photo one way."""
+    if canvas.known_from is None or any(canvas.wrap):
+        return None
+    through = []
+    for axis in (0, 1):
+        whole = np.asarray(usable.all(axis=axis))  # lines across the rows that miss all holes
+        parts = np.compress(whole, pixels, axis=1 - axis)
+        through.append(Boards(parts, axis).through if 2 * whole.sum() >= len(whole) else 0.0)
+    axis = through.index(max(through))
+    found = RowMap(axis, False, [(0, MAX_PIXELS, canvas.known_from[axis])])
+    return found if min(through) < _THROUGH <= max(through) else None

@@ -98,7 +98,7 @@ class GraphCut(Method):
         "number of placements tried for each patch; the cheapest seam wins; higher is slower",
         low=1,
         high=1000,
-        default_text="4; if placement is entire 12, in holes 48; rows 24; lattice 24, in holes 96",
+        default_text="4; if placement is entire 12, in holes 48; rows or lattice 24, in holes 96",
     )
     seam_cost: str = parameter(
         "gradient",
@@ -174,7 +174,7 @@ class GraphCut(Method):
         best: dict[str, Any] = {}
         if self.placement == "subpatch":
             best = {"patch_size": patch_size_for(hole, usable, 1)}
-        elif self.lattice is not None:
+        elif self.lattice is not None or self.placement == "rows":
             best = {"candidates": 96}  # finer cuts and refinements break its joints
         elif self.placement == "entire":
             fine = 2 if min(usable.shape) >= 96 else None
@@ -241,9 +241,7 @@ class GraphCutModel(PixelModel):
         method, shape, given = self.method, self.patch_shape, self.given
         if given.placement != "subpatch" or given.patch_size is not None:
             return method, shape
-        most = patch_size_on(canvas, PATCH_SHARE)
-        if given.boundary_width is not None:
-            most = max(most, 2 * given.boundary_width + 1)
+        most = max(patch_size_on(canvas, PATCH_SHARE), 2 * (given.boundary_width or 0) + 1)
         shape = min(shape[0], most), min(shape[1], most)
         return replace(method, boundary_width=given.boundary_width).for_patches(shape), shape
 

@@ -92,8 +92,7 @@ class CutCanvas:
             if patch.factor < different.setdefault(patch[:-1], patch).factor:
                 different[patch[:-1]] = patch
         self._least = math.inf
-        found = map_(self.cost, different.values())
-        costs = dict(zip(different.values(), found, strict=True))
+        costs = dict(zip(different.values(), map_(self.cost, different.values()), strict=True))
         most = max(min(costs.values()) * times for times in (1.0, self._tolerated))
         good = sorted((patch for patch in costs if costs[patch] <= most), key=costs.__getitem__)
         self.filling, which = divmod(self.filling, len(good))

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from weftex.analysis.canvas_lattice import VISIBLE_STRAIN, CanvasLattice, given_lattice
+from weftex.analysis.rows import rows_around
 from weftex.methods.graphcut.placement import Matches, Patch, size_on
 from weftex.methods.graphcut.sample import (
     CutSample,
@@ -52,7 +53,7 @@ class EntirePatchMatching:
 
     Of a picture of oriented copies each patch is one copy, but for `random`. `lattice` limits the
     shifts of a sample without copies to multiples of its vectors. `rows`, if any are found, are
-    kept whole, but in holes and endless textures.
+    kept whole, but in endless textures; in holes they are continued.
     """
 
     def __init__(
@@ -86,6 +87,8 @@ class EntirePatchMatching:
         plain = self.canvas.shown is None and not growth.done.any()
         if placement == "rows" and plain and sample.boards is not None:
             self._rows = sample.boards.row_map(self.canvas, growth.seed)
+        if placement == "rows" and self.canvas.known_from is not None:
+            self._rows = rows_around(sample.windows.pixels, sample.windows.usable, self.canvas)
         if lattice:
             self._lattice = CanvasLattice(lattice, self.canvas, VISIBLE_STRAIN)
             shortest = min(np.hypot(*vector) for vector in given_lattice(lattice).reduced().vectors)
@@ -139,6 +142,8 @@ class EntirePatchMatching:
         # Eighths of the sample that cover the pixel. With fewer, little of it overlaps the canvas,
         # and it matches worse; with more, it covers little that is missing.
         low, high = (2, 6) if centered else (2, 4) if self.penalty is None else (1, 6)
+        if self._rows is not None and self.canvas.hole is not None:
+            low, high = 0, 8  # any that lies on the same line
         usable = copy.levels[0].mask
         middle = np.zeros_like(usable)
         parts = [slice(n * low // 8, n * high // 8 + 1) for n in copy.shape]
@@ -173,7 +178,7 @@ class EntirePatchMatching:
     def _limits(self, pixel: tuple[int, int], over: int) -> list[tuple[int, int, bool]]:
         """Lines that patches on a pixel may cover, `over` beyond a row, and whether they wrap."""
         limits = [(*hole, wraps) for hole, wraps in zip(self._holes, self.canvas.wrap, strict=True)]
-        if self._rows is not None:
+        if self._rows is not None and self.canvas.hole is None:
             limits[self._rows.axis] = self._rows.limits(pixel, over)
         return limits
 
@@ -184,7 +189,8 @@ class EntirePatchMatching:
             pixel, reaches, self.canvas.shape, limits, strict=True
         ):
             line = np.arange(at - reach, at + reach + self.reduction)
-            around = max((high - low) // 2, _AROUND) if self._rows is None else 0
+            around = max((high - low) // 2, _AROUND)
+            around *= self._rows is None or self.canvas.hole is not None  # none of other rows
             low, high = max(low - around, 0), min(high + around, n)
             line = line % n if wraps else np.where((line >= low) & (line < high), line, -1)
             lines.append(line.astype(np.int32))

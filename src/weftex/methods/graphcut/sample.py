@@ -68,9 +68,7 @@ class CutSample:
 
         A power of 2, such that the level has some of the `allowed` pixels of the sample.
         """
-        most, least = self.most_halvings, 1
-        if most is None:
-            most, least = _HALVINGS, _LEAST
+        most, least = (_HALVINGS, _LEAST) if (n := self.most_halvings) is None else (n, 1)
         reduction = 1
         while (
             2 * reduction <= 1 << most
@@ -109,10 +107,9 @@ class CutSample:
 
     def is_whole(self, copies: bool) -> bool:
         """Whether all pixels of patches are usable, in one of the oriented `copies` or anywhere."""
-        usable = self.windows.usable
-        if copies:  # there is a line between any two
-            return all(usable[y : y + h, x : x + w].all() for y, x, h, w in self.boxes)
-        return bool(usable.all())
+        usable = self.windows.usable  # there is a line between any two copies
+        boxes = self.boxes if copies else [(0, 0, *usable.shape)]
+        return all(usable[y : y + h, x : x + w].all() for y, x, h, w in boxes)
 
 
 def check_boundary(side: int, boundary: int) -> None:

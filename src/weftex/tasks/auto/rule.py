@@ -19,6 +19,7 @@ from weftex.analysis.lattice import Lattice, find_lattice
 from weftex.analysis.overlay import courses
 from weftex.analysis.properties import FORMS
 from weftex.analysis.relief import LOOK, smaller_copy
+from weftex.analysis.rows import rows_around
 from weftex.canvas import Canvas
 from weftex.exemplar import Exemplar
 from weftex.tasks.auto.findings import SMALLEST_ANALYZED, Findings
@@ -197,6 +198,10 @@ def choose_for_hole(exemplar: Exemplar, canvas: Canvas) -> Choice:
         small, step = smaller_copy(exemplar, LOOK)
         if min(small.shape) >= SMALLEST_ANALYZED:
             lattice = find_lattice(small)
+    if lattice is None or len(lattice.vectors) == 1:
+        if rows_around(exemplar.matching(), exemplar.usable, canvas) is not None:
+            because = "joints run through the photo around the hole"
+            return Choice("graphcut", {"placement": "rows"}, because)
     if lattice is None or not may_place(lattice, small.shape):
         because = "no clear lattice was found around the hole"
         return Choice("graphcut", dict(WHOLE) if _is_small(exemplar.shape) else {}, because)
