@@ -198,11 +198,10 @@ def choose_for_hole(exemplar: Exemplar, canvas: Canvas) -> Choice:
         small, step = smaller_copy(exemplar, LOOK)
         if min(small.shape) >= SMALLEST_ANALYZED:
             lattice = find_lattice(small)
-    if lattice is None or len(lattice.vectors) == 1:
+    if lattice is None or not may_place(lattice, small.shape):
         if rows_around(exemplar.matching(), exemplar.usable, canvas) is not None:
             because = "joints run through the photo around the hole"
             return Choice("graphcut", {"placement": "rows"}, because)
-    if lattice is None or not may_place(lattice, small.shape):
         because = "no clear lattice was found around the hole"
         return Choice("graphcut", dict(WHOLE) if _is_small(exemplar.shape) else {}, because)
     found = Lattice(tuple((x * step, y * step) for x, y in lattice.vectors), lattice.confidence)
