@@ -196,8 +196,9 @@ class Boards:
 
     def fitted(self, canvas: Canvas, seed: int) -> Canvas:
         """Return a canvas of nearly this size that whole rows close around, if there is one."""
-        found = self.row_map(canvas, seed, MOST_STRETCHED / 2)
-        if found is None or canvas.kinds != ("wrap",):
+        wraps = canvas.kinds == ("wrap",)
+        found = self.row_map(canvas, seed, MOST_STRETCHED / 2) if wraps else None
+        if found is None:
             return canvas
         sides = [found.bands[-1][1] if k == self.axis else n for k, n in enumerate(canvas.shape)]
         return Canvas(sides[0], sides[1], canvas.wrap)
