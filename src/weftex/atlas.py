@@ -266,7 +266,6 @@ def atlas(
     made = PixelSynthesis(
         Canvas(index.shape[0], index.shape[1], (True, True)),
         index,
-        sample_shape=model.exemplar.shape,
         exemplar=model.exemplar,
         is_window=True,  # or steps of height would be spread into neighbors of the torus
         provenance=model.method.describe() | {"seed": number},

@@ -88,6 +88,11 @@ def shown(value: object) -> str:
     return text if len(text) <= _LONGEST else text[: _LONGEST - 3] + "..."
 
 
+def size_words(shape: tuple[int, ...]) -> str:
+    """Return a shape (H, W, ...) as text, such as 640x480."""
+    return f"{shape[1]}x{shape[0]}"
+
+
 def wrong_value(name: str, value: object, wanted: str) -> InvalidInputError:
     """Return the error that a value is not what it must be; `wanted` says that in words."""
     return InvalidInputError(f"{name} is {shown(value)}; it must be {wanted}")

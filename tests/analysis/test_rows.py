@@ -123,6 +123,10 @@ def test_joints_run_through_an_output(stands, tileable):
 
 def test_a_map_of_rows_fills_an_output():
     assert find_boards(np.random.default_rng(1).integers(0, 255, (96, 96, 3), np.uint8)) is None
+    noisy = planks() + np.random.default_rng(1).integers(0, 60, (180, 180, 1), np.uint8)
+    assert find_boards(noisy) and not find_boards(noisy, even=True)
+    hole = np.pad(np.ones((40, 40), bool), 44)
+    assert "joints run" in weftex.fill(boards(128), hole, seed=1).provenance["reason"]
     for size in (90, 700):
         one, other = (find_boards(planks()).row_map(Canvas(size, size), k).bands for k in (3, 4))
         start, end, source = np.array(one).T

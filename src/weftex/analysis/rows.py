@@ -26,7 +26,9 @@ _WIDE = 2  # lines at either side of a joint over which its steps in tone are ad
 _HIGHEST, _STEP = 8, 0.35  # of the mean of that many highest steps, that a joint must have
 _MOST = 16  # rows of a sample
 _BORDER = 3  # lines at a border of the sample, in which no joint is looked for
-_THROUGH = 0.6  # share of a step that is the same along the whole joint; stones up to 0.55
+#: Least share of a step that is the same along the whole joint, as stones have up to 0.55; and if
+#: rows of one distance are found, as bricks have up to 0.88.
+_THROUGH = (0.6, 0.9)
 _NEAR = 10  # lines at either side of joints that are compared
 _ALIGNED = 4  # lines by which one of two joints is shifted to match the other
 _NEVER = 1e9  # a cost
@@ -265,13 +267,15 @@ class Boards:
             yield total / (len(bands) + 1), [*bands, (y, size, source)]
 
 
-def find_boards(pixels: NDArray[np.uint8]) -> Boards | None:
-    """Find rows whose joints run through a sample uint8 (H, W, K)."""
+def find_boards(pixels: NDArray[np.uint8], even: bool = False) -> Boards | None:
+    """Find rows whose joints run through a sample uint8 (H, W, K); clearly, if they are `even`."""
     found = max((Boards(pixels, axis) for axis in (0, 1)), key=lambda one: one.through)
-    return found if found.through >= _THROUGH else None
+    return found if found.through >= _THROUGH[even] else None
 
 
-def rows_around(pixels: NDArray[np.uint8], usable: NDArray[Any], canvas: Canvas) -> RowMap | None:
+def rows_around(
+    pixels: NDArray[np.uint8], usable: NDArray[Any], canvas: Canvas, even: bool = False
+) -> RowMap | None:
     """Return a map that continues rows across holes, if joints run through the photo one way."""
     if canvas.known_from is None or any(canvas.wrap):
         return None
@@ -282,4 +286,4 @@ def rows_around(pixels: NDArray[np.uint8], usable: NDArray[Any], canvas: Canvas)
         through.append(Boards(parts, axis).through if 2 * whole.sum() >= len(whole) else 0.0)
     axis = through.index(max(through))
     found = RowMap(axis, False, [(0, MAX_PIXELS, canvas.known_from[axis])])
-    return found if min(through) < _THROUGH <= max(through) else None
+    return found if min(through) < _THROUGH[0] and max(through) >= _THROUGH[even] else None

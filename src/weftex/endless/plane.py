@@ -128,7 +128,6 @@ def make_window(
     return PixelSynthesis(
         canvas_of(box),
         plane.show(box, callback),
-        sample_shape=model.exemplar.shape,
         exemplar=model.exemplar,
         is_window=True,
         provenance=about | asked.told,

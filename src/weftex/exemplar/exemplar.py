@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from weftex.errors import InvalidInputError, shown
+from weftex.errors import InvalidInputError, shown, size_words
 from weftex.io.display import Displayable, size_text
 from weftex.raster.arrays import (
     as_mask,
@@ -136,8 +136,8 @@ class Exemplar(Displayable):
         self.mask = usable if mask is None else owned(as_mask(mask, "mask"))
         if self.mask is not None and self.mask.shape != self.shape:
             raise InvalidInputError(
-                f"mask is {_size(self.mask)}, {name} is {_size(self.pixels)}; scale or crop the "
-                "mask to the size of the sample"
+                f"mask is {size_words(self.mask.shape)}, {name} is {size_words(self.shape)}; scale "
+                "or crop the mask to the size of the sample"
             )
         if self.mask is not None and usable is not None:
             self.mask = owned(self.mask & usable)
@@ -146,8 +146,8 @@ class Exemplar(Displayable):
         self.guide = None if guide is None else owned(check_guide(guide, f"the guide of {name}"))
         if self.guide is not None and self.guide.shape[:2] != self.shape:
             raise InvalidInputError(
-                f"the guide of {name} is {_size(self.guide)}, {name} is {_size(self.pixels)}; "
-                "they must be equal"
+                f"the guide of {name} is {size_words(self.guide.shape)}, {name} is "
+                f"{size_words(self.shape)}; they must be equal"
             )
         self._matching: NDArray[np.uint8] | None = None
 
@@ -196,8 +196,9 @@ class Exemplar(Displayable):
         scale = scale_between(self._maps[name].shape, self.shape)
         if scale is None:
             raise InvalidInputError(
-                f"map '{name}' is {_size(self.maps[name])}, {self.name} is {_size(self.pixels)}; "
-                "both sides must be equal, or the same integer multiple or fraction"
+                f"map '{name}' is {size_words(self.maps[name].shape)}, {self.name} is "
+                f"{size_words(self.shape)}; both sides must be equal, or the same integer multiple "
+                "or fraction"
             )
         return scale
 
@@ -305,10 +306,6 @@ def as_map(given: Any, name: str) -> Exemplar:
     pixels, role = check_pixels(given, name), role_of(name) or Role(name)
     alpha = pixels.ndim == 3 and pixels.shape[2] in (2, 4) and not role.channels
     return Exemplar(pixels, alpha=alpha, name=name, role=role)
-
-
-def _size(pixels: NDArray[Any]) -> str:
-    return f"{pixels.shape[1]}x{pixels.shape[0]}"
 
 
 def _color(values: NDArray[Any]) -> str:

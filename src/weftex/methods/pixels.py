@@ -113,7 +113,6 @@ class PixelModel(Model):
         return PixelSynthesis(
             canvas,
             index,
-            sample_shape=self.exemplar.shape,
             exemplar=self.exemplar,
             known_from=canvas.known_from,
             tone_reach=growth.tone_reach,

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from weftex.analysis.properties import border_steps
-from weftex.errors import InvalidInputError
+from weftex.errors import InvalidInputError, size_words
 from weftex.exemplar import Exemplar
 from weftex.exemplar.turns import as_it_was, as_made_from
 from weftex.progress import counted
@@ -42,8 +42,8 @@ def fault_maps(
     sizes = pictured.shape, pixels.shape[:2]
     if source is not None and (source.sample_shape, source.shape) != sizes:
         raise InvalidInputError(
-            f"the source makes {_size(source.shape)} from {_size(source.sample_shape)}, but result "
-            f"and sample are {_size(sizes[1])} and {_size(sizes[0])}"
+            f"the source makes {size_words(source.shape)} from {size_words(source.sample_shape)}, "
+            f"but result and sample are {size_words(sizes[1])} and {size_words(sizes[0])}"
         )
     height, width = pixels.shape[:2]
     pixels = middle(pixels, (min(height, LARGEST_MEASURED), min(width, LARGEST_MEASURED)))
@@ -67,10 +67,6 @@ def fault_maps(
         seldom = _marked(shown, np.maximum(-often, 0), (0, 90, 255))
         maps["use"] = _marked(seldom, np.maximum(often, 0), (255, 150, 0), 1.0)
     return maps
-
-
-def _size(shape: tuple[int, ...]) -> str:
-    return f"{shape[1]}x{shape[0]}"
 
 
 def as_shown(exemplar: Exemplar, pixels: NDArray[Any]) -> Bytes:

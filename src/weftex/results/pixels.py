@@ -51,7 +51,7 @@ class PixelSynthesis(Synthesis):
         """Return this result of a rearranged sample as one of the sample itself, made `by`."""
         about = {"exemplar": exemplar, "provenance": self.provenance | by}
         index = index.ravel()[self.index]
-        return self._again(self.canvas, index, sample_shape=exemplar.shape, **about)
+        return self._again(self.canvas, index, **about)
 
     def _again(self, canvas: Canvas, index: NDArray[np.int32], **changes: Any) -> PixelSynthesis:
         names = (*ABOUT, "exemplar", "threads")
@@ -105,7 +105,6 @@ class PixelSynthesis(Synthesis):
 
 def rearranged(exemplar: Exemplar, index: NDArray[np.int32], **parts: Any) -> Exemplar:
     """Return a sample and maps of other pixels, y * width + x, and other `parts`."""
-    shape = exemplar.shape
-    made = PixelSynthesis(Canvas(*index.shape), index, sample_shape=shape, exemplar=exemplar)
+    made = PixelSynthesis(Canvas(*index.shape), index, exemplar=exemplar)
     maps = {k: exemplar.map(k).changed(pixels=one) for k, one in made.maps.items()}
     return exemplar.changed(pixels=made.image, maps=maps, **parts)

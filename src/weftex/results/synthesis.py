@@ -34,10 +34,10 @@ class Synthesis(Displayable, SourceMap):
     ----------
     canvas : Canvas
         Size, wrapping, and known pixels of the output.
-    sample_shape : (int, int)
-        Height and width of the sample.
     exemplar : Exemplar or None
         The sample; None after `load` without one.
+    sample_shape : (int, int), optional
+        Height and width of the sample, if it is None.
     known_from : (int, int), optional
         Position of the canvas in the sample (row, column), if the known pixels are part of it.
     provenance : dict
@@ -61,8 +61,8 @@ class Synthesis(Displayable, SourceMap):
         self,
         canvas: Canvas,
         *,
-        sample_shape: tuple[int, int],
         exemplar: Exemplar | None,
+        sample_shape: tuple[int, int] | None = None,
         known_from: tuple[int, int] | None = None,
         provenance: dict[str, Any] | None = None,
         picture: NDArray[Any] | None = None,
@@ -73,8 +73,10 @@ class Synthesis(Displayable, SourceMap):
         copy_shape: tuple[int, int] | None = None,
         threads: int = 1,
     ) -> None:
-        if isinstance(exemplar, Exemplar) and exemplar.turn is not None:
-            turn, copy_shape = exemplar.turn, exemplar.copy_shape
+        if isinstance(exemplar, Exemplar):
+            sample_shape = exemplar.shape
+            turn, copy_shape = exemplar.turn or turn, exemplar.copy_shape or copy_shape
+        assert sample_shape is not None
         self.canvas, self.sample_shape, self.known_from = canvas, sample_shape, known_from
         self.turn, self.copy_shape = turn, copy_shape
         self.exemplar, self.threads = exemplar, threads
@@ -103,7 +105,6 @@ class Synthesis(Displayable, SourceMap):
         return type(self)(
             canvas,
             **arrays,
-            sample_shape=exemplar.shape,
             exemplar=exemplar,
             known_from=canvas.known_from,
             provenance=self.provenance,
@@ -345,7 +346,7 @@ class Synthesis(Displayable, SourceMap):
             raise InvalidInputError(f"source lies outside the sample, which is {width}x{height}")
         index = (found[..., 0] * width + found[..., 1]).astype(np.int32)
         own: dict[str, Any] = {"index": index, "provenance": provenance}
-        return kind_with({"index"})(canvas, sample_shape=exemplar.shape, exemplar=exemplar, **own)
+        return kind_with({"index"})(canvas, exemplar=exemplar, **own)
 
     @classmethod
     def load(

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from weftex.canvas import Canvas, as_canvas
-from weftex.errors import InvalidInputError, is_whole, shown
+from weftex.errors import InvalidInputError, is_whole, shown, size_words
 from weftex.exemplar import Exemplar, load_exemplar
 from weftex.naming import is_auto, make_method, method_for_task
 from weftex.prepare.combining import paired
@@ -142,7 +142,6 @@ def fill(
         return PixelSynthesis(
             canvas,
             np.full(canvas.shape, -1, np.int32),
-            sample_shape=source.shape,
             exemplar=source,
             known_from=canvas.known_from,
             provenance=chosen.describe() | {"seed": seed},
@@ -238,8 +237,8 @@ def hole_of(mask: Mask | Picture | None, photo: Exemplar) -> NDArray[np.bool_]:
         )
     if hole.shape != photo.shape:
         raise InvalidInputError(
-            f"mask is {hole.shape[1]}x{hole.shape[0]}, {photo.name} is "
-            f"{photo.shape[1]}x{photo.shape[0]}; scale or crop the mask to the size of the photo"
+            f"mask is {size_words(hole.shape)}, {photo.name} is {size_words(photo.shape)}; scale "
+            "or crop the mask to the size of the photo"
         )
     return hole
 

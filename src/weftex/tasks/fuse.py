@@ -154,7 +154,6 @@ def fuse(
     return PixelSynthesis(
         canvas,
         index,
-        sample_shape=whole.shape,
         exemplar=whole,
         provenance=chosen.describe() | of_belts | about,
     )

@@ -157,7 +157,6 @@ class BestTileModel(LatticeModel):
         return PixelSynthesis(
             canvas,
             index,
-            sample_shape=self.exemplar.shape,
             exemplar=self.exemplar,
             provenance=self.method.describe() | about,
         )

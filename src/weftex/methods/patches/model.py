@@ -235,7 +235,6 @@ class PatchCanvas:
             self.placements,
             weights,
             self.cuts,
-            sample_shape=self.analysis.exemplar.shape,
             exemplar=self.analysis.exemplar,
             provenance=about,
             **more,

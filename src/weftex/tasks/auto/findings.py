@@ -30,7 +30,7 @@ class Findings:
     #: How far it is from looking the same upside down, and turned by 90 degrees or in a mirror;
     #: 1 where such copies cannot be made.
     sidedness: tuple[float, float] = 1.0, 1.0
-    rows: bool = False  # whether it has no lattice, but rows of different kinds
+    rows: bool = False  # whether it has no lattice, but joints between rows that run through it
     full: Lattice | None = None  # that of the sample itself, where `lattice` is not exact
 
 
@@ -55,7 +55,7 @@ def look(exemplar: Exemplar) -> Findings:
             lattice = _of_whole(lattice, step, exemplar)
             if lattice is None and maps is not None:
                 lattice = _of_whole(find_lattice(smaller_copy(maps, LOOK)[0]), step, maps)
-        plain = lattice is None and exemplar.mask is None
+        plain = exemplar.mask is None and (lattice is None or len(lattice.vectors) == 1)
         advance(1)
         return Findings(
             shape=exemplar.shape,
@@ -65,7 +65,7 @@ def look(exemplar: Exemplar) -> Findings:
             colors=count_colors(small if step == 1 else _part(exemplar)),
             evenness=evenness(small),
             sidedness=_sidedness(exemplar, small),
-            rows=plain and find_boards(exemplar.matching()) is not None,
+            rows=plain and find_boards(exemplar.matching(), lattice is not None) is not None,
         )
 
 

@@ -21,6 +21,7 @@ from weftex.analysis.properties import FORMS
 from weftex.analysis.relief import LOOK, smaller_copy
 from weftex.analysis.rows import rows_around
 from weftex.canvas import Canvas
+from weftex.errors import size_words
 from weftex.exemplar import Exemplar
 from weftex.tasks.auto.findings import SMALLEST_ANALYZED, Findings
 
@@ -92,8 +93,8 @@ def choose(findings: Findings, canvas: Canvas, *, patient: bool = False) -> Choi
     pixels = math.prod(canvas.shape)
     choice = (
         _too_small(findings)
-        or _regular(findings, canvas, patient)
         or _in_rows(findings, canvas)
+        or _regular(findings, canvas, patient)
         or _fine(findings, canvas, pixels <= (2 * PATIENCE if patient else PATIENCE))
         or _irregular(findings, canvas, patient or pixels <= PATIENCE)
     )
@@ -104,7 +105,7 @@ def _too_small(findings: Findings) -> Choice | None:
     """Return graph cut where nothing can be analyzed."""
     if min(findings.shape) >= SMALLEST_ANALYZED:
         return None
-    because = f"the sample is too small to analyze ({_size(findings.shape)})"
+    because = f"the sample is too small to analyze ({size_words(findings.shape)})"
     return Choice("graphcut", {}, because)
 
 
@@ -118,7 +119,7 @@ def _regular(findings: Findings, canvas: Canvas, patient: bool) -> Choice | None
     entire = (rows and patient) or math.prod(canvas.shape) <= (_LARGE if rows else PATIENCE)
     strain, notes = CanvasLattice(vectors, canvas).strain, strain_notes(vectors, canvas)
     if strain > (MOST_STRETCHED if exact and entire else VISIBLE_STRAIN):
-        because = f"{because}; this pattern does not fit a tileable {_size(canvas.shape)}"
+        because = f"{because}; this pattern does not fit a tileable {size_words(canvas.shape)}"
         if rows or entire:  # entire samples are cut seldom
             return replace(_whole(findings, canvas, because), warnings=notes)
         return Choice("quilting", {}, because, notes)
@@ -129,7 +130,7 @@ def _regular(findings: Findings, canvas: Canvas, patient: bool) -> Choice | None
 
 
 def _in_rows(findings: Findings, canvas: Canvas) -> Choice | None:
-    """Return entire samples by rows that differ, such as boards; even ones are `_regular`."""
+    """Return entire samples by rows whose joints run through, such as boards."""
     if not findings.rows or math.prod(canvas.shape) > _LARGE:
         return None
     return Choice("graphcut", {"placement": "rows"}, "the sample has rows of different kinds")
@@ -197,11 +198,14 @@ def choose_for_hole(exemplar: Exemplar, canvas: Canvas) -> Choice:
     if min(exemplar.shape) >= SMALLEST_ANALYZED and canvas.known_from is not None:
         small, step = smaller_copy(exemplar, LOOK)
         if min(small.shape) >= SMALLEST_ANALYZED:
-            lattice = find_lattice(small)
-    if lattice is None or not may_place(lattice, small.shape):
-        if rows_around(exemplar.matching(), exemplar.usable, canvas) is not None:
+            found = find_lattice(small)
+            lattice = found if found and may_place(found, small.shape) else None
+    if lattice is None or len(lattice.vectors) == 1:
+        even, pixels = lattice is not None, exemplar.matching()
+        if rows_around(pixels, exemplar.usable, canvas, even) is not None:
             because = "joints run through the photo around the hole"
             return Choice("graphcut", {"placement": "rows"}, because)
+    if lattice is None:
         because = "no clear lattice was found around the hole"
         return Choice("graphcut", dict(WHOLE) if _is_small(exemplar.shape) else {}, because)
     found = Lattice(tuple((x * step, y * step) for x, y in lattice.vectors), lattice.confidence)
@@ -213,7 +217,7 @@ def choose_for_hole(exemplar: Exemplar, canvas: Canvas) -> Choice:
         found = exact
     vectors = tuple(found)
     if CanvasLattice(vectors, canvas).strain > STIFF:
-        return Choice("graphcut", {}, f"{because}, which do not fit {_size(canvas.shape)}")
+        return Choice("graphcut", {}, f"{because}, which do not fit {size_words(canvas.shape)}")
     return Choice("graphcut", {**WHOLE, "lattice": vectors}, because)
 
 
@@ -253,18 +257,14 @@ def words(lattice: Lattice) -> str:
     return f"{kind.format(courses(lattice))} (confidence {lattice.confidence:g})"
 
 
-def _size(shape: tuple[int, int]) -> str:
-    return f"{shape[1]}x{shape[0]}"
-
-
 def strain_notes(vectors: tuple[float, ...], canvas: Canvas | Around) -> tuple[str, ...]:
     """Return by how much a canvas strains a lattice, and sizes that fit; () if little."""
     strain = CanvasLattice(vectors, canvas).strain
     if strain <= STIFF:
         return ()
-    sizes = " or ".join(map(_size, fitting_sizes(vectors, canvas)))
+    sizes = " or ".join(map(size_words, fitting_sizes(vectors, canvas)))
     better = f"{sizes} would fit better (--fit uses the nearest)"
     if not sizes:  # such as where it lies at a slant
         better = "no similar size fits; straighten the sample (--straighten)"
-    size = _size(canvas.shape)
+    size = size_words(canvas.shape)
     return (f"the lattice has to be stretched by {100 * strain:.1f} % to fit {size}; {better}",)
