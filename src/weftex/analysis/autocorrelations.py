@@ -6,14 +6,13 @@ from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from weftex.analysis import kernels
 from weftex.analysis.correlation import correlate, correlation_and_power, whitened
 from weftex.analysis.relief import Relief, relief
 from weftex.exemplar import Exemplar
 from weftex.progress import counted
-from weftex.raster.arrays import Floats
+from weftex.raster.arrays import Floats, Ints
 
 SHORTEST = 3.0  # pixels; a shorter vector is grain
 _SIGMAS = 3.0  # standard errors of one multiple that count as chance
@@ -75,7 +74,7 @@ class Field:
         found: Floats = (1 - abs(x) / self.width) * (1 - abs(y) / self.height)
         return found
 
-    def _at(self, x: Floats, y: Floats) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    def _at(self, x: Floats, y: Floats) -> tuple[Ints, Ints]:
         found = []
         for at, side in ((y, self.height), (x, self.width)):
             place = np.rint(at).astype(np.int64)
@@ -93,12 +92,12 @@ class Peaks(NamedTuple):
     perception based on frieze and wallpaper groups).
     """
 
-    shifts: NDArray[np.int64]  # (n, 2) as (x, y)
-    heights: NDArray[np.float64]  # (n,)
-    dominance: NDArray[np.int64]  # (n,)
+    shifts: Ints  # (n, 2) as (x, y)
+    heights: Floats  # (n,)
+    dominance: Ints  # (n,)
 
 
-def find_peaks(correlation: NDArray[np.float64]) -> Peaks:
+def find_peaks(correlation: Floats) -> Peaks:
     """Find the maxima among the eight neighbors, above 0."""
     middle, center = (side // 2 for side in correlation.shape)
     margin = min(_LARGEST_DOMINANCE, center)  # columns of the left half, for squares around peaks
@@ -119,7 +118,7 @@ def find_peaks(correlation: NDArray[np.float64]) -> Peaks:
     return Peaks(shifts[order], heights[order], dominance[order])
 
 
-def _wider(values: NDArray[np.float64], by: int) -> NDArray[np.float64]:
+def _wider(values: Floats, by: int) -> Floats:
     """Maxima over squares that reach `by` pixels further than the squares of `values`."""
     for axis in (0, 1):
         place = np.arange(values.shape[axis])
@@ -129,9 +128,7 @@ def _wider(values: NDArray[np.float64], by: int) -> NDArray[np.float64]:
     return values
 
 
-def fit_vectors(
-    correlation: NDArray[np.float64], vectors: NDArray[np.float64], reach: int
-) -> tuple[NDArray[np.float64], int]:
+def fit_vectors(correlation: Floats, vectors: Floats, reach: int) -> tuple[Floats, int]:
     """Fit one or two vectors to the peaks at all multiples that agree with them, below a pixel.
 
     From the nearest multiples outwards, twice as far each time, a parabola through each peak and
@@ -163,7 +160,7 @@ def fit_vectors(
         limit, window = min(2 * limit, reach), max(1, min(window, 2))
 
 
-def _most_times(vectors: NDArray[np.float64], far: NDArray[np.float64]) -> int:
+def _most_times(vectors: Floats, far: Floats) -> int:
     """The number of times a vector from which on every multiple is beyond `far`."""
     if len(vectors) == 1:
         return int((far / np.maximum(abs(vectors[0]), 1e-9)).min()) + 1
@@ -174,7 +171,7 @@ def _most_times(vectors: NDArray[np.float64], far: NDArray[np.float64]) -> int:
 
 
 @lru_cache(maxsize=64)
-def _all_times(limit: int, number: int) -> NDArray[np.int64]:
+def _all_times(limit: int, number: int) -> Ints:
     """Multiples of one or two vectors up to a number of times each; not the zero shift."""
     ranges = [np.arange(-limit, limit + 1)] * number
     times = np.stack(np.meshgrid(*ranges), axis=-1).reshape(-1, number)

@@ -10,12 +10,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from weftex.analysis.correlation import correlate
 from weftex.analysis.relief import means, relief, usable_box
 from weftex.exemplar import Exemplar
-from weftex.raster.arrays import Floats, median
+from weftex.raster.arrays import Floats, Mask, median
 
 _STRIP = 256  # lines that are read at a time, for little memory
 #: Rows and columns between the two pixels; the other half of all directions has the other sign.
@@ -43,7 +42,7 @@ def regularity(exemplar: Exemplar) -> float:
     return round(highest_return(correlation), 2)
 
 
-def highest_return(correlation: NDArray[np.float64]) -> float:
+def highest_return(correlation: Floats) -> float:
     """Return the highest correlation at any shift above the lowest on the straight way to it."""
     middle, center = correlation.shape[0] // 2, correlation.shape[1] // 2
     half = correlation[middle:]  # the other one is its mirror image
@@ -115,9 +114,7 @@ def sidedness(exemplar: Exemplar) -> tuple[float, float]:
     return round(float(np.abs(skews).max()) / 2, 2), round(max(apart), 2)
 
 
-def _skew_and_square(
-    levels: Floats, usable: NDArray[np.bool_], shift: tuple[int, int]
-) -> tuple[float, float]:
+def _skew_and_square(levels: Floats, usable: Mask, shift: tuple[int, int]) -> tuple[float, float]:
     """Return the skew and the mean square of the differences of usable pixels."""
     height, width = levels.shape
     down, along = shift

@@ -8,12 +8,11 @@ Peaks do not show a faint checkerboard; means of every second tile do, in random
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from weftex.analysis.autocorrelations import SHORTEST, Field
 from weftex.analysis.pairs import contrast_of, fitted, multiples, places, reach_of, reduced
 from weftex.analysis.relief import Relief
-from weftex.raster.arrays import Floats
+from weftex.raster.arrays import Floats, Ints
 
 _INDEX = 7  # smaller tiles that a tile is divided into, at most
 # A gap is the share by which a larger tile's multiples are above the smaller tile's others.
@@ -141,11 +140,7 @@ def alternating(flat: Relief, vectors: Floats) -> Floats | None:
 
 
 def halves_agree(
-    tiles: Floats,
-    kinds: NDArray[np.int64],
-    number: int,
-    least: float = 0.0,
-    lines: NDArray[np.int64] | None = None,
+    tiles: Floats, kinds: Ints, number: int, least: float = 0.0, lines: Ints | None = None
 ) -> float:
     """Return how the differences of the kinds' means correlate between halves of the tiles (n, m).
 
@@ -170,9 +165,7 @@ def halves_agree(
     return real / max(real + 2 * chance, 1e-9)
 
 
-def _of_lines(
-    tiles: Floats, kinds: NDArray[np.int64], means: Floats, lines: NDArray[np.int64]
-) -> float:
+def _of_lines(tiles: Floats, kinds: Ints, means: Floats, lines: Ints) -> float:
     """Return the variance of single tiles by the differences of lines of one kind."""
     order = np.argsort(lines, kind="stable")
     _, starts, counts = np.unique(lines[order], return_index=True, return_counts=True)
@@ -184,7 +177,7 @@ def _of_lines(
     return float(((off**2).sum(axis=1) * counts).sum()) / freedom
 
 
-def _turns(cells: NDArray[np.int64], index: int) -> list[tuple[Floats, NDArray[np.int64]]]:
+def _turns(cells: Ints, index: int) -> list[tuple[Floats, Ints]]:
     """Return every sublattice of a prime index, and the line of each cell.
 
     The line's number modulo the index is the coset of the cell.
@@ -196,7 +189,7 @@ def _turns(cells: NDArray[np.int64], index: int) -> list[tuple[Floats, NDArray[n
     return [(whole, turn) for whole, turn in turns if np.ptp(turn) + 1 >= _TURNS * index]
 
 
-def _tiles(flat: Relief, vectors: Floats) -> tuple[Floats, NDArray[np.int64], Floats]:
+def _tiles(flat: Relief, vectors: Floats) -> tuple[Floats, Ints, Floats]:
     """Return whole tiles (n, m), their multiples (n, 2), and slopes (4, m).
 
     Slopes are the changes of the mean tile when it is shifted or blurred along x and y.
@@ -222,7 +215,7 @@ def _tiles(flat: Relief, vectors: Floats) -> tuple[Floats, NDArray[np.int64], Fl
     at = y * width + x
     levels = _softened(flat.levels).reshape(len(flat.levels), -1)
 
-    def tiles(where: NDArray[np.int64]) -> Floats:
+    def tiles(where: Ints) -> Floats:
         return levels[:, where].swapaxes(0, 1).reshape(len(where), len(levels) * len(inner))
 
     own = tiles(at)

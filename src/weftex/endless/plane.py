@@ -25,6 +25,7 @@ from weftex.endless.grid import ACROSS, CORNER, DOWN, Axis, Block, Grid, Sizes
 from weftex.exemplar import Exemplar
 from weftex.progress import Progress, ProgressCallback
 from weftex.random import draw
+from weftex.raster.arrays import Bytes, Ints, Mask
 from weftex.raster.boxes import whole_windows
 from weftex.results.pixels import PixelSynthesis
 from weftex.results.synthesis import Synthesis
@@ -103,7 +104,7 @@ def kept_of(model: Filler) -> tuple[BlockCache, SamplePieces | None]:
     return found
 
 
-def usable_corners(exemplar: Exemplar, belt: int) -> NDArray[np.uint8]:
+def usable_corners(exemplar: Exemplar, belt: int) -> Bytes:
     """1 at the top left corners of the squares of `belt` pixels that may be copied."""
     last = belt - 1
     mask = exemplar.usable
@@ -220,22 +221,20 @@ class Plane:
         result[~(free | hole_of(own, reached))] = -1
         return result
 
-    def piece(self, block: Block) -> NDArray[np.int64] | None:
+    def piece(self, block: Block) -> Ints | None:
         """Row and column in the sample of what a corner shows; None if it is too small."""
         if self.pieces is None:
             return None
         own = self.grid.own(block)
         at = own.rows.first, own.columns.first
-        found: NDArray[np.int64] = self.pieces.pick(
-            self.asked.seed, np.array([block[1:]]), np.array([at])
-        )[0]
+        found: Ints = self.pieces.pick(self.asked.seed, np.array([block[1:]]), np.array([at]))[0]
         return found
 
     def origin(self, block: Block, seen: Box) -> tuple[int, int]:
         """Where a block's canvas is on the plane of the sample's lattice."""
         return canvas_of(seen).origin
 
-    def _cut(self, corner: NDArray[np.int64], own: Box) -> NDArray[np.int32]:
+    def _cut(self, corner: Ints, own: Box) -> NDArray[np.int32]:
         """A piece of the sample, as it is."""
         shape = self.model.exemplar.shape
         v, u = (
@@ -251,7 +250,7 @@ class Plane:
         rows, columns = (-around if at_node else 0 for at_node in block.at_nodes)
         return seen.grown(rows, columns)
 
-    def _may_replace(self, block: Block, shape: tuple[int, int]) -> NDArray[np.bool_]:
+    def _may_replace(self, block: Block, shape: tuple[int, int]) -> Mask:
         """Which pixels that are there a block may replace; edges leave each other their own."""
         free, loose = np.zeros(shape, bool), self.grid.sizes.loose
         if not loose or block.kind == CORNER:
@@ -262,12 +261,7 @@ class Plane:
         return free
 
     def _filled(
-        self,
-        shown: NDArray[np.int32],
-        hole: NDArray[np.bool_],
-        seed: int,
-        threads: int,
-        origin: tuple[int, int],
+        self, shown: NDArray[np.int32], hole: Mask, seed: int, threads: int, origin: tuple[int, int]
     ) -> NDArray[np.int32]:
         """Fill a hole by the method; `shown` has the pixels before, in the hole too."""
         height, width = shown.shape
@@ -284,7 +278,7 @@ class Plane:
         return np.where(hole, flat, shown)
 
 
-def hole_of(own: Box, within: Box) -> NDArray[np.bool_]:
+def hole_of(own: Box, within: Box) -> Mask:
     """Where a box lies in a larger one."""
     hole = np.zeros(within.shape, bool)
     hole[own.within(within)] = True

@@ -6,15 +6,13 @@ import math
 from dataclasses import dataclass, replace
 from typing import ClassVar, Self
 
-import numpy as np
-from numpy.typing import NDArray
-
 from weftex.exemplar import Exemplar
 from weftex.methods.patches.method import PatchMethod
 from weftex.methods.patches.model import PatchCanvas, PatchModel
 from weftex.methods.patches.orders import Run
 from weftex.methods.patches.patch_kernels import Tolerance
 from weftex.parameters import parameter
+from weftex.raster.arrays import Mask
 
 _PAPERS_EPSILON = 0.2  # section 2.4
 _HOLE_EPSILON = 0.02  # known pixels cannot be blended, so the best match is taken
@@ -69,9 +67,7 @@ class PatchSampling(PatchMethod):
         """See `PatchMethod.accepts_all`; section 2.5: patch pasting."""
         return self.epsilon == math.inf
 
-    def for_hole(
-        self, hole: NDArray[np.bool_], usable: NDArray[np.bool_], given: frozenset[str] | None
-    ) -> Self:
+    def for_hole(self, hole: Mask, usable: Mask, given: frozenset[str] | None) -> Self:
         """See `Method.for_hole`."""
         suited = super().for_hole(hole, usable, given)
         if given is None or "epsilon" in given:

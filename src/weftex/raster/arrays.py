@@ -13,6 +13,7 @@ from weftex.errors import InvalidInputError, wrong_value
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 Bytes = NDArray[np.uint8]
+Mask = NDArray[np.bool_]
 
 _DTYPES = ("uint8", "uint16", "float32", "float64")
 _MOST_CHANNELS = 32  # of a picture of four rows or fewer

@@ -5,8 +5,10 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from weftex.raster.arrays import Ints, Mask
 
-def grown(mask: NDArray[np.bool_], steps: int, wrap: tuple[bool, bool]) -> NDArray[np.bool_]:
+
+def grown(mask: Mask, steps: int, wrap: tuple[bool, bool]) -> Mask:
     """Dilate the mask by a square of `steps` pixels each way, across borders that wrap."""
     for axis in (0, 1):
         reach = min(steps, mask.shape[axis])
@@ -22,7 +24,7 @@ def grown(mask: NDArray[np.bool_], steps: int, wrap: tuple[bool, bool]) -> NDArr
     return np.ascontiguousarray(mask)
 
 
-def peeled(unknown: NDArray[np.bool_], wrap: tuple[bool, bool]) -> list[NDArray[np.int32]]:
+def peeled(unknown: Mask, wrap: tuple[bool, bool]) -> list[NDArray[np.int32]]:
     """Flat indices of unknown pixels in layers from the known pixels inward; one if none is known.
 
     Each pixel has a 4-neighbor in the layer before or among the known; layers are in scan order.
@@ -41,9 +43,7 @@ def peeled(unknown: NDArray[np.bool_], wrap: tuple[bool, bool]) -> list[NDArray[
     return found
 
 
-def squared_distance_to(
-    mask: NDArray[np.bool_], most: int, wrap: tuple[bool, bool] = (False, False)
-) -> NDArray[np.int64]:
+def squared_distance_to(mask: Mask, most: int, wrap: tuple[bool, bool] = (False, False)) -> Ints:
     """Squared distance (H, W) to the nearest True pixel; (most + 1)^2 if farther than `most`."""
     far = (most + 1) ** 2
     kind = np.int32 if far < 2**30 else np.int64  # a sum of two squares must fit
@@ -60,11 +60,11 @@ def squared_distance_to(
         for step in range(1, steps + 1):
             np.minimum(best[step:], square[:-step] + step**2, out=best[step:])
             np.minimum(best[:-step], square[step:] + step**2, out=best[:-step])
-    squares: NDArray[np.int64] = np.minimum(best, far).astype(np.int64)
+    squares: Ints = np.minimum(best, far).astype(np.int64)
     return squares
 
 
-def _distance_along(mask: NDArray[np.bool_], most: int, wraps: bool) -> NDArray[np.int64]:
+def _distance_along(mask: Mask, most: int, wraps: bool) -> Ints:
     """Distance to the nearest True pixel of the same row; `most + 1` if none is that near."""
     around = min(most, mask.shape[1]) if wraps else 0
     mask = np.pad(mask, [(0, 0), (around, around)], mode="wrap")
@@ -76,7 +76,7 @@ def _distance_along(mask: NDArray[np.bool_], most: int, wraps: bool) -> NDArray[
     return nearest[:, around : mask.shape[1] - around]
 
 
-def steps_to(mask: NDArray[np.bool_], most: int) -> NDArray[np.int32]:
+def steps_to(mask: Mask, most: int) -> NDArray[np.int32]:
     """Chessboard distance to the nearest True pixel; `most + 1` if farther than `most`."""
     distance = np.where(mask, 0, most + 1).astype(np.int32)
     reached = mask
@@ -91,9 +91,7 @@ def steps_to(mask: NDArray[np.bool_], most: int) -> NDArray[np.int32]:
     return distance
 
 
-def row_runs(
-    mask: NDArray[np.bool_],
-) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.int64]]:
+def row_runs(mask: Mask) -> tuple[Ints, Ints, Ints]:
     """Return first column, last column + 1 and row of each run of True pixels, row by row."""
     change = np.diff(np.pad(mask, ((0, 0), (1, 1))).astype(np.int8), axis=1)
     row, start = np.nonzero(change == 1)

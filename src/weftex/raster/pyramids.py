@@ -15,12 +15,14 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from weftex.raster.arrays import Bytes, Mask
+
 _STARTS = ((0, 0), (0, 1), (1, 0), (1, 1))
 
 
 def gaussian_pyramid(
-    pixels: NDArray[np.uint8], count: int, wrap: tuple[bool, bool] = (False, False)
-) -> list[NDArray[np.uint8]]:
+    pixels: Bytes, count: int, wrap: tuple[bool, bool] = (False, False)
+) -> list[Bytes]:
     """`pixels` (H, W, K) and its coarser levels, each half the size, rounded up; `count` in all.
 
     Axes wrap, or border pixels are repeated outside.
@@ -31,9 +33,7 @@ def gaussian_pyramid(
     return result
 
 
-def mask_pyramid(
-    mask: NDArray[np.bool_], count: int, wrap: tuple[bool, bool] = (False, False)
-) -> list[NDArray[np.bool_]]:
+def mask_pyramid(mask: Mask, count: int, wrap: tuple[bool, bool] = (False, False)) -> list[Mask]:
     """For each level, which pixels are means of pixels of the mask alone."""
     result = [mask]
     for _ in range(count - 1):
@@ -54,8 +54,8 @@ def children(
 
 
 def gaussian_stack(
-    pixels: NDArray[np.uint8], count: int, wrap: tuple[bool, bool] = (False, False)
-) -> list[list[NDArray[np.uint8]]]:
+    pixels: Bytes, count: int, wrap: tuple[bool, bool] = (False, False)
+) -> list[list[Bytes]]:
     """The phases of each level of a Gaussian stack of `pixels` (H, W, K), finest level first.
 
     Each level has four times the phases of the one before, in the order of `phase_starts`; the
@@ -68,8 +68,8 @@ def gaussian_stack(
 
 
 def mask_stack(
-    mask: NDArray[np.bool_], count: int, wrap: tuple[bool, bool] = (False, False)
-) -> list[list[NDArray[np.bool_]]]:
+    mask: Mask, count: int, wrap: tuple[bool, bool] = (False, False)
+) -> list[list[Mask]]:
     """Return for each phase of `gaussian_stack` which pixels are means of the mask's alone."""
     result = [[mask]]
     for _ in range(count - 1):
@@ -85,9 +85,7 @@ def phase_starts(number: int) -> list[tuple[int, int]]:
     return starts
 
 
-def _halved(
-    pixels: NDArray[np.uint8], wrap: tuple[bool, bool], start: tuple[int, int] = (0, 0)
-) -> NDArray[np.uint8]:
+def _halved(pixels: Bytes, wrap: tuple[bool, bool], start: tuple[int, int] = (0, 0)) -> Bytes:
     """The next coarser level, whose first pixel lies on the one at `start`."""
     # Weights of 1, 4, 6, 4 and 1.
     total = pixels.astype(np.uint16)  # 255 * 16 * 16 + 128 fits
@@ -106,9 +104,7 @@ def _halved(
     return np.ascontiguousarray(total, np.uint8)
 
 
-def _halved_mask(
-    mask: NDArray[np.bool_], wrap: tuple[bool, bool], start: tuple[int, int] = (0, 0)
-) -> NDArray[np.bool_]:
+def _halved_mask(mask: Mask, wrap: tuple[bool, bool], start: tuple[int, int] = (0, 0)) -> Mask:
     """Which pixels of `_halved` are means of pixels of the mask alone."""
     if mask.all():
         height, width = (

@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from weftex.exemplar import Exemplar
+from weftex.raster.arrays import Bytes, Floats, Ints, Mask
 from weftex.raster.turning import TURNS, Box, turned_pixels
 from weftex.repeats import Output, Repetition
 from weftex.repeats import repeat_kernels as kernels
@@ -45,7 +46,7 @@ class SaliencePenalty:
         exemplar: Exemplar,
         output: Output,
         boxes: list[Box],
-        small: tuple[NDArray[np.uint8], NDArray[np.uint8]],
+        small: tuple[Bytes, Bytes],
         unit: float,
     ) -> None:
         self.policy, self.output, self.shape = policy, output, boxes[0][2:]
@@ -132,12 +133,10 @@ class SaliencePenalty:
         )  # fmt: skip
         mean = max(len(self._where) / (self.cells.shape[1] - 1), 1.0)
         repeats, use = _PRICE / (2 * _UNIT * _LEVELS) * sums[0], _PRICE_OF_USE / mean * sums[1]
-        prices: NDArray[np.float64] = np.rint(self._unit * (repeats + use))
+        prices: Floats = np.rint(self._unit * (repeats + use))
         return prices.clip(-_HIGHEST, _HIGHEST).astype(np.int32)
 
-    def of(
-        self, pixel: tuple[int, int], allowed: list[NDArray[np.bool_]], level: int
-    ) -> list[NDArray[np.float64]]:
+    def of(self, pixel: tuple[int, int], allowed: list[Mask], level: int) -> list[Floats]:
         """Factors for the costs of a patch at the offsets of each copy, 1 or more if allowed."""
         self.look(pixel)
         places = np.concatenate([np.argwhere(each) for each in allowed]) << level
@@ -160,7 +159,7 @@ class SaliencePenalty:
 
     def sums(
         self, pixel: tuple[int, int], copies: int, first: NDArray[np.intp], size: NDArray[np.intp]
-    ) -> NDArray[np.int64]:
+    ) -> Ints:
         """See `repeat_kernels.sum_copies`, for the offsets of a box of cells."""
         source, shows, cells = self.output.source, self.shows.ravel(), self.cells.copy()
         rows, columns = self._lines(pixel)
@@ -198,13 +197,11 @@ class SaliencePenalty:
             lines.append(np.array([(line % n)[inside], away[inside]], np.int32))
         return lines
 
-    def _missing_at(
-        self, pixel: tuple[int, int], away: list[NDArray[np.int_]]
-    ) -> NDArray[np.int64]:
+    def _missing_at(self, pixel: tuple[int, int], away: list[NDArray[np.int_]]) -> Ints:
         """-1 where the pixels at these distances in cells are missing, else 0."""
         rows, columns = (at + self.cell * line for at, line in zip(pixel, away, strict=True))
         (height, width), (wrap_y, wrap_x) = self.output.canvas.shape, self.output.canvas.wrap
-        missing: NDArray[np.bool_] = self.output.done[np.ix_(rows % height, columns % width)] == 0
+        missing: Mask = self.output.done[np.ix_(rows % height, columns % width)] == 0
         missing &= (wrap_y | ((rows >= 0) & (rows < height)))[:, None]
         missing &= wrap_x | ((columns >= 0) & (columns < width))
         if self.covers is not None:
@@ -220,7 +217,7 @@ def cell_side(boxes: list[Box]) -> int:
     return 1 << max((min(boxes[0][2:]) // least).bit_length() - 1, 0)
 
 
-def _salience(pixels: NDArray[np.uint8], usable: NDArray[np.uint8]) -> NDArray[np.int32]:
+def _salience(pixels: Bytes, usable: Bytes) -> NDArray[np.int32]:
     """How far the color of each pixel is from the mean, squared."""
     away = np.square(pixels - pixels[usable != 0].sum(axis=0) / max((usable != 0).sum(), 1))
     away = away.sum(axis=2) * (usable != 0)

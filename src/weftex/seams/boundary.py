@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from weftex.raster.arrays import Bytes, Ints, Mask
 from weftex.seams import LARGEST_CAPACITY, minimum_cut
 
 #: What a small step costs, which one in four is below; the unit of `leaning`.
@@ -18,12 +19,12 @@ _DEAREST = 256 * UNIT  # of a step; four of them and a leaning must not overflow
 
 
 def cheapest_boundary(
-    first: NDArray[np.uint8],
-    second: NDArray[np.uint8],
+    first: Bytes,
+    second: Bytes,
     leaning: NDArray[np.int32],
-    free: NDArray[np.bool_] | None = None,
+    free: Mask | None = None,
     wrap: tuple[bool, bool] = (False, False),
-) -> NDArray[np.bool_]:
+) -> Mask:
     """Mask (H, W), True where `second` is taken instead of `first`, by a minimum cut.
 
     A step costs its square, down to half of it on an edge. `leaning` is each pixel's bias to
@@ -54,19 +55,12 @@ def cheapest_boundary(
     return again[: side.shape[0], : side.shape[1]]
 
 
-def _cut(
-    first: NDArray[np.uint8],
-    second: NDArray[np.uint8],
-    leaning: NDArray[np.int32],
-    free: NDArray[np.bool_],
-) -> NDArray[np.bool_]:
+def _cut(first: Bytes, second: Bytes, leaning: NDArray[np.int32], free: Mask) -> Mask:
     arcs = _costs(first.astype(np.int32), second.astype(np.int32), free)
     return minimum_cut(arcs, np.maximum(leaning, 0), np.maximum(-leaning, 0))[0]
 
 
-def _costs(
-    first: NDArray[np.int32], second: NDArray[np.int32], free: NDArray[np.bool_]
-) -> NDArray[np.int32]:
+def _costs(first: NDArray[np.int32], second: NDArray[np.int32], free: Mask) -> NDArray[np.int32]:
     """Costs of the arcs to the right, lower, left and upper neighbor; integers, so exact."""
     height, width = free.shape
     steps = np.zeros((height, width, 4), np.int64)
@@ -96,14 +90,12 @@ def _costs(
     return np.where(both, costs, 0).astype(np.int32)
 
 
-def _step(a: NDArray[np.int32], b: NDArray[np.int32]) -> NDArray[np.int64]:
-    result: NDArray[np.int64] = np.abs(a - b).sum(axis=2, dtype=np.int64)
+def _step(a: NDArray[np.int32], b: NDArray[np.int32]) -> Ints:
+    result: Ints = np.abs(a - b).sum(axis=2, dtype=np.int64)
     return result
 
 
-def cut_around(
-    old: NDArray[np.uint8], new: NDArray[np.uint8], wide: NDArray[np.bool_], hole: NDArray[np.bool_]
-) -> NDArray[np.bool_]:
+def cut_around(old: Bytes, new: Bytes, wide: Mask, hole: Mask) -> Mask:
     """Mask (H, W) of the pixels to take from `new`: within `wide`, covering `hole`.
 
     Its border is a minimum cut; a seam costs the differences of the two pixels (H, W, K) beside it.
@@ -117,7 +109,7 @@ def cut_around(
     return minimum_cut(arcs, must, never)[0]
 
 
-def _seam_costs(difference: NDArray[np.int32], wide: NDArray[np.bool_]) -> NDArray[np.int32]:
+def _seam_costs(difference: NDArray[np.int32], wide: Mask) -> NDArray[np.int32]:
     """Costs of seams between the pixels of each row: (H, W - 1)."""
     costs: NDArray[np.int32] = difference[:, :-1] + difference[:, 1:]
     # At the outer border only one of the two pixels has a filling to differ, so it counts twice.

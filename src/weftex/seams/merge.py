@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from weftex.random import draw
+from weftex.raster.arrays import Bytes, Mask
 from weftex.seams.boundary import HELD, cheapest_boundary
 
 _TRIES = 64  # places of the other sample that are compared for an island
@@ -15,13 +16,7 @@ _CORE = 1.0  # mean radius of what is always inside, in scales
 _RIM = 2.2  # and of what may be
 
 
-def islands(
-    sea: NDArray[np.uint8],
-    land: NDArray[np.uint8],
-    usable: NDArray[np.bool_],
-    scale: int,
-    seed: int,
-) -> NDArray[np.int32]:
+def islands(sea: Bytes, land: Bytes, usable: Mask, scale: int, seed: int) -> NDArray[np.int32]:
     """Flat index (H, W) into `land` of islands placed in `sea`, -1 elsewhere.
 
     Each island has a random core and a free belt; of many random offsets the best match is taken.
@@ -59,7 +54,7 @@ def islands(
     return shown
 
 
-def _shape(scale: int, seed: int, number: int) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
+def _shape(scale: int, seed: int, number: int) -> tuple[Mask, Mask]:
     """Return the core of an island, and how far it may reach: rings of corners of their own."""
     reach = int(np.ceil(_RIM * scale)) + 1
     y, x = np.indices((2 * reach + 1, 2 * reach + 1)) - reach
@@ -80,13 +75,8 @@ def _shape(scale: int, seed: int, number: int) -> tuple[NDArray[np.bool_], NDArr
 
 
 def _fitting(
-    around: NDArray[np.uint8],
-    land: NDArray[np.uint8],
-    usable: NDArray[np.bool_],
-    core: NDArray[np.bool_],
-    limit: NDArray[np.bool_],
-    draws: tuple[int, int],
-) -> tuple[NDArray[np.bool_], tuple[int, int]] | None:
+    around: Bytes, land: Bytes, usable: Mask, core: Mask, limit: Mask, draws: tuple[int, int]
+) -> tuple[Mask, tuple[int, int]] | None:
     """Return an island and the corner of what it shows of the land; None if nothing fits."""
     (seed, number), size = draws, core.shape
     room = [n - s + 1 for n, s in zip(usable.shape, size, strict=True)]
@@ -100,7 +90,7 @@ def _fitting(
         if usable[area].all():
             differ = np.abs(around[belt].astype(np.int64) - land[area][belt]).sum()
             tried.append((int(differ), k, (y, x)))
-    best: tuple[int, NDArray[np.bool_], tuple[int, int]] | None = None
+    best: tuple[int, Mask, tuple[int, int]] | None = None
     leaning = np.where(core, HELD, np.where(limit, 0, -HELD)).astype(np.int32)
     for _, _, (y, x) in sorted(tried)[:_CUT]:
         shown = land[y : y + size[0], x : x + size[1]]
@@ -111,7 +101,7 @@ def _fitting(
     return None if best is None else best[1:]
 
 
-def _mean_step(picture: NDArray[np.uint8], inside: NDArray[np.bool_]) -> int:
+def _mean_step(picture: Bytes, inside: Mask) -> int:
     """The mean step across the boundary, in 1/256."""
     total, count = 0, 0
     for axis in (0, 1):

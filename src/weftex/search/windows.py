@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from weftex.errors import InvalidInputError
 from weftex.exemplar import Exemplar
+from weftex.raster.arrays import Bytes
 from weftex.raster.boxes import whole_windows
 from weftex.search.picture_kernels import Query, SampleWindows
 
@@ -23,9 +24,9 @@ class Windows:
 
     #: (H', W', K): the bytes that distances are taken on; a sample that tiles is padded with its
     #: other side, so that windows may hang over its border.
-    pixels: NDArray[np.uint8]
+    pixels: Bytes
     #: (H', W'): 1 where a window may be centered: whole, on usable pixels, and not in the padding.
-    usable: NDArray[np.uint8]
+    usable: Bytes
     period: NDArray[np.int32]  # top, left, height, width of a tiling sample in `pixels`; or zeros
     shape: tuple[int, int]  # of the sample itself
 
@@ -57,9 +58,7 @@ class Windows:
         return np.where(index < 0, np.int32(-1), flat).astype(np.int32)
 
 
-def windows_of(
-    exemplar: Exemplar, reach: Reach, pixels: NDArray[np.uint8] | None = None
-) -> Windows:
+def windows_of(exemplar: Exemplar, reach: Reach, pixels: Bytes | None = None) -> Windows:
     """Return the whole windows of a sample, with a reach (up, down, left, right) in pixels.
 
     Distances are taken on `pixels`, by default those of `exemplar.matching`.
@@ -90,8 +89,6 @@ def new_query(reach: int, channels: int) -> Query:
     return Query(runs, np.empty(width * width * channels, np.uint8))
 
 
-def square_windows(
-    exemplar: Exemplar, width: int, pixels: NDArray[np.uint8] | None = None
-) -> Windows:
+def square_windows(exemplar: Exemplar, width: int, pixels: Bytes | None = None) -> Windows:
     """Return the square windows of a sample, of an odd width; see `windows_of`."""
     return windows_of(exemplar, (width // 2,) * 4, pixels)

@@ -14,6 +14,7 @@ from weftex.canvas import Canvas
 from weftex.exemplar import Exemplar
 from weftex.method import Method
 from weftex.random import draw
+from weftex.raster.arrays import Floats, Ints, Mask
 from weftex.raster.masks import grown, squared_distance_to
 from weftex.results.pixels import PixelSynthesis
 from weftex.seams.boundary import HELD, UNIT, cheapest_boundary
@@ -67,7 +68,7 @@ class Fusion:
         """Return the width of the window for the coarsest of these samples."""
         return self.method.window_for(max(self.window_widths[k] for k in numbers))
 
-    def _reaches(self, materials: Sequence[Material]) -> NDArray[np.int64]:
+    def _reaches(self, materials: Sequence[Material]) -> Ints:
         """Return half the widths of the belts between materials."""
         if self.reach is not None:
             return np.full((len(materials),) * 2, self.reach)
@@ -76,9 +77,7 @@ class Fusion:
         own = [min(self.window(*material), most) for material in materials]
         return np.array([[max(1, round(BELT * max(a, b))) for a in own] for b in own])
 
-    def _layer(
-        self, material: Material, region: NDArray[np.bool_], reach: int
-    ) -> NDArray[np.int32]:
+    def _layer(self, material: Material, region: Mask, reach: int) -> NDArray[np.int32]:
         """Synthesize a material in its region and the belts around it; -1 elsewhere."""
         canvas, area = self.canvas, np.s_[:, :]
         layer = np.full(canvas.shape, -1, np.int32)
@@ -200,7 +199,7 @@ class Meetings:
         self,
         labels: NDArray[np.int32],
         present: Sequence[int],
-        reaches: NDArray[np.int64],
+        reaches: Ints,
         wrap: tuple[bool, bool],
     ) -> None:
         self.labels, self.reaches = labels, reaches
@@ -212,7 +211,7 @@ class Meetings:
         depth = np.sqrt(np.sort(np.stack([*away.values()]), axis=0)[min(1, len(present) - 1)])
         self._room = self._rooms(depth, wrap)
 
-    def _rooms(self, depth: NDArray[np.float64], wrap: tuple[bool, bool]) -> NDArray[np.float64]:
+    def _rooms(self, depth: Floats, wrap: tuple[bool, bool]) -> Floats:
         """Return how far belts may reach into each pixel of a region, leaving some of it."""
         room = np.zeros(depth.shape)
         reach = float(self.farthest)
@@ -238,9 +237,7 @@ class Meetings:
         """Return the box of the belt between two regions and one pixel around it."""
         return _around(np.maximum(self._away[a], self._away[b]) <= self.reaches[a, b] + 1)
 
-    def across(
-        self, a: int, b: int, area: tuple[slice, slice]
-    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    def across(self, a: int, b: int, area: tuple[slice, slice]) -> tuple[Floats, Floats]:
         """Return where pixels lie across the belt: -1 at its edge in the first region to 1.
 
         Also half the width of the belt there, in pixels; it takes few values.
@@ -251,7 +248,7 @@ class Meetings:
 
 
 def _around(
-    mask: NDArray[np.bool_], far: int = 0, wrap: tuple[bool, bool] = (False, False)
+    mask: Mask, far: int = 0, wrap: tuple[bool, bool] = (False, False)
 ) -> tuple[slice, slice]:
     """Return the box of a mask and `far` pixels around it; all of an axis that wraps."""
     spans = []
@@ -262,9 +259,7 @@ def _around(
     return spans[0], spans[1]
 
 
-def hills(
-    across: NDArray[np.float64], half: NDArray[np.float64], wrap: tuple[bool, ...], seed: int
-) -> NDArray[np.float64]:
+def hills(across: Floats, half: Floats, wrap: tuple[bool, ...], seed: int) -> Floats:
     """Return the noise that bends a boundary: hills as wide as `half` its belt, of either sign.
 
     Narrow belts have hills of their own, or they would be led aside as a whole. What all have in
@@ -279,9 +274,7 @@ def hills(
     return astray - int(heights.sum()) / (max(1, len(heights)) * 2**20)
 
 
-def wander(
-    shape: tuple[int, ...], cell: int, wrap: tuple[bool, ...], seed: int
-) -> NDArray[np.float64]:
+def wander(shape: tuple[int, ...], cell: int, wrap: tuple[bool, ...], seed: int) -> Floats:
     """Return smooth noise from -1 to 1 with periods of about `cell` pixels and half of that."""
     result = np.zeros(shape)
     for octave, weight in enumerate((2 / 3, 1 / 3)):

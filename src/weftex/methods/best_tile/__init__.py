@@ -17,6 +17,7 @@ from weftex.method import Method
 from weftex.methods.lattices import LatticeModel
 from weftex.parameters import parameter
 from weftex.progress import Progress, ProgressCallback
+from weftex.raster.arrays import Floats, Ints
 from weftex.results.pixels import PixelSynthesis
 
 _LIMIT = 0.05  # strain of a lattice that wraps around a canvas
@@ -155,16 +156,11 @@ class BestTileModel(LatticeModel):
         if any(around.wrap):
             about["strain"] = round(lattice.strain, 6)
         return PixelSynthesis(
-            canvas,
-            index,
-            exemplar=self.exemplar,
-            provenance=self.method.describe() | about,
+            canvas, index, exemplar=self.exemplar, provenance=self.method.describe() | about
         )
 
 
-def runs_of(
-    first: NDArray[np.float64], second: NDArray[np.float64], reach: int
-) -> NDArray[np.int64]:
+def runs_of(first: Floats, second: Floats, reach: int) -> Ints:
     """Runs of pixels within `reach` of a parallelogram or, with a zero side, of a segment.
 
     Rows of (n, 3): row, first column and the column after the last, counted from its corner.
@@ -190,9 +186,7 @@ def runs_of(
     return np.array(runs, np.int64).reshape(-1, 3)
 
 
-def integrated(
-    values: NDArray[np.int64], runs: NDArray[np.int64], outside: int
-) -> NDArray[np.int64]:
+def integrated(values: Ints, runs: Ints, outside: int) -> Ints:
     """Sum over the runs at every place; `outside` is the value of pixels that are not there."""
     height, width = values.shape
     low = min(0, int(runs[:, 0].min())), min(0, int(runs[:, 1].min()))
@@ -209,13 +203,13 @@ def integrated(
     return total
 
 
-def tile_rows(vectors: tuple[float, ...], border: int) -> NDArray[np.int64]:
+def tile_rows(vectors: tuple[float, ...], border: int) -> Ints:
     """The rows of a tile with the outer halves of its borders, see `runs_of`."""
     x1, y1, x2, y2 = vectors
     return runs_of(np.array([y1, x1]), np.array([y2, x2]), (border + 1) // 2)
 
 
-def tile_fits(shape: tuple[int, int], rows: NDArray[np.int64]) -> bool:
+def tile_fits(shape: tuple[int, int], rows: Ints) -> bool:
     """Whether a tile of these rows and its corner fit into a picture.
 
     >>> rows = tile_rows((4, 0, 0, 3), 0)
@@ -227,7 +221,7 @@ def tile_fits(shape: tuple[int, int], rows: NDArray[np.int64]) -> bool:
     return bool((places >= 0).all())
 
 
-def tile_errors(exemplar: Exemplar, vectors: tuple[float, ...], border: int) -> NDArray[np.int64]:
+def tile_errors(exemplar: Exemplar, vectors: tuple[float, ...], border: int) -> Ints:
     """Accumulated squared differences of opposite borders of every tile (eq. 4.2, Fig. 4.4, 4.5).
 
     int64 (H, W), by the tile's first corner; -1 where a tile with its borders is not on usable
@@ -257,7 +251,7 @@ def tile_errors(exemplar: Exemplar, vectors: tuple[float, ...], border: int) -> 
     return np.where(fits, total, -1)
 
 
-def least_corner(errors: NDArray[np.int64]) -> tuple[int, int]:
+def least_corner(errors: Ints) -> tuple[int, int]:
     """First corner of the tile of least error, the first of several."""
     usable = np.where(errors < 0, np.iinfo(np.int64).max, errors)
     y, x = divmod(int(usable.argmin()), errors.shape[1])

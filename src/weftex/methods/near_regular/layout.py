@@ -15,6 +15,7 @@ from weftex.canvas import Canvas
 from weftex.endless.boxes import Corner, PlaneRequest, check_period
 from weftex.methods.near_regular.sample import BlockSample
 from weftex.random import draw
+from weftex.raster.arrays import Bytes, Ints, Mask
 
 #: Blocks around the visible ones that their sources depend on: 1 beside a gap, and 2 for each color
 #: but the last, which is drawn with regard to the ones before.
@@ -90,18 +91,18 @@ class Axis:
     are on the canvas or overlap it; others matter to what these become.
     """
 
-    edges: NDArray[np.int64]  # (n + 1,): where blocks begin and the last one ends, on the canvas
-    corners: NDArray[np.int64]  # (n,): where their windows begin in the plane of the lattice
-    sizes: NDArray[np.int64]  # (n,)
-    numbers: NDArray[np.int64]  # (n,), counted from the plane's origin
+    edges: Ints  # (n + 1,): where blocks begin and the last one ends, on the canvas
+    corners: Ints  # (n,): where their windows begin in the plane of the lattice
+    sizes: Ints  # (n,)
+    numbers: Ints  # (n,), counted from the plane's origin
     period: int  # the canvas's length if it wraps, else 0
     # (n,): where the first and the last begin of the blocks that share a row with each block.
-    first_of_row: NDArray[np.int64]
-    last_of_row: NDArray[np.int64]
+    first_of_row: Ints
+    last_of_row: Ints
     # (5, n), [k, i] for k from -2 to 2: the block k after block i, -1 if there is none, and the
     # pixels from where it begins to where block i begins.
-    beside: NDArray[np.int64]
-    apart: NDArray[np.int64]
+    beside: Ints
+    apart: Ints
 
     def __init__(
         self,
@@ -127,7 +128,7 @@ class Axis:
         names = [cuts.name(n) for n in numbers]
         rows = [n // self.share * self.share for n in numbers]
 
-        def edges(which: list[int]) -> NDArray[np.int64]:
+        def edges(which: list[int]) -> Ints:
             return np.array([cuts.edge(n) for n in which], np.int64)
 
         self.edges = edges([*numbers, numbers.stop]) - first
@@ -141,7 +142,7 @@ class Axis:
         self.beside = np.where((turns == 0) | wraps, found, -1)
         self.apart = self.edges[blocks] - self.edges[found] - turns * self.period
 
-    def pasted(self, reach: int) -> tuple[int, NDArray[np.int64]]:
+    def pasted(self, reach: int) -> tuple[int, Ints]:
         """The number of lines of a window that are pasted, and the first one of each visible block.
 
         All lines, unless the canvas is smaller than a window: no window may overlap itself.
@@ -166,13 +167,13 @@ class Layout:
     reach: int  # how far blocks overlap past their edges: the margin, or less for small blocks
     half_border: int  # how far the borders that match reach past edges: at most that
     bits: NDArray[np.uint64]  # (rows, columns), random ones
-    phase: NDArray[np.int64]  # (rows, columns, 2): of windows in the first tile (eq. 3.29), 1/65536
-    row: NDArray[np.int64] | None  # (rows, columns): rows of the sample to contain, see `_rows`
+    phase: Ints  # (rows, columns, 2): of windows in the first tile (eq. 3.29), 1/65536
+    row: Ints | None  # (rows, columns): rows of the sample to contain, see `_rows`
 
     @cached_property
-    def gap(self) -> NDArray[np.bool_]:
+    def gap(self) -> Mask:
         """Every second block, in a chess-like fashion, is a gap; the others are drawn."""
-        odd: NDArray[np.bool_] = (self.rows.numbers[:, None] + self.columns.numbers) % 2 == 1
+        odd: Mask = (self.rows.numbers[:, None] + self.columns.numbers) % 2 == 1
         return odd
 
     @property
@@ -181,12 +182,12 @@ class Layout:
         return self.rows.visible, self.columns.visible
 
     @property
-    def visible_gaps(self) -> NDArray[np.int64]:
+    def visible_gaps(self) -> Ints:
         """Rows and columns (n, 2) of the gaps among them."""
         start = self.rows.visible.start, self.columns.visible.start
         return np.argwhere(self.gap[self.visible]) + start
 
-    def preview(self, sample: BlockSample, sources: NDArray[np.int32]) -> NDArray[np.uint8]:
+    def preview(self, sample: BlockSample, sources: NDArray[np.int32]) -> Bytes:
         """The blocks that have a source, with straight edges."""
         canvas = np.zeros((*self.canvas.shape, sample.exemplar.channels), np.uint8)
         for i, j in np.argwhere(sources[self.visible] >= 0).tolist():
@@ -245,9 +246,9 @@ def _rows(
     axis: int,
     lattice: CanvasLattice,
     axes: tuple[Axis, Axis],
-    phase: NDArray[np.int64],
+    phase: Ints,
     seed: int,
-) -> NDArray[np.int64]:
+) -> Ints:
     """Which multiple of the first vector leads to the row of each block; see `Layout.row`."""
     along, windows, multiples = axes[axis], sample.windows, np.unique(sample.multiples)
     shape = (-1, 1) if axis == 0 else (1, -1)
@@ -276,14 +277,8 @@ def _rows(
 
 
 def _choose_rows(
-    whole: NDArray[np.bool_],
-    period: int,
-    multiples: NDArray[np.int64],
-    places: NDArray[np.int64],
-    reach: NDArray[np.int64],
-    numbers: NDArray[np.int64],
-    seed: int,
-) -> NDArray[np.int64]:
+    whole: Mask, period: int, multiples: Ints, places: Ints, reach: Ints, numbers: Ints, seed: int
+) -> Ints:
     """The multiple of the first vector for each block, one after the other from row to row.
 
     `places` (rows, columns, k) are where `multiples` lead for the first of the blocks that share a

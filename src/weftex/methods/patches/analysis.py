@@ -13,6 +13,7 @@ from weftex.exemplar import Exemplar
 from weftex.methods.patches.boundary_zone import BoundaryZone, boundary_zone
 from weftex.methods.patches.method import SEARCHES, PatchMethod
 from weftex.methods.patches.patch_kernels import WindowSearch
+from weftex.raster.arrays import Bytes, Mask
 from weftex.raster.boxes import box_sums
 from weftex.search.approximate_nearest import Components, QuadtreePyramid, fit_pca, kd_tree
 from weftex.search.approximate_nearest_kernels import project, square_means
@@ -49,7 +50,7 @@ class PatchAnalysis:
         if method.search == "pca":  # larger squares lose little; single pixels need each neighbor
             self.square_side = 1 if method.pixelwise else 16
         self._searches: dict[tuple[Any, ...], ZoneSearch] = {}
-        self._windows: dict[tuple[int, int], tuple[NDArray[np.uint8], NDArray[np.int32]]] = {}
+        self._windows: dict[tuple[int, int], tuple[Bytes, NDArray[np.int32]]] = {}
         self._others: dict[PatchMethod, PatchAnalysis] = {}
         self.windows(side, side)
         # A sample with a mask is more likely to fill its own hole.
@@ -84,7 +85,7 @@ class PatchAnalysis:
             known[:width] |= top
             self.zone_search(known, width=width, often=True)
 
-    def windows(self, rows: int, columns: int) -> tuple[NDArray[np.uint8], NDArray[np.int32]]:
+    def windows(self, rows: int, columns: int) -> tuple[Bytes, NDArray[np.int32]]:
         """Mark and number the upper left corners of windows in the usable part of the sample."""
         if (rows, columns) not in self._windows:
             height, width = self.exemplar.shape
@@ -115,12 +116,7 @@ class PatchAnalysis:
         return f"it has room for {widest}x{widest}; a patch takes 2x2, a pixel and its zone 3x3"
 
     def zone_search(
-        self,
-        known: NDArray[np.bool_],
-        frozen: NDArray[np.bool_] | None = None,
-        *,
-        width: int,
-        often: bool = False,
+        self, known: Mask, frozen: Mask | None = None, *, width: int, often: bool = False
     ) -> ZoneSearch:
         """Return the sample's windows, arranged for the search by one boundary zone.
 
@@ -171,7 +167,7 @@ class ZoneSearch:
         self,
         zone: BoundaryZone,
         pyramid: QuadtreePyramid,
-        usable: NDArray[np.uint8],
+        usable: Bytes,
         corners: NDArray[np.int32],
         *,
         search: str,
@@ -192,7 +188,7 @@ class ZoneSearch:
             pyramid.nodes(zone.side, self.stride), self._pca,
         )  # fmt: skip
 
-    def _describe(self, pyramid: QuadtreePyramid, usable: NDArray[np.uint8], search: str) -> None:
+    def _describe(self, pyramid: QuadtreePyramid, usable: Bytes, search: str) -> None:
         """Describe the windows at the stride by block means or components; make a tree of them."""
         coarse = usable[:: self.stride, :: self.stride] > 0
         zone, numbers = self.zone, np.arange(usable.size, dtype=np.int32).reshape(usable.shape)
@@ -205,9 +201,7 @@ class ZoneSearch:
         if search != "pca":
             self.tree = kd_tree(points.T)
 
-    def nearest_in_tree(
-        self, canvas: NDArray[np.uint8], y: int, x: int, wanted: int
-    ) -> NDArray[np.int32]:
+    def nearest_in_tree(self, canvas: Bytes, y: int, x: int, wanted: int) -> NDArray[np.int32]:
         """Return the windows that the kd-tree finds for the zone at (y, x) of the canvas."""
         query = np.empty(len(self.zone.squares) * canvas.shape[2], np.int32)
         square_means(canvas, y, x, self.zone.squares, self.zone.side, query)
@@ -220,7 +214,7 @@ class ZoneSearch:
         return nearest
 
 
-def _stride(usable: NDArray[np.uint8], count: int, most: int) -> int:
+def _stride(usable: Bytes, count: int, most: int) -> int:
     """Choose the stride between the windows to compare; 1 if a mask hides all windows at it."""
     stride = 1
     while stride * 2 <= most and count > _MOST_WINDOWS * stride**2:
@@ -239,9 +233,7 @@ class Zones:
         #: (1, rows, columns): the weights that a patch is pasted with while others are chosen.
         self.weights: list[NDArray[np.uint16]] = []
 
-    def number(
-        self, known: NDArray[np.bool_], frozen: NDArray[np.bool_] | None = None, often: bool = False
-    ) -> int:
+    def number(self, known: Mask, frozen: Mask | None = None, often: bool = False) -> int:
         """Return the number of the zone of a window, see `PatchAnalysis.zone_search`."""
         key = known.tobytes(), b"" if frozen is None else frozen.tobytes()
         if key not in self._numbers:

@@ -5,9 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass, fields, replace
 from typing import Any, ClassVar, Self
 
-import numpy as np
-from numpy.typing import NDArray
-
 from weftex.analysis.patch_sizes import HOLE_PATCHES, patch_size_for, patch_size_of, patch_size_on
 from weftex.canvas import Canvas
 from weftex.errors import InvalidInputError
@@ -15,6 +12,7 @@ from weftex.exemplar import Exemplar
 from weftex.method import Method
 from weftex.methods.patches.patch_kernels import FINDERS, LARGEST_M
 from weftex.parameters import parameter
+from weftex.raster.arrays import Mask
 
 _ALL, _SQUARES, _COMPONENTS, _TREE = FINDERS
 #: Kinds of search, and how the kernel finds the candidates; sections are of Liang et al. (2001).
@@ -179,9 +177,7 @@ class PatchMethod(Method):
         """See `Method.hole_reach`."""
         return 2 * (self.patch_size or 0)
 
-    def for_hole(
-        self, hole: NDArray[np.bool_], usable: NDArray[np.bool_], given: frozenset[str] | None
-    ) -> Self:
+    def for_hole(self, hole: Mask, usable: Mask, given: frozenset[str] | None) -> Self:
         """See `Method.for_hole`.
 
         A narrow zone and many candidates: the wider a zone of an irregular material, the more its

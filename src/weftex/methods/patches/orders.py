@@ -18,6 +18,7 @@ from weftex.canvas import Canvas
 from weftex.methods.patches.analysis import Zones
 from weftex.methods.patches.method import PatchMethod
 from weftex.random import draw
+from weftex.raster.arrays import Ints, Mask
 from weftex.raster.masks import grown
 
 _MOST_AROUND = 11  # earlier patches that a patch should not repeat
@@ -261,11 +262,7 @@ def spiral_patches(frame: Frame, zones: Zones, seed: int) -> Order:
 
 
 def _one_by_one(
-    frame: Frame,
-    zones: Zones,
-    corners: NDArray[Any],
-    unknown: NDArray[np.bool_],
-    frozen: NDArray[np.bool_] | None = None,
+    frame: Frame, zones: Zones, corners: NDArray[Any], unknown: Mask, frozen: Mask | None = None
 ) -> Iterator[Step]:
     """Yield a step for each patch, whose zone are the known pixels of its window; `frozen` stay."""
     unknown, reach = unknown.copy(), frame.boundary_width
@@ -281,7 +278,7 @@ def _one_by_one(
         unknown[made] = False
 
 
-def pasted_nearby(corners: NDArray[np.int32], reach: NDArray[np.int64]) -> NDArray[np.int32]:
+def pasted_nearby(corners: NDArray[np.int32], reach: Ints) -> NDArray[np.int32]:
     """Return the latest earlier patches nearer than `reach` to each; -1 for none."""
     around = np.full((len(corners), _MOST_AROUND), -1, np.int32)
     for k in range(1, len(corners)):
@@ -297,7 +294,7 @@ def _window_at(frame: Frame, y: int, x: int) -> tuple[NDArray[np.intp], ...]:
     return np.ix_((y + np.arange(rows)) % height, (x + np.arange(columns)) % width)
 
 
-def _corners(frame: Frame, unknown: NDArray[np.bool_]) -> list[tuple[int, int]]:
+def _corners(frame: Frame, unknown: Mask) -> list[tuple[int, int]]:
     """Corners of windows that cover the holes, each group of holes spirally inwards."""
     if not unknown.any():
         return []
@@ -321,9 +318,7 @@ def _corners(frame: Frame, unknown: NDArray[np.bool_]) -> list[tuple[int, int]]:
     return [(grids[0][i], grids[1][j]) for i, j in spiral(cells)]
 
 
-def _useful(
-    corners: list[tuple[int, int]], frame: Frame, unknown: NDArray[np.bool_]
-) -> NDArray[np.int32]:
+def _useful(corners: list[tuple[int, int]], frame: Frame, unknown: Mask) -> NDArray[np.int32]:
     """Leave out windows that earlier ones cover whole."""
     left, useful = unknown.copy(), []
     for y, x in corners:
@@ -334,7 +329,7 @@ def _useful(
     return np.array(useful, np.int32).reshape(-1, 2)
 
 
-def spiral(cells: NDArray[np.bool_]) -> Iterator[tuple[int, int]]:
+def spiral(cells: Mask) -> Iterator[tuple[int, int]]:
     """Yield (row, column) of each connected group of cells, from its border inward, clockwise."""
     for group in _groups(cells):
         rows, columns = np.nonzero(group)
@@ -350,7 +345,7 @@ def spiral(cells: NDArray[np.bool_]) -> Iterator[tuple[int, int]]:
             top, bottom, left, right = top + 1, bottom - 1, left + 1, right - 1
 
 
-def _groups(cells: NDArray[np.bool_]) -> Iterator[NDArray[np.bool_]]:
+def _groups(cells: Mask) -> Iterator[Mask]:
     left = cells.copy()
     while left.any():
         group = np.zeros_like(left)
