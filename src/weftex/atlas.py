@@ -21,7 +21,7 @@ from weftex.endless.boxes import A_BLOCK, PlaneRequest, box_of
 from weftex.endless.corners import sure_vectors
 from weftex.endless.plane import usable_corners
 from weftex.endless.tiles import TilePlane, belt_of, size_with_periods, torus
-from weftex.errors import InvalidInputError, whole_pair, wrong_value
+from weftex.errors import InvalidInputError, size_words, whole_pair, wrong_value
 from weftex.exemplar import Exemplar, Sample, load_exemplar
 from weftex.method import Method
 from weftex.naming import is_auto, make_method
@@ -273,7 +273,7 @@ def atlas(
     notes = [f"landmarks removed from the sample: {found}"] if found else []
     if size != wish:
         notes.append(
-            f"tiles are {size[1]}x{size[0]}, not {wish[1]}x{wish[0]}, to contain whole periods "
+            f"tiles are {size_words(size)}, not {size_words(wish)}, to contain whole periods "
             "of the sample's lattice"
         )
     return Atlas(made, colors, size, gutter, tuple(notes))
@@ -327,7 +327,7 @@ def _check_gutter(gutter: Any, size: tuple[int, int], exemplar: Exemplar) -> Non
         step = Fraction(exemplar.scale_of(name)).denominator
         if any(pixels % step for pixels in (*size, gutter)):
             raise InvalidInputError(
-                f"tile_size is {size[1]}x{size[0]} and gutter {gutter}; both must be multiples of "
+                f"tile_size is {size_words(size)} and gutter {gutter}; both must be multiples of "
                 f"{step}, as map '{name}' has a pixel for {step}x{step} of the sample"
             )
 

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from weftex.errors import InvalidInputError, is_whole, shown, wrong_value
+from weftex.errors import InvalidInputError, is_whole, shown, size_words, wrong_value
 from weftex.exemplar import Exemplar
 from weftex.raster.arrays import as_mask, check_guide, check_pixels
 
@@ -112,8 +112,7 @@ class Canvas:
             value = getattr(self, name)
             if value is not None and value.shape[:2] != self.shape:
                 raise InvalidInputError(
-                    f"{name} is {value.shape[1]}x{value.shape[0]}, "
-                    f"the canvas is {self.width}x{self.height}"
+                    f"{name} is {size_words(value.shape)}, the canvas is {size_words(self.shape)}"
                 )
 
     def _check_origin(self) -> None:

@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 
 from analysis.test_lattice import smooth
-from weftex.analysis.autocorrelations import autocorrelations
 from weftex.analysis.correlation import correlate, whitened
 from weftex.analysis.evidence import SUREST, Evidence, better_pair
 from weftex.analysis.lattice import Lattice, find_lattice
@@ -100,8 +99,7 @@ def test_confidence_grows_with_either_figure():
 def test_the_clearer_pair_is_taken_if_it_has_half_of_the_contrast():
     strong = Evidence(np.array([[20.0, 0.0], [0.0, 17.0]]), "pairs", 0.3, 1.0, 9)
     clear = Evidence(np.array([[7.0, 1.0], [0.0, 9.0]]), "pairs", 0.1, 5.0, 9)
-    fields = autocorrelations(Exemplar(np.zeros((32, 32), np.uint8)))
     half, same = clear._replace(contrast=0.15), strong._replace(vectors=strong.vectors + 0.01)
-    assert better_pair(fields, []) is None and better_pair(fields, [clear]) is clear
+    assert better_pair([]) is None and better_pair([clear]) is clear
     for other, better in ((clear, strong), (half, half), (same, strong)):
-        assert better_pair(fields, [strong, other]) is better
+        assert better_pair([strong, other]) is better

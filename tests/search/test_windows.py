@@ -24,7 +24,7 @@ def test_runs_are_what_is_known_of_the_window(height, width, reach, wrap, causal
         else:  # everything above and to the left is made
             done[:] = np.arange(height * width).reshape(height, width) < y * width + x
         count = (
-            kernels.causal_runs(y, x, height, width, wrap[1], reach[0], *reach[2:], runs)
+            kernels.causal_runs(y, x, width, wrap[1], reach[0], *reach[2:], runs)
             if causal
             else picture_kernels.known_runs(done, y, x, *wrap, reach[0], runs)
         )

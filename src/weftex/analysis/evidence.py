@@ -138,7 +138,7 @@ def _of_checks(fields: Autocorrelations, highest: Floats, settled: Evidence) -> 
     return found if found.confidence >= least else settled
 
 
-def better_pair(fields: Autocorrelations, pairs: Sequence[Evidence]) -> Evidence | None:
+def better_pair(pairs: Sequence[Evidence]) -> Evidence | None:
     """Return the second pair if it is clearer or the first consists of its tiles, else the first.
 
     It must have half of the first one's contrast, as the threads of a checked cloth are clear too.

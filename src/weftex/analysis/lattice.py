@@ -186,7 +186,7 @@ def _as_in_thesis(fields: Autocorrelations, goodness: str) -> Evidence | None:
 def _by_contrast(fields: Autocorrelations) -> Evidence | None:
     """Return the pair or rows with the best evidence."""
     with counted(2, "analysis") as step:
-        best = evidence.better_pair(fields, evidence.pair_candidates(fields))
+        best = evidence.better_pair(evidence.pair_candidates(fields))
         step(1)
         if best is not None and best.confidence >= LEAST:
             if best.confidence < CLEAR and best.kind != "stripes":

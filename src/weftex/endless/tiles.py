@@ -17,7 +17,7 @@ from weftex.analysis.canvas_lattice import CanvasLattice
 from weftex.endless.boxes import Box, PlaneRequest
 from weftex.endless.grid import Axis, Block, Grid, Sizes
 from weftex.endless.plane import Filler, Plane, usable_corners
-from weftex.errors import InvalidInputError
+from weftex.errors import InvalidInputError, size_words
 from weftex.exemplar import Exemplar
 from weftex.random import draw
 from weftex.raster.arrays import Ints
@@ -161,7 +161,7 @@ def size_with_periods(
     Raises `InvalidInputError`, which names them, if they are far away.
     """
     found: list[int] = []
-    asked = f"no tile of about {wish[1]}x{wish[0]} pixels contains whole periods of"
+    asked = f"no tile of about {size_words(wish)} pixels contains whole periods of"
     for axis, length in enumerate(wish):
         reach = [int(_FAR * length), 1]
         ends = CanvasLattice(vectors).steps(*(reach if axis == 0 else reach[::-1])) / _PARTS

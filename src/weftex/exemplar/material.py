@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from weftex.errors import FileError, InvalidInputError, shown
+from weftex.errors import FileError, InvalidInputError, shown, size_words
 from weftex.exemplar.exemplar import Exemplar
 from weftex.raster.arrays import as_array, is_masked
 from weftex.roles import COLOR, Role, is_name_of, is_preview, role_of
@@ -189,8 +189,8 @@ def with_border(
             )
         if by > most:
             raise InvalidInputError(
-                f"{flag}{'pad' if pad else 'crop'} is {by}; {one.path} is {pixels.shape[1]}x"
-                f"{pixels.shape[0]}, so it can be at most {most}"
+                f"{flag}{'pad' if pad else 'crop'} is {by}; {one.path} is "
+                f"{size_words(pixels.shape)}, so it can be at most {most}"
             )
         if pad:
             sides = [(by * (axis in axes),) * 2 for axis in range(pixels.ndim)]

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from weftex.canvas import Canvas
-from weftex.errors import InvalidInputError
+from weftex.errors import InvalidInputError, size_words
 from weftex.exemplar import Exemplar
 from weftex.method import Method, Model
 from weftex.progress import Progress, ProgressCallback
@@ -146,8 +146,8 @@ def width_for(given: int | None, exemplar: Exemplar, proposed: int) -> int:
     largest -= 1 - largest % 2
     if given is not None and given > largest:
         raise InvalidInputError(
-            f"window_width is {given}; {exemplar.name} is {exemplar.shape[1]}x"
-            f"{exemplar.shape[0]}, so it must be at most {largest}"
+            f"window_width is {given}; {exemplar.name} is {size_words(exemplar.shape)}, "
+            f"so it must be at most {largest}"
         )
     return given or max(1, min(proposed - 1 + proposed % 2, largest))
 

@@ -10,7 +10,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from weftex.errors import InvalidInputError, did_you_mean, is_number, shown, wrong_value
+from weftex.errors import InvalidInputError, did_you_mean, is_number, shown, size_words, wrong_value
 from weftex.exemplar import Exemplar, Sample, load_exemplar
 from weftex.raster.levels import scale_between
 from weftex.raster.mixing import middle_of, opposite
@@ -189,7 +189,7 @@ def _check_scales(
     scale = like.scale_of(key)
     for exemplar, one in zip(exemplars, found, strict=True):
         if scale_between(one.shape, exemplar.shape) != scale:
-            size, own = (f"{e.shape[1]}x{e.shape[0]}" for e in (one, exemplar))
+            size, own = (size_words(e.shape) for e in (one, exemplar))
             raise InvalidInputError(
                 f"the {key} of {exemplar.name} is {size}, the sample {own}; that of {like.name} "
                 f"has {scale} times as many pixels a side as its sample; scale one of them"

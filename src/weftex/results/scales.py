@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from numpy.typing import NDArray
 
-from weftex.errors import InvalidInputError
+from weftex.errors import InvalidInputError, size_words
 from weftex.exemplar import Exemplar
 from weftex.exemplar.exemplar import as_map
 from weftex.raster.arrays import check_pixels
@@ -63,8 +63,8 @@ def scale_to(given: Exemplar, sample: tuple[int, int]) -> Fraction | int:
     scale = scale_between(given.shape, sample)
     if scale is None:
         raise InvalidInputError(
-            f"map is {given.shape[1]}x{given.shape[0]}; it must be the sample's "
-            f"{sample[1]}x{sample[0]} or an integer multiple or fraction of it"
+            f"map is {size_words(given.shape)}; it must be the sample's {size_words(sample)} "
+            "or an integer multiple or fraction of it"
         )
     return scale
 

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from weftex.canvas import Canvas
-from weftex.errors import InvalidInputError, UnsupportedError, shown
+from weftex.errors import InvalidInputError, UnsupportedError, shown, size_words
 from weftex.exemplar import Exemplar
 from weftex.exemplar.turns import as_copies, as_made_from
 from weftex.io.display import Displayable
@@ -87,7 +87,7 @@ class Synthesis(Displayable, SourceMap):
         about = {"method": "by", "seed": "seed"}
         told = [f"{word} {self.provenance[k]}" for k, word in about.items() if k in self.provenance]
         of = "" if self.exemplar is None else f" of {self.exemplar.name!r}"
-        size = f"{self.shape[1]}x{self.shape[0]}"
+        size = size_words(self.shape)
         return f"<{type(self).__name__} {size}{of}{': ' if told else ''}{', '.join(told)}>"
 
     def _displayed_picture(self) -> tuple[NDArray[Any], bool] | None:

@@ -1,5 +1,5 @@
-cpdef Py_ssize_t causal_runs(Py_ssize_t y, Py_ssize_t x, Py_ssize_t height, Py_ssize_t width,
-                            bint wrap_x, Py_ssize_t up, Py_ssize_t left, Py_ssize_t right,
+cpdef Py_ssize_t causal_runs(Py_ssize_t y, Py_ssize_t x, Py_ssize_t width, bint wrap_x,
+                            Py_ssize_t up, Py_ssize_t left, Py_ssize_t right,
                             int[:, ::1] runs) noexcept nogil
 
 cdef void turn_runs(int[:, ::1] runs, Py_ssize_t n) noexcept nogil

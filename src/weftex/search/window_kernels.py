@@ -13,7 +13,7 @@ from cython.cimports.weftex.raster.difference_kernels import squared
 from cython.cimports.weftex.search.picture_kernels import around
 
 
-def causal_runs(y, x, height, width, wrap_x, up, left, right, runs):
+def causal_runs(y, x, width, wrap_x, up, left, right, runs):
     """Write the L-shaped window of a pixel on the canvas in scan order; return the number of runs.
 
     Where the canvas wraps along x the rows above are whole, and the end of a row includes its

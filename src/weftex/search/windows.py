@@ -8,7 +8,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from weftex.errors import InvalidInputError
+from weftex.errors import InvalidInputError, size_words
 from weftex.exemplar import Exemplar
 from weftex.raster.arrays import Bytes
 from weftex.raster.boxes import whole_windows
@@ -76,8 +76,7 @@ def windows_of(exemplar: Exemplar, reach: Reach, pixels: Bytes | None = None) ->
     if not usable.any():
         raise InvalidInputError(
             f"no whole window of {left + right + 1}x{up + down + 1} pixels lies on usable pixels "
-            f"of {exemplar.name}, which is {exemplar.shape[1]}x{exemplar.shape[0]}; make "
-            "window_width smaller"
+            f"of {exemplar.name}, which is {size_words(exemplar.shape)}; make window_width smaller"
         )
     return Windows(np.ascontiguousarray(pixels), usable, period, exemplar.shape)
 

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from weftex.analysis.scale import structure_scale
 from weftex.canvas import Canvas, as_canvas
-from weftex.errors import InvalidInputError, did_you_mean, is_whole, shown, wrong_value
+from weftex.errors import InvalidInputError, did_you_mean, is_whole, shown, size_words, wrong_value
 from weftex.exemplar import Exemplar, Sample, load_exemplar
 from weftex.label_maps import Gradient, labels_of, map_picture
 from weftex.method import Method
@@ -152,10 +152,7 @@ def fuse(
     with listening(progress):
         index = fusion.run(labels, materials)
     return PixelSynthesis(
-        canvas,
-        index,
-        exemplar=whole,
-        provenance=chosen.describe() | of_belts | about,
+        canvas, index, exemplar=whole, provenance=chosen.describe() | of_belts | about
     )
 
 
@@ -228,7 +225,7 @@ def _labels(
     labels = labels_of(picture, count + len(mixed), given)
     if wanted is not None and labels.shape != wanted:
         raise InvalidInputError(
-            f"the label map is {labels.shape[1]}x{labels.shape[0]}, the size "
-            f"{wanted[1]}x{wanted[0]}; leave size out, or scale the label map (nearest neighbor)"
+            f"the label map is {size_words(labels.shape)}, the size {size_words(wanted)}; "
+            "leave size out, or scale the label map (nearest neighbor)"
         )
     return labels, [*single, *((min(pair), max(pair)) for pair in mixed.values())]

@@ -10,7 +10,7 @@ import numpy as np
 from weftex.analysis.canvas_lattice import CanvasLattice, is_sure
 from weftex.analysis.lattice import find_lattice
 from weftex.canvas import Canvas, as_canvas
-from weftex.errors import InvalidInputError, shown, wrong_value
+from weftex.errors import InvalidInputError, shown, size_words, wrong_value
 from weftex.exemplar import Exemplar, Sample, load_exemplar
 from weftex.method import Method
 from weftex.naming import is_auto, method_for_task
@@ -83,7 +83,7 @@ def tile(
         raise wrong_value("axes", axes, "True, 'x' or 'y'")
     sides = [side for side, wraps in zip(exemplar.shape, wrap, strict=True) if wraps]
     most = min(sides) // _LEAST
-    wxh = f"{exemplar.shape[1]}x{exemplar.shape[0]}"
+    wxh = size_words(exemplar.shape)
     if not most:
         raise InvalidInputError(
             f"{exemplar.name} is {wxh}; sides that wrap around must be {_LEAST} pixels or more"

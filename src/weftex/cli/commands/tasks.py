@@ -10,7 +10,7 @@ from weftex.cli.files import open_job, pixels_of, report, write_debug
 from weftex.cli.parser import BLOCKS, Parser
 from weftex.cli.terminal import Bar, Outputs, run_and_report
 from weftex.cli.tiling import TOOLS, add_tools, each_job, run_tool
-from weftex.errors import InvalidInputError
+from weftex.errors import InvalidInputError, size_words
 from weftex.recipe import Recipe
 from weftex.recipe.declared import options_of
 from weftex.recipe.opening import OpenedRecipe
@@ -157,7 +157,7 @@ def _done(job: OpenedRecipe, result: Synthesis) -> str:
         return f"filled {int(job.hole.sum())} pixels of"
     if job.recipe.task == "fuse":
         return f"fused {len(job.prepared)} samples in"
-    made = f"made {result.shape[1]}x{result.shape[0]}"
+    made = f"made {size_words(result.shape)}"
     if job.shape != job.asked:
-        made += f", the nearest size to {job.asked[1]}x{job.asked[0]} that fits:"
+        made += f", the nearest size to {size_words(job.asked)} that fits:"
     return {"synth": made, "tile": "made tileable:"}[job.recipe.task]

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from weftex.errors import InvalidInputError
+from weftex.errors import InvalidInputError, size_words
 from weftex.exemplar import Exemplar
 from weftex.methods.exact_matching import list_kernels as kernels
 from weftex.methods.exact_matching.color_index import ColorIndex
@@ -216,8 +216,8 @@ def prepare(method: Any, exemplar: Exemplar) -> Prepared:
         enough -= 1
     if enough < method.levels:
         raise InvalidInputError(
-            f"levels is {method.levels}; {exemplar.name} is {exemplar.shape[1]}x"
-            f"{exemplar.shape[0]}, which is enough for {enough}"
+            f"levels is {method.levels}; {exemplar.name} is {size_words(exemplar.shape)}, "
+            f"which is enough for {enough}"
         )
     coarser = [*samples[1:], None]
     levels = [LevelSample(method, *pair) for pair in zip(samples, coarser, strict=True)]

@@ -96,8 +96,7 @@ def gather_windows(picture, search):
     y, x, reach, coarse_reach = search.y, search.x, search.reach, search.coarse_reach
     if search.causal:
         search.query.count = causal_runs(
-            y, x, picture.done.shape[0], picture.done.shape[1], picture.wrap_x,
-            reach, reach, reach, search.query.runs,
+            y, x, picture.done.shape[1], picture.wrap_x, reach, reach, reach, search.query.runs,
         )  # fmt: skip
         turn_runs(search.query.runs, search.query.count)
     else:

@@ -17,7 +17,7 @@ from weftex.analysis.canvas_lattice import (
 from weftex.analysis.lattice import Lattice
 from weftex.analysis.rows import ColoredRows, find_colored_rows
 from weftex.canvas import Canvas
-from weftex.errors import InvalidInputError
+from weftex.errors import InvalidInputError, size_words
 from weftex.exemplar import Exemplar
 from weftex.random import draw
 from weftex.raster.masks import row_runs
@@ -132,7 +132,7 @@ def _block(
         wide = "border_width" if around == border else "blend_width"
         raise InvalidInputError(
             f"block_size is {size} and {wide} {around}; {exemplar.name} is "
-            f"{exemplar.shape[1]}x{exemplar.shape[0]}, so together they must be at most {shorter}"
+            f"{size_words(exemplar.shape)}, so together they must be at most {shorter}"
         )
     if not _fits(exemplar, size + around):
         raise InvalidInputError(

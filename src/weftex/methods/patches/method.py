@@ -7,7 +7,7 @@ from typing import Any, ClassVar, Self
 
 from weftex.analysis.patch_sizes import HOLE_PATCHES, patch_size_for, patch_size_of, patch_size_on
 from weftex.canvas import Canvas
-from weftex.errors import InvalidInputError
+from weftex.errors import InvalidInputError, size_words
 from weftex.exemplar import Exemplar
 from weftex.method import Method
 from weftex.methods.patches.patch_kernels import FINDERS, LARGEST_M
@@ -159,7 +159,7 @@ class PatchMethod(Method):
             method._refuse({"repeat_distance"}, "on patches of one pixel", unless=0)
         if method.window_side > shorter:
             raise InvalidInputError(
-                f"{exemplar.name} is {exemplar.shape[1]}x{exemplar.shape[0]}, smaller than the "
+                f"{exemplar.name} is {size_words(exemplar.shape)}, smaller than the "
                 f"patch of {method.window_side}; the largest that fits is {shorter}"
             )
         return method

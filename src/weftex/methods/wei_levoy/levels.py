@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from weftex.errors import InvalidInputError
+from weftex.errors import InvalidInputError, size_words
 from weftex.exemplar import Exemplar
 from weftex.methods.pixels import square_width
 from weftex.random import draw
@@ -35,8 +35,8 @@ def levels_and_widths(
         levels = max(1, small.index(True) if True in small else levels)
     elif levels < given:
         raise InvalidInputError(
-            f"levels is {given}; {exemplar.name} is {exemplar.shape[1]}x"
-            f"{exemplar.shape[0]}, so it must be at most {levels} with windows of {width} pixels"
+            f"levels is {given}; {exemplar.name} is {size_words(exemplar.shape)}, "
+            f"so it must be at most {levels} with windows of {width} pixels"
         )
     if levels == 1:
         if given_parent_width:
