@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import weftex
-from weftex.prepare.landmarks import find_landmarks, has_joint_network
+from weftex.prepare.landmarks import find_landmarks, has_joint_network, landmarks_shown_again
 from weftex.tasks.landmarks import _Spacing, plain_sample, remove_landmarks
 
 SIDE, AT = 128, (40, 70)
@@ -64,25 +64,17 @@ def test_landmarks_of_any_size_are_found(radius):
     assert masks[0][spot].mean() > 0.9
 
 
-def test_even_grain_has_no_rare_landmark():
-    assert find_landmarks(weftex.Exemplar(noise()))[1] == 0
-
-
-def test_a_line_is_no_landmark():
-    pixels = noise()
-    pixels[60:64, 10:118] = RED
-    assert find_landmarks(weftex.Exemplar(pixels), others=False)[0] == []
+def test_grain_lines_and_masked_pixels_are_no_rare_landmarks():
+    line, (pixels, spot) = noise(), with_spot()
+    line[60:64, 10:118] = RED
+    for sample, mask in ((noise(), None), (line, None), (pixels, ~spot)):
+        assert find_landmarks(weftex.Exemplar(sample, mask=mask))[1] == 0
 
 
 def test_a_large_region_is_no_landmark():
     pixels, _ = with_spot(radius=20)
     masks, rare = find_landmarks(weftex.Exemplar(pixels))
     assert not any(mask[AT] for mask in masks[:rare])
-
-
-def test_pixels_outside_of_the_mask_are_ignored():
-    pixels, spot = with_spot()
-    assert find_landmarks(weftex.Exemplar(pixels, mask=~spot))[1] == 0
 
 
 @pytest.mark.parametrize("seed", range(3))
@@ -93,9 +85,7 @@ def test_joints_of_drawn_stones_are_a_network(seed):
     near = np.sort(np.hypot(*np.moveaxis(at - middles, 3, 0)), axis=2)
     joint = near[..., 1] - near[..., 0] < 3
     for tone in (-60, 60):
-        drawn = np.clip(noise(seed=seed) / 2 + 60 + tone * joint[..., None], 0, 255).astype(
-            np.uint8
-        )
+        drawn = (noise(seed=seed) / 2 + 60 + tone * joint[..., None]).astype(np.uint8)
         assert has_joint_network(weftex.Exemplar(drawn))
     assert not has_joint_network(weftex.Exemplar(noise(seed=seed)))
     only = np.ones((SIDE, SIDE), bool)
@@ -254,6 +244,17 @@ def test_auto_thins_what_is_coarser_if_it_looks_the_same_from_all_sides():
 def test_auto_keeps_landmarks_elsewhere(sample, size, how):
     made = weftex.synthesize(sample, size, seed=1, **how)
     assert "landmarks" not in made.provenance and "thinned" not in str(made.provenance)
+
+
+def test_a_filling_shows_no_landmark_again(spotted):
+    """But if the hole touches it, it may."""
+    hole = np.zeros((SIDE, SIDE), bool)
+    hole[20:60, 8:48] = True
+    for how, shows in (({"method": "graphcut", "placement": "entire"}, True), ({}, False)):
+        assert red(weftex.fill(spotted, hole, seed=1, **how).image)[hole].any() == shows
+    shifted = np.roll(np.arange(SIDE**2).reshape(SIDE, SIDE), -40, axis=1)
+    asked = ((spotted, one, shifted, (False, False)) for one in (hole, np.roll(hole, 12, axis=1)))
+    assert [landmarks_shown_again(*one) is None for one in asked] == [False, True]
 
 
 def test_a_landmark_is_filled_from_one_whole_part(spotted):

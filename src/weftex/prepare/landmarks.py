@@ -39,6 +39,7 @@ class _Tier:
 
 _RARE = _Tier(4.2, 1.45, (1.0, 1.0, 1.0, 1.0), 0.5, 4, 0.0, 0.03, 0.10)
 _OTHERS = _Tier(2.4, 0.9, (1.0, 1.1, 1.2, 1.2), 0.6, 3, 0.0015, 0.05, 0.27)
+_APART = 6  # pixels from a hole; what is nearer may go on inside
 _LINES = (1, 12)  # radii of the boxes, applied twice, between which lines are seen
 _SHARE = 0.3  # of the pixels that may be lines
 _LONGEST = 16.0  # ratio of the variances along and across a landmark
@@ -82,6 +83,25 @@ def has_joint_network(exemplar: Exemplar) -> bool:
         if all(_connected(one, np.s_[0])[-1].any() for one in (mask, mask.T)):
             return True
     return False
+
+
+def landmarks_shown_again(
+    photo: Exemplar, hole: Mask, sources: NDArray[np.int32], wrap: tuple[bool, bool]
+) -> Mask | None:
+    """Return the rare landmarks of a photo apart from its hole, if a filling shows one of them.
+
+    That is, if half of its pixels or more are sources of the hole. None if it shows none, or if
+    landmarks may be joints.
+    """
+    masks, _ = find_landmarks(photo, others=False)
+    shown, around = np.zeros_like(hole), grown(hole, _APART, wrap)
+    shown.flat[sources[hole]] = True
+    apart = [mask for mask in masks if not (mask & around).any()]
+    again = any(2 * (mask & shown).sum() >= mask.sum() for mask in apart)
+    if not again or has_joint_network(photo):
+        return None
+    found: Mask = np.logical_or.reduce(apart)
+    return found
 
 
 def _distances(exemplar: Exemplar, radius: int) -> tuple[NDArray[np.float64], float]:

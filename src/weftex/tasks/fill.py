@@ -174,8 +174,10 @@ def fill(
     cropped_canvas = Canvas(*cropped.shape, region.wrap, features, missing, canvas.known_from)
     own = np.arange(missing.size, dtype=np.int32).reshape(missing.shape)
 
-    def filled(by: Method, given: frozenset[str] | None) -> Synthesis:
-        fitted, begun = supply, cropped_canvas
+    def filled(
+        by: Method, given: frozenset[str] | None, usable: NDArray[np.bool_] = usable
+    ) -> Synthesis:
+        fitted, begun = supply.changed(mask=usable), cropped_canvas
         if overlap and inside and by.cuts_known:
             # The method cuts between the photo and its patches itself, by all that is there.
             border = region.near & region.crop(hole & ~masked & source.usable)
@@ -189,11 +191,17 @@ def fill(
     with listening(progress):
         made = None
         if by_auto and inside:
-            from weftex.tasks.auto import choose_for_hole
+            from weftex.prepare.landmarks import landmarks_shown_again
+            from weftex.tasks.auto.rule import WHOLE, choose_for_hole
 
             choice = choose_for_hole(supply, cropped_canvas)
             with suppress(InvalidInputError):  # too few pixels are left for it
-                made = filled(make_method(choice.method, choice.parameters), None)
+                by = make_method(choice.method, choice.parameters)
+                made = filled(by, None)
+                if choice.parameters == WHOLE and isinstance(made, PixelSynthesis):
+                    again = landmarks_shown_again(supply, missing, made.index, region.wrap)
+                    made = made if again is None else filled(by, None, usable & ~again)
+            if made is not None:
                 made.provenance["reason"] = choice.reason
         if made is None:
             made = filled(chosen, given)
