@@ -219,12 +219,10 @@ def test_auto_thins_in_large_outputs_and_says_why(spotted, thinned):
     )
 
 
-def test_best_thins_in_smaller_outputs_if_three_landmarks_are_rare():
-    pixels, spot = with_spot()
-    for rolled, thins in ((0, False), (30, False), (60, True)):
-        pixels[np.roll(spot, rolled, 0)] = RED
-        made = weftex.synthesize(pixels, 2 * SIDE, seed=1, effort="best")
-        assert ("landmarks are thinned" in made.provenance["reason"]) == thins
+def test_in_smaller_outputs_only_rare_landmarks_are_thinned(spotted):
+    made = weftex.synthesize(spotted, 2 * SIDE, seed=1).provenance
+    assert "landmarks are thinned" in made["reason"]
+    assert made["landmarks"]["found"] == made["landmarks"]["rare"] == 1
 
 
 def test_auto_thins_what_is_coarser_if_it_looks_the_same_from_all_sides():
@@ -235,7 +233,7 @@ def test_auto_thins_what_is_coarser_if_it_looks_the_same_from_all_sides():
 @pytest.mark.parametrize(
     ("sample", "size", "how"),
     [
-        (with_spot()[0], 2 * SIDE, {}),
+        (with_spot()[0], 2 * SIDE - 1, {}),
         (with_spot()[0], 3 * SIDE, {"method": "graphcut"}),
         (with_spot(noise(256))[0], 1056, {}),  # mixes patches
         (with_spot(coarse(1))[0], 3 * SIDE, {}),

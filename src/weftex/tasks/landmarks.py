@@ -44,7 +44,7 @@ _BESIDE = np.mgrid[-1:2, -1:2].reshape(2, -1).T
 _NEVER = np.iinfo(np.int64).max
 _FINE = 1 / 8  # scale over the side up to which `auto` thins landmarks, of most materials
 _COARSE = 1 / 5  # of ground; and above which only rare landmarks are filled
-_MANY, _LEAST = 8, 3  # outputs below 8 sample areas are thinned only if 3 landmarks are rare
+_MANY = 8  # sample areas of the output below which only rare landmarks are thinned
 _AREAS = 4  # sample areas of the output for each time that a rare landmark is shown
 #: Distances in shorter sides of the sample: of a landmark from itself, rare or not; up to which
 #: landmarks are neighbors; of two neighbors from the same two.
@@ -92,9 +92,8 @@ def thinned(model: Model, canvas: Canvas) -> PlainSample | None:
         return None
     times = math.prod(canvas.shape) // math.prod(findings.shape)
     because = f"the features are small and the output has {times} times the sample's area"
-    masks, rare = find_landmarks(model.exemplar)
-    if times < _MANY and rare < _LEAST:  # the others may be what the material consists of
-        return None
+    # In smaller outputs the others may be what the material consists of.
+    masks, rare = find_landmarks(model.exemplar, others=times >= _MANY)
     fillings = _fillings(model.exemplar, masks, _FILLINGS) if masks else []
     because = f"landmarks are thinned, because {because}"
     plain = PlainSample(model.exemplar, masks, rare, fillings, findings, True, because)

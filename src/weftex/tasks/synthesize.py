@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from weftex.quality.score import Rating
 
 _MOST_TRIES = 1000  # outputs of which the best is kept
-_REPEATED, _REPEATED_BEST = 8, 4  # sample areas of an output from which `auto` thins landmarks
+_REPEATED = 4  # sample areas of an output from which `auto` thins landmarks
 
 
 def synthesize(
@@ -75,8 +75,8 @@ def synthesize(
     landmarks : {"auto", "keep", "thin", "remove"}
         What to do with landmarks, small salient regions that reveal repeats: keep them, show each
         only at places far apart, or remove them. With "auto", the method `Auto` thins them if
-        features are small and the output has at least 8 times the sample's area (4 if effort is
-        "best"). All other methods keep them. Samples with a lattice or rows are not changed.
+        features are small and the output has at least 4 times the sample's area; below 8 times,
+        only rare ones. All other methods keep them. Samples with a lattice or rows are not changed.
     threads : int, optional
         Maximum number of threads; one for each processor by default.
     progress : callable, optional
@@ -179,8 +179,7 @@ def _may_thin(method: Method, canvas: Canvas, exemplar: Exemplar) -> bool:
     """Return whether landmarks "auto" may thin: `auto` chooses, and the output is large enough."""
     times = math.prod(canvas.shape) / math.prod(exemplar.shape)
     plain = canvas.guide is None and canvas.known is None and not exemplar.pieces
-    least = _REPEATED_BEST if getattr(method, "effort", None) == "best" else _REPEATED
-    return method.slug == AUTO and plain and times >= least
+    return method.slug == AUTO and plain and times >= _REPEATED
 
 
 def _like(guide: NDArray[Any], exemplar: Exemplar) -> NDArray[Any]:
