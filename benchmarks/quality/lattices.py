@@ -112,7 +112,7 @@ def look(kind: str, real: bool, fitted: bool, pixels: NDArray, truth: Vectors) -
             shown = height * width >= 6 * Lattice(truth).area
         elif truth:
             shown = min(height, width) >= 3 * float(np.hypot(*truth[0]))
-        pair, rows = better_pair(fields, pair_candidates(fields)), row_candidate(fields)
+        pair, rows = better_pair(pair_candidates(fields)), row_candidate(fields)
         pair = pair and with_alternation(fields, pair)
         one_of = (pair, rows)
         if pair is not None and pair.kind != "pairs":  # has other figures; nothing else is asked

@@ -104,7 +104,7 @@ def one_search(levels: np.ndarray, width: int, causal: bool) -> float:
         start = process_time()
         y = 2 * half + 1
         count = (
-            kernels.causal_runs(y, x, *done.shape, False, half, half, half, runs)
+            kernels.causal_runs(y, x, done.shape[1], False, half, half, half, runs)
             if causal
             else picture_kernels.known_runs(done, y, x, False, False, half, runs)
         )

@@ -89,7 +89,7 @@ def brute_force(pixels: np.ndarray, width: int, count: int) -> float:
     times = []
     for x in range(half, half + 16):
         start = perf_counter()
-        n = kernels.causal_runs(half, x, *canvas.shape[:2], False, half, half, half, runs)
+        n = kernels.causal_runs(half, x, canvas.shape[1], False, half, half, half, runs)
         kernels.gather_runs(canvas, half, x, runs, n, query)
         kernels.distances(windows.pixels, windows.centers, runs, n, query, out)
         times.append(perf_counter() - start)
