@@ -9,10 +9,9 @@ from numpy.typing import NDArray
 
 from weftex.analysis.relief import LOOK, smaller_copy
 from weftex.exemplar import Exemplar
+from weftex.raster.arrays import Mask
 from weftex.raster.boxes import cells_as_pixels, extended_sums
 from weftex.raster.masks import grown
-
-Mask = NDArray[np.bool_]
 
 _SMALLEST = 64  # pixels a side; smaller samples have no landmarks
 _FINEST = 2  # radius of the boxes, applied twice, whose means are compared

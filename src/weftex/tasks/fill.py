@@ -174,16 +174,14 @@ def fill(
     cropped_canvas = Canvas(*cropped.shape, region.wrap, features, missing, canvas.known_from)
     own = np.arange(missing.size, dtype=np.int32).reshape(missing.shape)
 
-    def filled(
-        by: Method, given: frozenset[str] | None, usable: NDArray[np.bool_] = usable
-    ) -> Synthesis:
-        fitted, begun = supply.changed(mask=usable), cropped_canvas
+    def filled(by: Method, given: frozenset[str] | None, supply: Exemplar = supply) -> Synthesis:
+        fitted, begun = supply, cropped_canvas
         if overlap and inside and by.cuts_known:
             # The method cuts between the photo and its patches itself, by all that is there.
             border = region.near & region.crop(hole & ~masked & source.usable)
-            fitted = supply.changed(mask=usable | border)
+            fitted = supply.changed(mask=supply.usable | border)
             begun = replace(begun, shown=np.where(anew, np.int32(-1), own))
-        model = by.for_hole(missing, usable, given).fit(fitted)
+        model = by.for_hole(missing, supply.usable, given).fit(fitted)
         return model.sample(begun, seed=seed, threads=threads, progress=progress)
 
     # What was given stays; a method that is an object was given with all its values.
@@ -200,7 +198,8 @@ def fill(
                 made = filled(by, None)
                 if choice.parameters == WHOLE and isinstance(made, PixelSynthesis):
                     again = landmarks_shown_again(supply, missing, made.index, region.wrap)
-                    made = made if again is None else filled(by, None, usable & ~again)
+                    if again is not None:
+                        made = filled(by, None, supply.changed(mask=usable & ~again))
             if made is not None:
                 made.provenance["reason"] = choice.reason
         if made is None:
