@@ -14,6 +14,7 @@ from weftex.canvas import Canvas
 from weftex.errors import InvalidInputError
 from weftex.exemplar import Exemplar
 from weftex.parameters import numbers_of
+from weftex.raster.arrays import Floats, Ints
 from weftex.results.pixels import rearranged
 
 _UNIT = 1 << 16  # positions are in 1/65536 pixel
@@ -78,24 +79,24 @@ class CanvasLattice:
         (a, b), (c, d) = self.inverse
         return y * a + x * c, y * b + x * d
 
-    def cell(self, y: Any, x: Any, counts: list[int]) -> NDArray[np.int64]:
+    def cell(self, y: Any, x: Any, counts: list[int]) -> Ints:
         """Return the cell of the tile that pixels lie in, for sides cut into `counts` parts."""
         number = []
         for along, count in zip(self.multiples(y, x), counts, strict=True):
             # A little on, so that multiples of whole vectors do not fall between two cells.
             part = along - np.floor(along) + 2.0**-20
             number.append((part * count).astype(np.int64) % count)
-        result: NDArray[np.int64] = number[0] * counts[1] + number[1]
+        result: Ints = number[0] * counts[1] + number[1]
         return result
 
-    def phase(self, y: NDArray[np.integer], x: NDArray[np.integer]) -> NDArray[np.int64]:
+    def phase(self, y: NDArray[np.integer], x: NDArray[np.integer]) -> Ints:
         """Return the positions in the sample's first tile (eq. 3.29), (..., 2) in 1/65536 pixel."""
         parts = [along - np.floor(along) for along in self.multiples(y, x)]
         place = [parts[0] * self.sample[0, k] + parts[1] * self.sample[1, k] for k in (0, 1)]
-        result: NDArray[np.int64] = np.rint(np.stack(place, axis=-1) * _UNIT).astype(np.int64)
+        result: Ints = np.rint(np.stack(place, axis=-1) * _UNIT).astype(np.int64)
         return result
 
-    def steps(self, height: int, width: int) -> NDArray[np.int64]:
+    def steps(self, height: int, width: int) -> Ints:
         """Return all multiples (n, 2) that lead from the first tile into a box at (0, 0).
 
         In 1/65536 pixel, from the smallest multiples of the first vector on.
@@ -108,7 +109,7 @@ class CanvasLattice:
         found = found.reshape(-1, 2)
         tile = np.stack([0 * self.sample[0], *self.sample, self.sample.sum(axis=0)])
         near = (found + tile.max(axis=0) > -1) & (found + tile.min(axis=0) < (height, width))
-        result: NDArray[np.int64] = np.rint(found[near.all(axis=1)] * _UNIT).astype(np.int64)
+        result: Ints = np.rint(found[near.all(axis=1)] * _UNIT).astype(np.int64)
         return result
 
 
@@ -199,8 +200,8 @@ def fitted_sample(
 
 
 def _stretched(
-    vectors: NDArray[np.float64], shape: tuple[int, ...], wrap: tuple[bool, ...], most: float = 1.0
-) -> tuple[NDArray[np.float64], float]:
+    vectors: Floats, shape: tuple[int, ...], wrap: tuple[bool, ...], most: float = 1.0
+) -> tuple[Floats, float]:
     """Return the vectors, changed as little as possible to wrap around the canvas; the strain.
 
     `most`: the strain above which no further multiples are tried.
@@ -222,15 +223,15 @@ def _stretched(
     return (vectors @ change, strain) if 1e-12 < strain < np.inf else (vectors, strain)
 
 
-def _change_to(near: NDArray[np.float64], around: NDArray[np.float64]) -> NDArray[np.float64]:
+def _change_to(near: Floats, around: Floats) -> Floats:
     """Return the change of vectors that moves multiples of them onto those around the canvas."""
     if np.linalg.det(near @ near.T) < 1e-6:  # of pixels, to the power of two or four
         return np.full((2, 2), np.inf)
-    change: NDArray[np.float64] = np.linalg.pinv(near) @ (around - near)
+    change: Floats = np.linalg.pinv(near) @ (around - near)
     return np.eye(2) + change
 
 
-def _strain(change: NDArray[np.float64]) -> float:
+def _strain(change: Floats) -> float:
     return float(np.linalg.norm(change - np.eye(2), 2)) if np.isfinite(change).all() else np.inf
 
 

@@ -13,11 +13,10 @@ smoothed version: anything that does not repeat leaves noise of one strength, wh
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from weftex.analysis import kernels
 from weftex.analysis.relief import Relief
-from weftex.raster.arrays import Floats, fast_size, median
+from weftex.raster.arrays import Floats, Ints, Mask, fast_size, median
 
 #: An overlap that varies less than this beside the whole picture passes for constant: its own
 #: correlation is lost in the rounding of the transform.
@@ -30,7 +29,7 @@ _EMPTY = 1e-9  # of the highest power; less is rounding
 
 
 def correlate(
-    levels: Floats, usable: NDArray[np.bool_] | None = None, reach: tuple[int, int] | None = None
+    levels: Floats, usable: Mask | None = None, reach: tuple[int, int] | None = None
 ) -> Floats:
     """Return the correlation of (K, H, W) with itself at every shift, or at those within reach.
 
@@ -145,7 +144,7 @@ def _padded(shape: tuple[int, ...], reach: tuple[int, int] | None = None) -> tup
     return fast_size(down), fast_size(along)
 
 
-def _overlaps(side: int, most: int) -> tuple[NDArray[np.int64], Floats]:
+def _overlaps(side: int, most: int) -> tuple[Ints, Floats]:
     """Return the first and last of what overlaps at shifts of at most so much, and its length."""
     shifts = np.arange(-most, most + 1)
     ends = np.stack([np.maximum(shifts, 0), side + np.minimum(shifts, 0)], axis=1)

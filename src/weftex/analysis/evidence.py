@@ -13,7 +13,6 @@ from functools import partial
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from weftex.analysis.autocorrelations import Autocorrelations
 from weftex.analysis.bonds import Bonds
@@ -65,7 +64,7 @@ class Evidence(NamedTuple):
     `kind` is a key of `WEIGHTS`; what it gives no weight may be left out.
     """
 
-    vectors: NDArray[np.float64]
+    vectors: Floats
     kind: str
     contrast: float = 0.0  # of the correlation at multiples, less its standard error
     clear: float = 0.0  # the same of the whitened correlation, in units of chance

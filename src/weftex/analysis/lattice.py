@@ -12,7 +12,6 @@ from dataclasses import dataclass
 from weakref import WeakKeyDictionary
 
 import numpy as np
-from numpy.typing import NDArray
 
 from weftex.analysis import evidence
 from weftex.analysis.autocorrelations import Autocorrelations, Field, autocorrelations
@@ -23,6 +22,7 @@ from weftex.analysis.relief import maps_alone
 from weftex.errors import InvalidInputError
 from weftex.exemplar import Exemplar
 from weftex.progress import counted
+from weftex.raster.arrays import Floats
 
 Vector = tuple[float, float]
 
@@ -209,7 +209,7 @@ def _rows(fields: Autocorrelations) -> Evidence | None:
     return best if best is not None and best.confidence >= LEAST else None
 
 
-def _plain(vectors: NDArray[np.float64]) -> tuple[Vector, ...]:
+def _plain(vectors: Floats) -> tuple[Vector, ...]:
     """Return the shortest vectors of a lattice, rounded to hundredths of a pixel."""
     shortest = Lattice(tuple((float(x), float(y)) for x, y in vectors)).reduced()
     return tuple((round(x, 2) + 0.0, round(y, 2) + 0.0) for x, y in shortest.vectors)
@@ -250,7 +250,7 @@ def rate_lattices(
     fields = autocorrelations(exemplar) if fields is None else fields
     field, step = fields.field, fields.flat.step
 
-    def rated(vectors: NDArray[np.float64]) -> Rated:
+    def rated(vectors: Floats) -> Rated:
         reach = reach_of(field, vectors)
         found = rate(field, vectors[None], reach, goodness, exact=True)
         return Rated(
@@ -276,7 +276,7 @@ def rate_lattices(
     return own, tuple(shown[:runners_up])
 
 
-def _rated_rows(lattice: Lattice, field: Field, vector: NDArray[np.float64]) -> Rated:
+def _rated_rows(lattice: Lattice, field: Field, vector: Floats) -> Rated:
     mean, number = ridges(field.correlation, vector)
     goodness = round(float(goodness_of(mean, number)), 4)
     return Rated(lattice.reduced().vectors, goodness, round(mean, 4), number)

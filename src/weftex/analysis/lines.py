@@ -20,7 +20,7 @@ from weftex.analysis import kernels
 from weftex.analysis.correlation import correlate
 from weftex.analysis.pairs import PHASES
 from weftex.analysis.relief import Relief, means, mixed
-from weftex.raster.arrays import Floats, fast_size, median
+from weftex.raster.arrays import Floats, Ints, Mask, fast_size, median
 
 _STRIPS = 4
 _STRONGEST = 3.0  # times the median edge; more counts as that
@@ -70,7 +70,7 @@ class Joints(NamedTuple):
     """The edges of a sample, which can be added up along lines of any direction."""
 
     parts: Floats  # (3, H, W): products of the slopes: along twice, along and down, down twice
-    inner: NDArray[np.bool_]  # (H, W): where there are edges
+    inner: Mask  # (H, W): where there are edges
     step: int = 1  # pixels of the relief to one here
 
     def averaged(self, step: int) -> Joints:
@@ -240,7 +240,7 @@ def _rated(joints: Joints, vector: Floats) -> Courses:
     return Courses(vector, float(own[0]), float(plain[0]))
 
 
-def contrast(profile: Floats, distances: Floats) -> tuple[Floats, NDArray[np.int64]]:
+def contrast(profile: Floats, distances: Floats) -> tuple[Floats, Ints]:
     """Return how far multiples of distances are above places between them, and their number."""
     found, count = np.empty(len(distances)), np.empty(len(distances), np.int64)
     kernels.stand_out(profile, distances, _PHASES, _REACH, _RIDGES, _FARTHEST, found, count)

@@ -6,14 +6,13 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from weftex.analysis.autocorrelations import autocorrelations
 from weftex.analysis.canvas_lattice import checked_lattice
 from weftex.analysis.lattice import Lattice, Rated, rate_lattices
 from weftex.analysis.relief import smaller_copy
 from weftex.exemplar import Exemplar
-from weftex.raster.arrays import Floats
+from weftex.raster.arrays import Bytes, Floats
 
 __all__ = ["DrawnLattice", "Lattice", "LatticeRating", "Rated", "draw", "is_tilted"]
 
@@ -28,7 +27,7 @@ _NAMES = {1 / 2: "every other {} shifted by half"}
 _NAMES |= {1 / 3: "each {} shifted by a third", 1 / 4: "each {} shifted by a quarter"}
 
 
-def draw_lattice(exemplar: Exemplar, lattice: Lattice | None) -> NDArray[np.uint8]:
+def draw_lattice(exemplar: Exemplar, lattice: Lattice | None) -> Bytes:
     """Draw the sides of the tiles over a sample, or lines between rows.
 
     A lattice says how far to shift and not where tiles begin, so the lines lie where the sample
@@ -104,7 +103,7 @@ class LatticeRating:
         return draw(self._exemplar, lattice.vectors, found.goodness)
 
 
-def _levels(exemplar: Exemplar) -> NDArray[np.uint8]:
+def _levels(exemplar: Exemplar) -> Bytes:
     """The sample in three channels of bytes; clear pixels are white."""
     matching = exemplar.as_matching(exemplar.pixels)
     colors = exemplar.channels - exemplar.alpha
@@ -115,7 +114,7 @@ def _levels(exemplar: Exemplar) -> NDArray[np.uint8]:
     return levels
 
 
-def _lines_over(levels: NDArray[np.uint8], lattice: Lattice) -> list[tuple[Floats, float]]:
+def _lines_over(levels: Bytes, lattice: Lattice) -> list[tuple[Floats, float]]:
     """Each family of lines where the levels change most."""
     gray = levels.mean(axis=2)
     change = sum(

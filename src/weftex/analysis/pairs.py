@@ -14,10 +14,9 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
 
 from weftex.analysis.autocorrelations import SHORTEST, Field, Peaks, fit_vectors
-from weftex.raster.arrays import Floats
+from weftex.raster.arrays import Floats, Ints, Mask
 
 MOST_MULTIPLES = 24  # multiples of each vector that are rated
 
@@ -156,7 +155,7 @@ def contrast_of(field: Field, pair: Floats) -> float:
     return float(found.value[0] - UNSURE / max(found.count[0], 1) ** 0.5)
 
 
-def tile_shares(vectors: NDArray[np.int64], wide: Floats, high: Floats) -> Floats:
+def tile_shares(vectors: Ints, wide: Floats, high: Floats) -> Floats:
     """Return the share of the tile that rectangles hold, by wrapped positions (eqs. 3.25-3.30).
 
     Positions that differ by multiples are one. Multiples of whole vectors come in rows q apart,
@@ -218,7 +217,7 @@ def _multiples_between(reach: int) -> Floats:
 
 def places(
     field: Field, pairs: Floats, times: Floats, exact: bool = False
-) -> tuple[Floats, Floats, NDArray[np.bool_]]:
+) -> tuple[Floats, Floats, Mask]:
     """Return where multiples lie, each (n, m), and whether their overlaps are significant."""
     x = times[:, 0] * pairs[:, 0, :1] + times[:, 1] * pairs[:, 1, :1]
     y = times[:, 0] * pairs[:, 0, 1:] + times[:, 1] * pairs[:, 1, 1:]
@@ -271,6 +270,6 @@ def _above_chance(contrasts: Floats, weights: Floats, times: Floats, unsure: flo
     return least
 
 
-def _mean(values: Floats, weights: Floats | NDArray[np.bool_]) -> Floats:
+def _mean(values: Floats, weights: Floats | Mask) -> Floats:
     mean: Floats = (values * weights).sum(axis=1) / np.maximum(weights.sum(axis=1), 1e-9)
     return mean

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from weftex.analysis.relief import LOOK, smaller_copy
 from weftex.analysis.scale import structure_scale
 from weftex.canvas import Canvas
 from weftex.exemplar import Exemplar
+from weftex.raster.arrays import Mask
 from weftex.raster.boxes import whole_windows
 
 #: A patch is a share of the sample's shorter side, but of no more than so many times the scale of
@@ -43,7 +43,7 @@ def patch_size_on(canvas: Canvas, share: float) -> int:
     return round(share * max(_SMALL, min(canvas.shape)))
 
 
-def patch_size_for(hole: NDArray[np.bool_], usable: NDArray[np.bool_], least: int) -> int:
+def patch_size_for(hole: Mask, usable: Mask, least: int) -> int:
     """Return the side of patches for a hole (H, W) in pixels, at least `least`.
 
     It is 1 only where no 2x2 pixels of the sample are `usable`.
@@ -59,6 +59,6 @@ def patch_size_for(hole: NDArray[np.bool_], usable: NDArray[np.bool_], least: in
     return size
 
 
-def _windows(mask: NDArray[np.bool_], side: int) -> int:
+def _windows(mask: Mask, side: int) -> int:
     """Count the square windows that are True all over."""
     return int(np.count_nonzero(whole_windows(mask, (0, side - 1, 0, side - 1))))

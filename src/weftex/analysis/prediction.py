@@ -10,14 +10,13 @@ from __future__ import annotations
 from functools import cached_property, lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
 
 from weftex.analysis.autocorrelations import Autocorrelations
 from weftex.analysis.correlation import correlate
 from weftex.analysis.lines import edges_of, joints_of
 from weftex.analysis.pairs import fitted, multiples, reduced
 from weftex.analysis.relief import Relief, means
-from weftex.raster.arrays import Floats, fast_size, median
+from weftex.raster.arrays import Floats, Ints, fast_size, median
 
 _COARSE = 20.0  # pixels of the shorter vector, from which 2x2 pixels are averaged against grain
 _CLOSE = 9.0  # pixels of the shorter vector, below which nothing is tested
@@ -161,7 +160,7 @@ class Edges:
 
 
 @lru_cache(maxsize=1)
-def _larger_tiles() -> NDArray[np.int64]:
+def _larger_tiles() -> Ints:
     """Return the vectors (a, b), (0, c) of every sublattice up to the largest index, (3, n, 1)."""
     sides = range(1, _INDEX + 1)
     pairs = [(a, c) for c in sides for a in sides if 1 < a * c <= _INDEX]

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from weftex.exemplar import Exemplar
+from weftex.raster.arrays import Floats
 
 LOOK = 320  #: pixels a side, which `smaller_copy` gets where a glance is enough
 _LARGEST_SIDE = 1024  # pixels a side; more are averaged together first
@@ -21,8 +22,8 @@ _TAKEN: WeakKeyDictionary[Exemplar, Relief] = WeakKeyDictionary()
 class Relief:
     """Levels less a smooth surface; read-only."""
 
-    levels: NDArray[np.float64]  # (K, h, w); 0 where the sample may not be used
-    usable: NDArray[np.float64]  # (h, w): share of usable pixels
+    levels: Floats  # (K, h, w); 0 where the sample may not be used
+    usable: Floats  # (h, w): share of usable pixels
     step: int  # pixels of the sample to one here
 
 
@@ -75,11 +76,11 @@ def usable_box(exemplar: Exemplar) -> tuple[slice, ...]:
     return tuple(slice(one[0], one[-1] + 1) for one in lines)
 
 
-def mixed(levels: NDArray[np.float64]) -> NDArray[np.float64]:
+def mixed(levels: Floats) -> Floats:
     """Return the mixture of channels that varies most, dark where most channels are dark."""
     alike = [[np.einsum("yx,yx->", one, other) for other in levels] for one in levels]
     shares = np.linalg.eigh(alike)[1][:, -1]
-    result: NDArray[np.float64] = np.zeros(levels.shape[1:])
+    result: Floats = np.zeros(levels.shape[1:])
     for share, level in zip(shares if shares.sum() >= 0 else -shares, levels, strict=True):
         result += share * level
     return result
@@ -93,7 +94,7 @@ def maps_alone(exemplar: Exemplar) -> Exemplar | None:
     return Exemplar(levels, mask=exemplar.mask, alpha=False, name=exemplar.name)
 
 
-def means(values: NDArray[Any], step: int) -> NDArray[np.float64]:
+def means(values: NDArray[Any], step: int) -> Floats:
     """Return means over whole squares of step x step of the last two axes."""
     if step == 1:
         return values.astype(np.float64)
@@ -101,13 +102,11 @@ def means(values: NDArray[Any], step: int) -> NDArray[np.float64]:
     high, wide = min(step, height), min(step, width)  # a thin sample has fewer
     rows, columns = height // high, width // wide
     cut = values[..., : rows * high, : columns * wide].reshape(*first, rows, high, columns, wide)
-    found: NDArray[np.float64] = cut.mean(axis=(-3, -1), dtype=np.float64)
+    found: Floats = cut.mean(axis=(-3, -1), dtype=np.float64)
     return found
 
 
-def _moments(
-    values: NDArray[np.float64], down: NDArray[np.float64], along: NDArray[np.float64]
-) -> NDArray[np.float64]:
+def _moments(values: Floats, down: Floats, along: Floats) -> Floats:
     """Sums of values times each power of y and of x (n, y) and (m, x).
 
     Not by a matrix product, whose threads wait for one another longer than it takes.

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from weftex.analysis.canvas_lattice import MOST_STRETCHED, CanvasLattice
 from weftex.canvas import MAX_PIXELS, Canvas
 from weftex.random import draw
-from weftex.raster.arrays import Floats
+from weftex.raster.arrays import Bytes, Floats, Ints
 from weftex.raster.boxes import centered_sums, sums_along
 
 _SLANT = 0.1  # of rows that are still taken for level, or upright
@@ -60,7 +60,7 @@ class ColoredRows(NamedTuple):
         return max(1, int(size / height + 1e-9)), math.ceil(height / size - 1e-9)
 
 
-def find_colored_rows(pixels: NDArray[np.uint8], vectors: tuple[float, ...]) -> ColoredRows | None:
+def find_colored_rows(pixels: Bytes, vectors: tuple[float, ...]) -> ColoredRows | None:
     """Find rows that keep a color each; None if rows are slanted or of mixed colors.
 
     The first of the vectors x1, y1, x2, y2 leads from row to row.
@@ -93,7 +93,7 @@ def find_colored_rows(pixels: NDArray[np.uint8], vectors: tuple[float, ...]) -> 
     return None
 
 
-def mean_tiles(pixels: NDArray[np.uint8], vectors: tuple[float, ...]) -> NDArray[np.uint8]:
+def mean_tiles(pixels: Bytes, vectors: tuple[float, ...]) -> Bytes:
     """Replace each pixel by the mean of all at its place of the tile, to about a pixel."""
     lattice = CanvasLattice(vectors)
     sides = [max(1, round(float(np.hypot(*v)))) for v in lattice.sample]
@@ -101,11 +101,11 @@ def mean_tiles(pixels: NDArray[np.uint8], vectors: tuple[float, ...]) -> NDArray
     cell = lattice.cell(y, x, sides)
     flat, count = cell.ravel(), np.bincount(cell.ravel())
     total = np.stack([np.bincount(flat, c.ravel()) for c in np.moveaxis(pixels, 2, 0)], axis=1)
-    mean: NDArray[np.uint8] = np.rint(total / np.maximum(count, 1)[:, None]).astype(np.uint8)
+    mean: Bytes = np.rint(total / np.maximum(count, 1)[:, None]).astype(np.uint8)
     return mean[cell]
 
 
-def _first_joint(pixels: NDArray[np.uint8], period: float, axis: int) -> int:
+def _first_joint(pixels: Bytes, period: float, axis: int) -> int:
     """Where all rows look most alike, as they do in joints."""
     lines = np.moveaxis(pixels, axis, 0).sum(axis=1, dtype=np.int64)
     at = np.arange(len(lines))
@@ -150,7 +150,7 @@ class RowMap(NamedTuple):
 class Boards:
     """The rows of a sample uint8 (H, W, K), from joint to joint, that lie across an axis."""
 
-    def __init__(self, pixels: NDArray[np.uint8], axis: int) -> None:
+    def __init__(self, pixels: Bytes, axis: int) -> None:
         lines = np.ascontiguousarray(np.moveaxis(pixels, 2, 0)).swapaxes(1, axis + 1)
         self.axis, height, one, two = axis, pixels.shape[axis], lines[:, 1:], lines[:, :-1]
         self._tones = lines.sum(axis=2, dtype=np.int64).T
@@ -169,7 +169,7 @@ class Boards:
         if len(found) > 1:
             self.through = float(common[found].sum() / max(every[found].sum(), 1))
 
-    def _jumps(self) -> tuple[Floats, NDArray[np.int64]]:
+    def _jumps(self) -> tuple[Floats, Ints]:
         """Return the costs of showing row b after the joint a, and by how much b is shifted.
 
         The tones of lines, less slow changes, and their steps are compared around both joints.
@@ -218,12 +218,7 @@ class Boards:
         return RowMap(self.axis, off is not None, min(found)[1]) if found else None
 
     def _maps(
-        self,
-        size: int,
-        off: float | None,
-        drawn: NDArray[np.int64],
-        costs: Floats,
-        shifts: NDArray[np.int64],
+        self, size: int, off: float | None, drawn: Ints, costs: Floats, shifts: Ints
     ) -> Iterator[tuple[float, list[Band]]]:
         """Yield what each row of a map costs on average, and the map.
 
@@ -267,14 +262,14 @@ class Boards:
             yield total / (len(bands) + 1), [*bands, (y, size, source)]
 
 
-def find_boards(pixels: NDArray[np.uint8], even: bool = False) -> Boards | None:
+def find_boards(pixels: Bytes, even: bool = False) -> Boards | None:
     """Find rows whose joints run through a sample uint8 (H, W, K); clearly, if they are `even`."""
     found = max((Boards(pixels, axis) for axis in (0, 1)), key=lambda one: one.through)
     return found if found.through >= _THROUGH[even] else None
 
 
 def rows_around(
-    pixels: NDArray[np.uint8], usable: NDArray[Any], canvas: Canvas, even: bool = False
+    pixels: Bytes, usable: NDArray[Any], canvas: Canvas, even: bool = False
 ) -> RowMap | None:
     """Return a map that continues rows across holes, if joints run through the photo one way."""
     if canvas.known_from is None or any(canvas.wrap):

@@ -20,12 +20,11 @@ from typing import TYPE_CHECKING, Literal, NamedTuple
 from weakref import WeakKeyDictionary
 
 import numpy as np
-from numpy.typing import NDArray
 
 from weftex.analysis.relief import Relief, relief
 from weftex.analysis.widths import between_joints, distance_at, feature_width
 from weftex.exemplar import Exemplar
-from weftex.raster.arrays import Floats, median
+from weftex.raster.arrays import Floats, Mask, median
 
 if TYPE_CHECKING:
     from weftex.analysis.lattice import Lattice
@@ -57,9 +56,9 @@ class StructureScale(NamedTuple):
     #: around it nor chance explains; or how often the size of things is what a person reads.
     confidence: float
     source: str  # "lattice", "period" (of the strongest ring), "things", or "none"
-    frequencies: NDArray[np.float64]  # (n,) of the rings, in waves a pixel, rising
-    power: NDArray[np.float64]  # (n,) of the spectrum over each ring; the largest is 1
-    background: NDArray[np.float64]  # (n,): the median power from half to twice each frequency
+    frequencies: Floats  # (n,) of the rings, in waves a pixel, rising
+    power: Floats  # (n,) of the spectrum over each ring; the largest is 1
+    background: Floats  # (n,): the median power from half to twice each frequency
     lattice: Lattice | None = None  # None too where the sample does not come back to itself
 
     @property
@@ -149,7 +148,7 @@ def _period(lattice: Lattice, spectrum: Floats, flat: Relief) -> float:
 
 
 def _strongest(
-    power: Floats, background: Floats, places: Floats, looked_at: NDArray[np.bool_]
+    power: Floats, background: Floats, places: Floats, looked_at: Mask
 ) -> tuple[float, float]:
     """Return waves a side of the strongest ring, and its power beyond background and chance."""
     peak = looked_at & (power >= np.roll(power, 1)) & (power > np.roll(power, -1))
@@ -213,7 +212,7 @@ def _ring_power(flat: Relief) -> tuple[Floats, Floats, Floats]:
     return np.maximum(circle, 2) * THICKNESS * mean, places, power
 
 
-def _octave_medians(power: NDArray[np.float64]) -> NDArray[np.float64]:
+def _octave_medians(power: Floats) -> Floats:
     """Return the median power from half to twice each radius, interpolated between tenths."""
     count = len(power)
     octaves = np.arange(0, np.log2(count) + 0.1, 0.1)

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from weftex.analysis.relief import LOOK, Relief, means, mixed
-from weftex.raster.arrays import Floats
+from weftex.raster.arrays import Bytes, Floats
 
 _CONTRAST = 40.0  # levels of 255 to a standard deviation
 _JOINT = 7  # pixels: wider is no joint
@@ -77,7 +77,7 @@ def distance_at(fall: Floats, value: float) -> float:
     return k - 1 + float((fall[k - 1] - value) / (fall[k - 1] - fall[k])) if k else 0.0
 
 
-def _bytes(levels: NDArray[np.float64]) -> NDArray[np.uint8]:
+def _bytes(levels: Floats) -> Bytes:
     """Return the mixture of channels that varies most, at one contrast for all samples."""
     levels = mixed(levels)
     levels *= _CONTRAST / max(float(levels.std()), 1e-12)
@@ -97,7 +97,7 @@ def feature_width(flat: Relief) -> float:
     return greater
 
 
-def _openings(levels: NDArray[np.uint8], end: int) -> tuple[Floats, Floats]:
+def _openings(levels: Bytes, end: int) -> tuple[Floats, Floats]:
     """Return octaves of widths of squares, and the mean level after an opening by each.
 
     After a closing if `end` is 255, the level around the picture.
@@ -114,7 +114,7 @@ def _openings(levels: NDArray[np.uint8], end: int) -> tuple[Floats, Floats]:
     return np.log2([1, *sizes]), np.array(left)
 
 
-def over_squares(levels: NDArray[np.uint8], size: int, pick: np.ufunc) -> NDArray[np.uint8]:
+def over_squares(levels: Bytes, size: int, pick: np.ufunc) -> Bytes:
     """Return extremes over all squares of `size` pixels a side."""
     reach = 1
     while reach < size:
@@ -123,8 +123,8 @@ def over_squares(levels: NDArray[np.uint8], size: int, pick: np.ufunc) -> NDArra
     return levels
 
 
-def _extremes(levels: NDArray[np.uint8], by: int, pick: np.ufunc) -> NDArray[np.uint8]:
+def _extremes(levels: Bytes, by: int, pick: np.ufunc) -> Bytes:
     """Return the extreme of each pixel and those `by` to the right, below, and both."""
-    across: NDArray[np.uint8] = pick(levels[:, :-by], levels[:, by:])
-    found: NDArray[np.uint8] = pick(across[:-by], across[by:])
+    across: Bytes = pick(levels[:, :-by], levels[:, by:])
+    found: Bytes = pick(across[:-by], across[by:])
     return found

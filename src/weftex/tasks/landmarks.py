@@ -19,7 +19,7 @@ from weftex.exemplar.turns import as_made_from
 from weftex.method import Model
 from weftex.prepare.landmarks import find_landmarks, has_joint_network
 from weftex.random import draw
-from weftex.raster.arrays import Mask
+from weftex.raster.arrays import Floats, Ints, Mask
 from weftex.raster.masks import grown
 from weftex.raster.turning import boxes_of, turned_pixels
 from weftex.results.pixels import PixelSynthesis, rearranged
@@ -136,7 +136,7 @@ class _Filler:
         squares = mask[: height * step, : width * step].reshape(height, step, width, step)
         return np.asarray(squares.any(axis=(1, 3)))
 
-    def shifts(self, mask: Mask, count: int) -> list[NDArray[np.int64]]:
+    def shifts(self, mask: Mask, count: int) -> list[Ints]:
         """Return shifts (rows, columns) from a landmark to parts that may fill it; [] if none."""
         size, zone = np.array(self.spectra.size), self._smaller(mask)
         wide = grown(zone, _AROUND, self.wrap)
@@ -155,7 +155,7 @@ class _Filler:
             costs.swapaxes(0, axis)[outside] = _NEVER
         apart = math.isqrt(int(zone.sum())) // 2 + 1
         _leave_out(costs, (0, 0), apart)
-        found: list[NDArray[np.int64]] = []
+        found: list[Ints] = []
         while len(found) < count and costs.min() < _NEVER:
             tried: list[tuple[int, int]] = []
             while len(tried) < _TRIED and costs.min() < _NEVER:
@@ -171,9 +171,9 @@ class _Filler:
         return found
 
     def _refined(
-        self, known: NDArray[np.int64], shifts: NDArray[np.int64], weights: NDArray[np.int64],
-        inside: tuple[NDArray[np.int64], NDArray[np.int64]],
-    ) -> NDArray[np.int64]:  # fmt: skip
+        self, known: Ints, shifts: Ints, weights: Ints,
+        inside: tuple[Ints, Ints]
+    ) -> Ints:  # fmt: skip
         """Return the shift in pixels, near some of the copy, at which known pixels match best."""
         low, high = (self.step * limit for limit in inside)
         shifts, radius, here = shifts * self.step, self.step, self.pixels[tuple(known)]
@@ -188,11 +188,11 @@ class _Filler:
             mismatch = (differences**2).sum(axis=(1, 2)) + 1
             best = int((mismatch.reshape(len(weights), -1) * weights[:, None]).argmin())
             shifts, weights = shifts[[best]], weights[[best // len(_BESIDE)]]
-        result: NDArray[np.int64] = shifts[0]
+        result: Ints = shifts[0]
         return result
 
 
-def _leave_out(costs: NDArray[np.int64], place: Any, reach: int) -> None:
+def _leave_out(costs: Ints, place: Any, reach: int) -> None:
     """Mark the costs around a place, across the borders."""
     around = np.arange(-reach, reach + 1)
     costs[np.ix_(*((at + around) % n for at, n in zip(place, costs.shape, strict=True)))] = _NEVER
@@ -295,12 +295,12 @@ def _copies(picture: Exemplar) -> tuple[Indices, Indices, Indices]:
 
 def _occurrences(
     made: PixelSynthesis, zones: list[NDArray[np.intp]], there: Indices, width: int
-) -> Iterator[tuple[int, int, int, int, Any, NDArray[np.bool_]]]:
+) -> Iterator[tuple[int, int, int, int, Any, Mask]]:
     """Yield where an output shows a zone in one piece, but for what lies beyond its border.
 
     Zone, row and column, copy; rows and columns of its pixels; which of the zone's pixels they are.
     """
-    shapes: list[tuple[int, int, Indices, NDArray[np.int64]]] = []
+    shapes: list[tuple[int, int, Indices, Ints]] = []
     anchors = np.full(there.max() + 1, -1, np.int32)
     for zone, copy in np.ndindex(len(zones), len(there)):
         index = there[copy, zones[zone]]
@@ -346,9 +346,9 @@ class _Spacing:
         self.kept = np.concatenate([self.kept, [[zone, row, column]]])
         return True
 
-    def _apart(self, places: NDArray[np.int64], row: int, column: int) -> NDArray[np.float64]:
+    def _apart(self, places: Ints, row: int, column: int) -> Floats:
         """Return distances of places (N, 2), in sides of the sample, across borders that wrap."""
         far = np.abs(places - (row, column))
         round_ = np.where(self.canvas.wrap, self.canvas.shape - far, far)
-        result: NDArray[np.float64] = np.sqrt((np.minimum(far, round_) ** 2).sum(axis=1))
+        result: Floats = np.sqrt((np.minimum(far, round_) ** 2).sum(axis=1))
         return result / self.side

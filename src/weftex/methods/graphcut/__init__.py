@@ -7,7 +7,6 @@ from dataclasses import dataclass, replace
 from typing import Any, ClassVar, Self
 
 import numpy as np
-from numpy.typing import NDArray
 
 from weftex.analysis.canvas_lattice import check_lattice, fitted_sample, given_lattice
 from weftex.analysis.patch_sizes import HOLE_PATCHES, patch_size_for, patch_size_on
@@ -25,6 +24,7 @@ from weftex.methods.graphcut.subpatch import SubPatchMatching
 from weftex.methods.pixels import Growth, PixelModel
 from weftex.parameters import parameter
 from weftex.progress import ProgressCallback
+from weftex.raster.arrays import Mask
 from weftex.repeats import Repetition
 from weftex.repeats.salience import SaliencePenalty, cell_side
 from weftex.results.pixels import PixelSynthesis
@@ -163,9 +163,7 @@ class GraphCut(Method):
         """See `Method.hole_reach`."""
         return 2 * (self.patch_size or 0)
 
-    def for_hole(
-        self, hole: NDArray[np.bool_], usable: NDArray[np.bool_], given: frozenset[str] | None
-    ) -> Self:
+    def for_hole(self, hole: Mask, usable: Mask, given: frozenset[str] | None) -> Self:
         """See `Method.for_hole`; few entire samples fit on all sides, as only fine cuts tell."""
         if self.orientations != "upright":
             raise InvalidInputError(

@@ -8,7 +8,6 @@ from operator import call
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from weftex.analysis.canvas_lattice import VISIBLE_STRAIN, CanvasLattice, given_lattice
 from weftex.analysis.rows import rows_around
@@ -23,7 +22,7 @@ from weftex.methods.graphcut.sample import (
     on_levels,
 )
 from weftex.methods.pixels import Growth
-from weftex.raster.arrays import fast_size, stacked
+from weftex.raster.arrays import Bytes, Floats, Mask, fast_size, stacked
 from weftex.raster.boxes import smaller_masks
 from weftex.repeats.salience import SaliencePenalty
 from weftex.search.fft_mismatch import Spectra, overlap_mismatch
@@ -45,7 +44,7 @@ class Copy(NamedTuple):
     shape: tuple[int, int]
     levels: list[Level]
     reach: list[int]  # from a pixel that it covers, in whole pixels of all levels
-    places: dict[bool, list[NDArray[np.uint8]]]  # that may lie on a pixel, centered there or not
+    places: dict[bool, list[Bytes]]  # that may lie on a pixel, centered there or not
 
 
 class EntirePatchMatching:
@@ -132,7 +131,7 @@ class EntirePatchMatching:
 
     def _allowed(
         self, copy: Copy, pixel: tuple[int, int], centered: bool, boxes: Around
-    ) -> list[NDArray[np.uint8]]:
+    ) -> list[Bytes]:
         """The pixels of a copy that may lie on the pixel, on all levels.
 
         In the middle if possible; on its line if there are rows; on or near the lattice.
@@ -163,7 +162,7 @@ class EntirePatchMatching:
 
     def _on_lattice(
         self, lattice: CanvasLattice, shape: tuple[int, int], pixel: tuple[int, int], most: float
-    ) -> NDArray[np.bool_]:
+    ) -> Mask:
         """Mark the pixels that lattice shifts lead to a pixel of the canvas, `most` pixels off."""
         first = lattice.phase(*np.add(pixel, self.canvas.origin)) / _UNIT
         y, x = (np.arange(n) - at for n, at in zip(shape, first, strict=True))
@@ -172,7 +171,7 @@ class EntirePatchMatching:
             times = np.add.outer(down * y, along * x)
             rest.append(times - np.rint(times))
         off = [one * rest[0] + other * rest[1] for one, other in lattice.sample.T]
-        found: NDArray[np.bool_] = (abs(off[0]) <= most) & (abs(off[1]) <= most)
+        found: Mask = (abs(off[0]) <= most) & (abs(off[1]) <= most)
         return found
 
     def _limits(self, pixel: tuple[int, int], over: int) -> list[tuple[int, int, bool]]:
@@ -196,14 +195,12 @@ class EntirePatchMatching:
             lines.append(line.astype(np.int32))
         return levels_of(box_of(self._on_canvas, *lines), self.reduction)
 
-    def _mismatch(
-        self, boxes: Around, allowed: list[NDArray[np.bool_]], k: int
-    ) -> list[NDArray[np.float64]]:
+    def _mismatch(self, boxes: Around, allowed: list[Mask], k: int) -> list[Floats]:
         """C(t) over the overlap, for each pixel of each copy that may come to lie on this one.
 
         Sums of products by FFT (section 5).
         """
-        found: list[NDArray[np.float64]] = []
+        found: list[Floats] = []
         for shape, alike in self._alike.items():
             box, levels = boxes[shape][k], [copy.levels[k] for copy in alike]
             size = [fast_size(n) for n in box.mask.shape]

@@ -6,11 +6,11 @@ from collections.abc import Callable
 from typing import Any, NamedTuple, Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
 from weftex.canvas import Canvas
 from weftex.methods.graphcut.sample import Level
 from weftex.random import draw
+from weftex.raster.arrays import Floats, Ints, Mask
 from weftex.repeats.salience import SaliencePenalty
 
 _LARGEST_EXPONENT = 64.0  # e**-64 is no chance at all
@@ -33,9 +33,9 @@ class Patch(NamedTuple):
 class Matches(NamedTuple):
     """How well each offset matches on one level of the sample's pyramid."""
 
-    costs: NDArray[np.float64]  # C(t): mean squared differences
-    factors: NDArray[np.float64]  # of the repetition penalty
-    allowed: NDArray[np.bool_]
+    costs: Floats  # C(t): mean squared differences
+    factors: Floats  # of the repetition penalty
+    allowed: Mask
     level: int  # 0: full size; each further one is half as large
     #: The patches of offsets that were drawn, found in full size; see `Placement.matches`.
     patches: Callable[[list[tuple[int, int]], Callable[..., Any]], list[Patch]]
@@ -75,11 +75,7 @@ def draw_offsets(
 
 
 def drawn_places(
-    costs: NDArray[np.float64],
-    allowed: NDArray[np.bool_],
-    spread: float,
-    draws: tuple[int, int, int],
-    near: list[int],
+    costs: Floats, allowed: Mask, spread: float, draws: tuple[int, int, int], near: list[int]
 ) -> list[tuple[int, int]]:
     """Draw places by their costs over `spread`, k sigma**2; no two as near as that, in pixels."""
     seed, number, count = draws
@@ -104,14 +100,12 @@ def drawn_places(
     return found
 
 
-def chances_of(
-    costs: NDArray[np.float64], allowed: NDArray[np.bool_], spread: float
-) -> NDArray[np.int64]:
+def chances_of(costs: Floats, allowed: Mask, spread: float) -> Ints:
     """Whole numbers in proportion to exp(-cost / spread), of a spread above 0.
 
     exp(x) is taken as (1 + x / 1024)**1024, which every machine rounds alike.
     """
-    above: NDArray[np.float64] = np.maximum(costs - costs[allowed].min(), 0)
+    above: Floats = np.maximum(costs - costs[allowed].min(), 0)
     with np.errstate(over="ignore"):  # a spread may be the least number that there is
         power = 1 + np.minimum(above / spread, _LARGEST_EXPONENT) / 1024
     for _ in range(10):

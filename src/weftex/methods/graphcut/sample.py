@@ -19,7 +19,7 @@ from weftex.errors import InvalidInputError
 from weftex.exemplar import Exemplar
 from weftex.exemplar.turns import copies_in
 from weftex.methods.graphcut import pyramid_kernels as kernels
-from weftex.raster.arrays import fast_size
+from weftex.raster.arrays import Bytes, Mask, fast_size
 from weftex.raster.turning import Box
 from weftex.search.fft_mismatch import Spectra
 from weftex.search.windows import Windows, windows_of
@@ -63,7 +63,7 @@ class CutSample:
         windows = Windows(part.pixels, part.mask, self.windows.period, box[2:])
         return replace(self, windows=windows, made={})
 
-    def reduction_for(self, size: tuple[int, int], allowed: NDArray[np.uint8]) -> int:
+    def reduction_for(self, size: tuple[int, int], allowed: Bytes) -> int:
         """How many times smaller the smallest level is that patches of a size are matched on.
 
         A power of 2, such that the level has some of the `allowed` pixels of the sample.
@@ -158,7 +158,7 @@ def _fits(exemplar: Exemplar, rows: int, columns: int) -> bool:
     return True
 
 
-def _joins(usable: NDArray[np.bool_], tileable: bool) -> NDArray[np.uint8]:
+def _joins(usable: Mask, tileable: bool) -> Bytes:
     """The directions in which each pixel has a neighbor, as bits; see `cost_kernels.Labeling`."""
     joins = np.zeros(usable.shape, np.uint8)
     for d, (axis, step) in enumerate([(1, 1), (0, 1), (1, -1), (0, -1)]):
@@ -170,7 +170,7 @@ def _joins(usable: NDArray[np.bool_], tileable: bool) -> NDArray[np.uint8]:
     return joins
 
 
-def _gradients(pixels: NDArray[np.uint8], joins: NDArray[np.uint8]) -> NDArray[np.int32]:
+def _gradients(pixels: Bytes, joins: Bytes) -> NDArray[np.int32]:
     """(2, H * W): differences of all pixels from their right and lower neighbors, 0 without one."""
     found = np.zeros((2, joins.size), np.int32)
     for d, axis in enumerate((1, 0)):
@@ -186,8 +186,8 @@ def _gradients(pixels: NDArray[np.uint8], joins: NDArray[np.uint8]) -> NDArray[n
 class Level:
     """A picture uint8 (H, W, K), and 1 where a pixel counts, uint8 (H, W)."""
 
-    pixels: NDArray[np.uint8]
-    mask: NDArray[np.uint8]
+    pixels: Bytes
+    mask: Bytes
 
     @cached_property
     def all_count(self) -> bool:
@@ -244,14 +244,14 @@ def _blank(rows: int, columns: int, like: Level) -> Level:
     return Level(pixels, np.empty((rows, columns), np.uint8))
 
 
-def on_levels(allowed: NDArray[np.uint8], levels: list[Level]) -> list[NDArray[np.uint8]]:
+def on_levels(allowed: Bytes, levels: list[Level]) -> list[Bytes]:
     """The allowed pixels that each level has."""
     shapes = [level.mask.shape for level in levels]
     every = [allowed[:: 1 << k, :: 1 << k][:high, :wide] for k, (high, wide) in enumerate(shapes)]
     return [np.ascontiguousarray(some) for some in every]
 
 
-def coarsest(boxes: list[Level], allowed: list[NDArray[np.uint8]]) -> int:
+def coarsest(boxes: list[Level], allowed: list[Bytes]) -> int:
     """The smallest level that has an allowed pixel, and pixels of the box if there are any."""
     there = boxes[0].mask.any()
     return next(
@@ -265,7 +265,7 @@ def in_full_size(
     places: list[tuple[int, int]],
     boxes: list[Level],
     samples: list[Level],
-    allowed: list[NDArray[np.uint8]],
+    allowed: list[Bytes],
     offset: Sequence[int],
     map_: Callable[..., Any] = map,
 ) -> list[tuple[int, int]]:

@@ -20,6 +20,7 @@ from weftex.methods.graphcut.sample import (
 )
 from weftex.methods.pixels import Growth
 from weftex.random import draw
+from weftex.raster.arrays import Bytes, Mask
 from weftex.raster.boxes import box_sums
 from weftex.repeats.salience import SaliencePenalty
 from weftex.search.fft_mismatch import window_mismatch
@@ -35,14 +36,14 @@ class Part(NamedTuple):
 
     top: int
     left: int
-    corners: list[NDArray[np.uint8]]  # of each level: 1 where the patch's corner may lie
+    corners: list[Bytes]  # of each level: 1 where the patch's corner may lie
     levels: list[Level]  # so large that patches at all corners are whole
 
 
 class Arranged(NamedTuple):
     """A sample arranged for patches of one size."""
 
-    corners: NDArray[np.uint8]  # 1 where a patch's upper left corner may lie
+    corners: Bytes  # 1 where a patch's upper left corner may lie
     reduction: int  # see `Placement`
     levels: list[Level]  # of the sample
     whole: Part
@@ -169,9 +170,7 @@ class SubPatchMatching:
             corner.append(first if wraps else min(max(first, 0), n - size))
         return corner[0], corner[1]
 
-    def _continuing(
-        self, part: Part, y: NDArray[np.int32], x: NDArray[np.int32], k: int
-    ) -> NDArray[np.bool_]:
+    def _continuing(self, part: Part, y: NDArray[np.int32], x: NDArray[np.int32], k: int) -> Mask:
         """Offsets from which the patch would continue something in its box as the sample does."""
         sample, shape, step = self.exemplar.shape, part.corners[k].shape, 1 << k
         source = self.growth.source[np.ix_(y[::step], x[::step])]
