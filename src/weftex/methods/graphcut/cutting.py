@@ -34,13 +34,7 @@ class CutCanvas:
     """
 
     def __init__(
-        self,
-        sample: CutSample,
-        growth: Growth,
-        placement: Placement,
-        threads: int,
-        *,
-        copies: bool,
+        self, sample: CutSample, growth: Growth, placement: Placement, threads: int, *, copies: bool
     ) -> None:
         self.growth, canvas, size = growth, growth.canvas, placement.size
         self.shape, self.sample_shape = canvas.shape, sample.exemplar.shape
