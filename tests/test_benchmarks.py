@@ -77,9 +77,7 @@ def test_digests_are_compared(monkeypatch, capsys, tmp_path):
 def test_boundaries_are_measured(monkeypatch, tmp_path, capsys):
     monkeypatch.setattr(fusion, "PAIRS", fusion.PAIRS[:1])
     monkeypatch.setattr(fusion, "MAPS", fusion.MAPS[:2])
-    monkeypatch.setattr(
-        sys, "argv", ["fusion.py", "--size", "60", "72", "--pictures", str(tmp_path)]
-    )
+    monkeypatch.setattr(sys, "argv", ["fusion", "--size", "60", "72", "--pictures", str(tmp_path)])
     fusion.main()
     assert len(capsys.readouterr().out.splitlines()) == 4
     assert len(list(tmp_path.glob("*.png"))) == 2

@@ -67,9 +67,7 @@ def rows(page):
 ROWS = [(name, row) for name, page in sorted(PAGES.items()) for row in rows(page)]
 NAMES = [f"{name}: {row.place[:50]}" for name, row in ROWS]
 TESTS = {path.name: path for path in ROOT.glob("tests/**/test_*.py")}
-COMMANDS = sorted(
-    {command for _, row in ROWS for command in re.findall("`(weftex [^`]+)`", row.proof)}
-)
+COMMANDS = sorted({one for _, row in ROWS for one in re.findall("`(weftex [^`]+)`", row.proof)})
 
 
 def counted(text, kinds):

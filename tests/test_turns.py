@@ -48,9 +48,7 @@ def test_vectors_are_turned_with_their_pixels(name, dtype):
     assert np.allclose(read(found.maps[name])[inside], expected[inside], atol=0.02)
 
 
-@pytest.mark.parametrize(
-    "slug", [slug for slug in TRIALS if slug not in ("best-tile", "near-regular")]
-)
+@pytest.mark.parametrize("slug", [s for s in TRIALS if s not in ("best-tile", "near-regular")])
 def test_every_method_takes_from_copies_and_replays_maps_of_the_sample(slug, rng, tmp_path):
     pixels = rng.integers(0, 256, (24, 30, 3)).astype(np.uint8)
     maps = {"height": rng.random((24, 30)), "normal": normal_map(rng, (48, 60))}
@@ -105,9 +103,7 @@ def test_auto_turns_nothing_whose_maps_would_change_their_size(rng):
     assert upright.turn is None and upright.maps["ao"].shape == (150, 150)
 
 
-@pytest.mark.parametrize(
-    ("name", "turn"), [("normal", "half"), ("normal_gl", "8"), ("normal_dx", "8")]
-)
+@pytest.mark.parametrize("name, turn", [("normal", "half"), ("normal_gl", "8"), ("normal_dx", "8")])
 def test_auto_turns_normals_by_90_degrees_if_their_name_says_which_way_y_is(name, turn):
     """Turned by the other rule they would point the wrong way; upside down both are the same."""
     leaves = weftex.read_image("sample:leaves").pixels

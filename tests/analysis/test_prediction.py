@@ -3,7 +3,9 @@
 import numpy as np
 import pytest
 
+from weftex.analysis.autocorrelations import autocorrelations
 from weftex.analysis.lattice import Lattice, find_lattice
+from weftex.analysis.prediction import predicting
 from weftex.exemplar import Exemplar
 
 
@@ -56,3 +58,12 @@ def test_a_pair_of_bolts_on_each_board_is_no_lattice(apart):
         levels[np.hypot(x - place, y % 40 - 20) < 4] = 220
     found = find_lattice(photo(levels, rng))
     assert found is None or found.same_as(Lattice(((0, 40),)), 0.06)
+
+
+@pytest.mark.parametrize("half", [(1, 0), (0, 1), (1, 1)])
+def test_a_vector_of_which_every_second_multiple_alone_meets_lines_is_doubled(half):
+    y, x = np.mgrid[:256, :256] + 37
+    levels = np.where((y % 137 < 10) | (x % 137 < 10), 60, 130)
+    fields = autocorrelations(photo(levels, np.random.default_rng(0)))
+    found = predicting(fields, np.diag(np.where(half, 68.5, 137.0)))
+    assert abs(np.abs(found) - np.diag([137, 137])).max() < 1

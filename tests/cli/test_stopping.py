@@ -70,9 +70,7 @@ def test_work_that_fails_after_a_signal_was_stopped(tmp_path):
     assert info.value.code == 143 and not os.listdir(tmp_path)
 
 
-@pytest.mark.parametrize(
-    ("number", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 143), (0, 129)]
-)
+@pytest.mark.parametrize("number, code", [(signal.SIGINT, 130), (signal.SIGTERM, 143), (0, 129)])
 @pytest.mark.parametrize("kind", ["one", "folder"])
 def test_stopping_leaves_nothing(here, number, code, kind):
     """By a signal, or, without one, by the program that closes the other end of standard input."""

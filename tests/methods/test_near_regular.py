@@ -168,9 +168,7 @@ def test_lattice_mode_keeps_the_rules():
     masked = weftex.NearRegular(**settings).fit(weftex.Exemplar(pixels, mask=mask))
     source = masked.sample(150, seed=1).source
     assert mask[source[..., 0], source[..., 1]].all()
-    tiling = weftex.NearRegular(blend="none", **settings).fit(
-        weftex.Exemplar(pixels, tileable=True)
-    )
-    result = tiling.sample(150, seed=1)
+    model = weftex.NearRegular(blend="none", **settings).fit(weftex.Exemplar(pixels, tileable=True))
+    result = model.sample(150, seed=1)
     assert np.array_equal(result.image, pixels[result.source[..., 0], result.source[..., 1]])
     assert result.placements[:, 2].max() > 96 - 17  # windows go over the border

@@ -63,9 +63,7 @@ def test_threads_and_a_second_run(sample, whole, tmp_path):
 
 def test_a_run_that_was_cut_off_goes_on(sample, whole, tmp_path):
     with pytest.raises(CancelledError):
-        stream(
-            sample, tmp_path / "p.tif", SIZE, progress=lambda done, *_: done < 7, threads=1, **HOW
-        )
+        stream(sample, tmp_path / "p.tif", SIZE, progress=lambda n, *_: n < 7, threads=1, **HOW)
     plane = open_plane(tmp_path / "p.tif")
     assert plane.missing() == 32
     refused("is not complete: .* blocks are missing", check, plane.path, error=FileError)

@@ -45,7 +45,8 @@ RULE = [
     (with_(lattice=Lattice(((0.0, 46.0),), 0.5)), Canvas(512, 512), "graphcut", "small"),
     (with_(lattice=TILES), Canvas(512, 512), "graphcut", "lattice of 31.1 x 102.2 px.* 0.87"),
     (with_(lattice=TILES), Canvas(9999, 9999), "near-regular", "lattice of 31.1 x 102.2 px.* 0.87"),
-    (with_(lattice=TILES, shape=(100, 120)), Canvas(150, 150), "graphcut", "irregular"),
+    (with_(lattice=TILES, shape=(100, 120)), Canvas(150, 150), "graphcut", "lattice of 31.1"),
+    (with_(lattice=TILES, shape=(90, 105)), Canvas(150, 150), "graphcut", "irregular"),
     (with_(shape=(300, 31)), Canvas(512, 512), "graphcut", "too small to analyze .31x300"),
 ]
 
@@ -260,14 +261,11 @@ def test_holes_and_fusion_keep_their_own():
     plain = weftex.fill(photo, hole, seed=1)
     for method in ("auto", weftex.Auto()):
         assert np.array_equal(weftex.fill(photo, hole, seed=1, method=method).image, plain.image)
-    assert weftex.fill(photo, hole, method="auto", seed=1, patch_size=12).provenance["method"] == (
-        "patch-sampling"
-    )
+    other = weftex.fill(photo, hole, method="auto", seed=1, patch_size=12)
+    assert other.provenance["method"] == "patch-sampling"
     materials = [photo[:40, :40], 255 - photo[:40, :40]]
-    made = [
-        weftex.fuse(materials, "gradient", 24, seed=1, **method)
-        for method in ({}, {"method": "auto"})
-    ]
+    ways = {}, {"method": "auto"}
+    made = [weftex.fuse(materials, "gradient", 24, seed=1, **way) for way in ways]
     assert np.array_equal(made[0].image, made[1].image)
 
 

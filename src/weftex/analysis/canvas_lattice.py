@@ -22,7 +22,7 @@ _SMALLEST_SAMPLE = 32  # side below which noise may look like a lattice by chanc
 _ALONG = 1.01  # pixels: a vector as short as that says nothing but a direction
 _SIZES_TRIED = 256  # pixels on both sides of a size among which a better one is looked for
 _SURE = 0.6  # confidence from which blocks may be laid by a lattice
-_TILES = 4  # that a sample must show, so that a block has more than one place to come from
+_TILES = 3  # that a sample must show, so that a block has more than one place to come from
 #: Strain of a lattice that goes around a canvas, from which it shows. Joints of bricks, tiles and a
 #: fence met at up to 0.07, whatever the tolerance; at 0.1 some were broken.
 VISIBLE_STRAIN = 0.07

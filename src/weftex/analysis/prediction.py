@@ -27,6 +27,7 @@ _MOST = 6  # multiples of one vector that are tested
 _PHASES = np.array([0, 1 / 4, 1 / 3, 2 / 5, 1 / 2, 3 / 5, 2 / 3, 3 / 4])  # and places between them
 _FAINT = 0.15  # contrast of a vector beside the other one's, that is chance: rows of 0.03 to 0.10
 _BELOW = -0.02  # contrast beside the highest place between, of a vector that is wrong
+_SECOND = (0.1, 0.25)  # contrast of every second multiple; share of it that the others lack then
 _UNEQUAL = 0.08  # spread of multiples beside their mean, from which halves are compared
 _INDEX = 18  # tiles in a larger one, at most
 _FEWEST = 5  # multiples that a larger tile must have
@@ -51,8 +52,10 @@ def predicting(fields: Autocorrelations, vectors: Floats) -> Floats | None:
         if whole is None:
             break
         vectors = fitted(fields.field, reduced(whole @ vectors))
-    pairs = vectors / edges.step
-    (one, above), (other, over) = (edges.contrast(pair) for pair in (pairs, pairs[::-1]))
+    (one, above, twice), (other, over, double) = edges.contrasts(vectors)
+    if twice or double:
+        vectors = fitted(fields.field, reduced(np.diag([1 + twice, 1 + double]) @ vectors))
+        (one, above, _), (other, over, _) = edges.contrasts(vectors)
     sure = min(one, other) > _FAINT * max(one, other) and min(above, over) > _BELOW
     # Of a larger tile multiples off any line are higher, so neither vector is chance.
     return vectors if sure or vectors is not given else None
@@ -108,10 +111,16 @@ class Edges:
         around = [correlation[y + i, x + j] for i in (-1, 0, 1) for j in (-1, 0, 1)]
         return (np.mean if mean else np.max)(around, axis=0).T, weights
 
-    def contrast(self, vectors: Floats) -> tuple[float, float]:
+    def contrasts(self, vectors: Floats) -> list[tuple[float, float, bool]]:
+        """Return for each vector, in pixels, what `_contrast` says of edges across it."""
+        pairs = vectors / self.step
+        return [self._contrast(pairs), self._contrast(pairs[::-1])]
+
+    def _contrast(self, vectors: Floats) -> tuple[float, float, bool]:
         """Return the contrast of edges across the first vector at its multiples.
 
-        Above the mean of places between them, the median of all multiples; and above the highest.
+        Above the mean of places between them, the median of all multiples; above the highest; and
+        whether only every second multiple has any.
         """
         (one, both, other), (vector, along) = self._waves, vectors
         x, y = np.array([along[1], -along[0]]) / np.hypot(*along)
@@ -122,10 +131,13 @@ class Edges:
         total = weights.sum(axis=2)
         seen = total[:, 0] > 0
         if not seen.any():
-            return 0.0, 0.0
+            return 0.0, 0.0, False
         values /= max(float(correlation[0, 0]), 1e-12)
         own, *between = ((values * weights).sum(axis=2) / np.maximum(total, 1e-9))[seen].T
-        return median(own - np.mean(between, axis=0)), float((own - np.max(between, axis=0)).mean())
+        each, most = own - np.mean(between, axis=0), (own - np.max(between, axis=0)).mean()
+        second = each[1::2].mean() if len(each) > 1 else 0.0
+        skips = second > _SECOND[0] and each[::2].mean() < _SECOND[1] * second
+        return median(each), float(most), bool(skips)
 
     def larger_tile(self, vectors: Floats) -> Floats | None:
         """Return `whole`, where `whole @ vectors` explain best how multiples differ, or None.

@@ -16,7 +16,7 @@ from weftex.naming import is_auto, make_method, method_for_task
 from weftex.prepare.combining import paired
 from weftex.progress import listening
 from weftex.random import seed_number
-from weftex.raster.arrays import Mask, as_array
+from weftex.raster.arrays import as_array
 from weftex.raster.boxes import cell_sums
 from weftex.raster.masks import grown
 from weftex.registry import AUTO, FOR_HOLES
@@ -34,7 +34,7 @@ if TYPE_CHECKING:
     from weftex.results.synthesis import Synthesis
 
     #: A path, a PIL image or a bool array (H, W), True where the photo is to be filled.
-    Mask = str | os.PathLike[str] | Mask | Any
+    Mask = str | os.PathLike[str] | NDArray[np.bool_] | Any
 
 #: Pixels around a hole that are used at least; more if the method needs them.
 _LEAST_REACH = 256
@@ -217,7 +217,7 @@ def fill(
     return result
 
 
-def hole_of(mask: Mask | Picture | None, photo: Exemplar) -> Mask:
+def hole_of(mask: Mask | Picture | None, photo: Exemplar) -> NDArray[np.bool_]:
     """Return where a photo is to be filled, bool (H, W); see `fill`."""
     if mask is None:
         if not photo.alpha or not (hole := _clear(photo.pixels)).any():
@@ -250,7 +250,7 @@ def hole_of(mask: Mask | Picture | None, photo: Exemplar) -> Mask:
     return hole
 
 
-def _hole_in(pixels: NDArray[Any], alpha: bool, photo: Exemplar) -> Mask:
+def _hole_in(pixels: NDArray[Any], alpha: bool, photo: Exemplar) -> NDArray[np.bool_]:
     """Return the mask of a picture: its white, or its transparency if it is the cut-out photo."""
     from weftex.io.pictures import mask_of
 
@@ -263,10 +263,10 @@ def _hole_in(pixels: NDArray[Any], alpha: bool, photo: Exemplar) -> Mask:
     return mask_of(pixels, alpha)
 
 
-def _clear(pixels: NDArray[Any]) -> Mask:
+def _clear(pixels: NDArray[Any]) -> NDArray[np.bool_]:
     """Return where alpha is less than full."""
     full = 1 if pixels.dtype.kind == "f" else np.iinfo(pixels.dtype).max
-    clear: Mask = pixels[..., -1] < full
+    clear: NDArray[np.bool_] = pixels[..., -1] < full
     return clear
 
 
@@ -293,7 +293,11 @@ class Region:
     """The part of a photo that is used to fill its holes."""
 
     def __init__(
-        self, hole: Mask, wrap: tuple[bool, bool], usable: Mask | None, reach: int
+        self,
+        hole: NDArray[np.bool_],
+        wrap: tuple[bool, bool],
+        usable: NDArray[np.bool_] | None,
+        reach: int,
     ) -> None:
         cells = cell_sums(hole, _CELL) > 0
         supply = np.zeros(cells.shape, np.int64) if usable is None else cell_sums(usable, _CELL)
@@ -317,13 +321,13 @@ class Region:
         self.corner = (int(self._rows[0]), int(self._columns[0]))
         self.near = self.crop(near)
 
-    def put(self, part: Mask, shape: tuple[int, int]) -> Mask:
+    def put(self, part: NDArray[np.bool_], shape: tuple[int, int]) -> NDArray[np.bool_]:
         """Return the mask of the whole photo: `part` in the region, False elsewhere."""
         whole = np.zeros(shape, bool)
         whole[self._rows[:, None], self._columns] = part
         return whole
 
-    def crop(self, pixels: NDArray[Any], blank: Mask | None = None) -> NDArray[Any]:
+    def crop(self, pixels: NDArray[Any], blank: NDArray[np.bool_] | None = None) -> NDArray[Any]:
         """Return the region of an array; `blank` pixels get the value of another pixel."""
         part: NDArray[Any] = pixels[self._rows[:, None], self._columns]
         if blank is not None:
@@ -334,7 +338,7 @@ class Region:
         return part
 
 
-def _span(taken: Mask, wraps: bool) -> tuple[int, int]:
+def _span(taken: NDArray[np.bool_], wraps: bool) -> tuple[int, int]:
     """Return start and length of the shortest interval that holds all True values."""
     at = np.flatnonzero(taken)
     if not wraps:

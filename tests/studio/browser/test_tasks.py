@@ -89,6 +89,12 @@ def test_the_picture_says_what_it_is(tab: Any, address: str, photo: Path) -> Non
     assert int(page.input_value("[aria-label=Height]")) % 41 in (0, 1)
     one.write("Width", "0")
     page.wait_for_selector("[role=alert] >> text=size is")
+    one.write("Width", "640")  # and Height, while the error goes
+    page.keyboard.type("7")
+    page.wait_for_selector(".stage-bar >> text=640 ×")
+    page.keyboard.press("Tab")
+    page.wait_for_selector(".panel [role=alert]", state="detached")
+    assert page.input_value("[aria-label=Height]") == "7"
 
     page.select_option("select", "quilting")
     one.write("Width", "200")

@@ -24,6 +24,8 @@ export class MakeScreen {
     const soon = (action) => (event) => unpressed(() => this.panel && action(event));
     const update = soon((event) => this.refresh(event.detail?.passing));
     const tell = soon(() => (this.learn(this.app.preview?.result) ? this.refresh() : fill(this.toldBox, this.told() ?? [])));
+    panel.oninput = ({ target }) => (this.writing = target.matches("[type=number], [type=text]"));
+    panel.onchange = panel.onfocusout = () => (this.writing = false);
     this.stop?.(); // it may be entered twice
     this.stop = this.app.listen({ result: update, look: update, preview: tell, recipe: tell, job: tell });
     this.draw();
@@ -40,6 +42,7 @@ export class MakeScreen {
   draw() {
     const { app } = this;
     const { recipe, about } = app;
+    this.writing = false;
     if (!recipe) return;
     app.analyze();
     const { task } = recipe;
@@ -244,7 +247,13 @@ export class MakeScreen {
     } catch (error) {
       if (error.message) this.fault = error;
     }
-    if (!this.panel || !(had || this.fault)) return;
+    if (had || this.fault) this.drawOnceWritten();
+  }
+
+  /** Draw anew what went wrong; what is being written would be lost, so first it is finished. */
+  drawOnceWritten() {
+    if (!this.panel) return;
+    if (this.writing) return void setTimeout(() => this.drawOnceWritten(), 50);
     this.draw();
     this.panel.querySelector("[role=alert]")?.scrollIntoView({ block: "nearest" });
   }
