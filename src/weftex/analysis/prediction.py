@@ -52,13 +52,14 @@ def predicting(fields: Autocorrelations, vectors: Floats) -> Floats | None:
         if whole is None:
             break
         vectors = fitted(fields.field, reduced(whole @ vectors))
+    larger = vectors is not given
     (one, above, twice), (other, over, double) = edges.contrasts(vectors)
     if twice or double:
         vectors = fitted(fields.field, reduced(np.diag([1 + twice, 1 + double]) @ vectors))
         (one, above, _), (other, over, _) = edges.contrasts(vectors)
     sure = min(one, other) > _FAINT * max(one, other) and min(above, over) > _BELOW
     # Of a larger tile multiples off any line are higher, so neither vector is chance.
-    return vectors if sure or vectors is not given else None
+    return vectors if sure or larger else None
 
 
 def correlation_across(flat: Relief, rows: Floats) -> Floats:
@@ -113,8 +114,7 @@ class Edges:
 
     def contrasts(self, vectors: Floats) -> list[tuple[float, float, bool]]:
         """Return for each vector, in pixels, what `_contrast` says of edges across it."""
-        pairs = vectors / self.step
-        return [self._contrast(pairs), self._contrast(pairs[::-1])]
+        return [self._contrast(pair / self.step) for pair in (vectors, vectors[::-1])]
 
     def _contrast(self, vectors: Floats) -> tuple[float, float, bool]:
         """Return the contrast of edges across the first vector at its multiples.
