@@ -61,9 +61,8 @@ def test_a_pair_of_bolts_on_each_board_is_no_lattice(apart):
 
 
 @pytest.mark.parametrize("half", [(1, 0), (0, 1), (1, 1)])
-def test_a_vector_of_which_every_second_multiple_alone_meets_lines_is_doubled(half):
+def test_a_vector_of_which_every_second_multiple_alone_meets_lines_is_doubled(half, rng):
     y, x = np.mgrid[:256, :256] + 37
     levels = np.where((y % 137 < 10) | (x % 137 < 10), 60, 130)
-    fields = autocorrelations(photo(levels, np.random.default_rng(0)))
-    found = predicting(fields, np.diag(np.where(half, 68.5, 137.0)))
+    found = predicting(autocorrelations(photo(levels, rng)), np.diag(np.where(half, 68.5, 137.0)))
     assert abs(np.abs(found) - np.diag([137, 137])).max() < 1

@@ -263,6 +263,7 @@ class Mortal:
 def test_one_batch_at_a_time_has_a_folder(here, samples, capsys):
     (here / "out").mkdir()
     held = Manifest("out")
-    assert "another batch is" in fails(capsys, here, "batch", "samples", "-o", "out", *WORDS)
+    asked = "batch", "samples", "-o", "out", *WORDS
+    assert "another batch is running" in fails(capsys, here, *asked)
     held.sweep()
-    assert weft_run("batch", "samples", "-o", "out", *WORDS) == 0
+    assert weft_run(*asked) == 0
