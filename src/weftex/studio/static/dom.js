@@ -33,9 +33,9 @@ export function fill(element, ...children) {
   return element;
 }
 
-/** Do something once no button is pressed: one that is drawn anew between press and release gets no click. */
-export function unpressed(action) {
-  if (document.querySelector(":is(button, label, summary):active")) setTimeout(() => unpressed(action), 50);
+/** Do something once nothing is `busy` and no button is pressed: one that is drawn anew before its release gets no click. */
+export function unpressed(action, busy = () => false) {
+  if (busy() || document.querySelector(":is(button, label, summary):active")) setTimeout(() => unpressed(action, busy), 50);
   else action();
 }
 

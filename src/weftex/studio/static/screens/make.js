@@ -247,15 +247,12 @@ export class MakeScreen {
     } catch (error) {
       if (error.message) this.fault = error;
     }
-    if (had || this.fault) this.drawOnceWritten();
-  }
-
-  /** Draw anew what went wrong; what is being written would be lost, so first it is finished. */
-  drawOnceWritten() {
-    if (!this.panel) return;
-    if (this.writing) return void setTimeout(() => this.drawOnceWritten(), 50);
-    this.draw();
-    this.panel.querySelector("[role=alert]")?.scrollIntoView({ block: "nearest" });
+    const draw = () => {
+      if (!this.panel) return;
+      this.draw();
+      this.panel.querySelector("[role=alert]")?.scrollIntoView({ block: "nearest" });
+    };
+    if (had || this.fault) unpressed(draw, () => this.panel && this.writing); // what is being written would be lost
   }
 
   /** Nine seeds beside each other; one of them is kept. */
