@@ -32,13 +32,11 @@ _FINE = 1 / 12  # scale over the side: a patch, a quarter of the side, holds thr
 _GRAIN = 1 / 20  # scale over the side up to which cut features do not show, but repeats do
 #: Sidedness up to which a material looks the same upside down, or turned and in a mirror.
 _SIDED = 0.06
-#: Pixels of the output above which no rotated copies are used, as they take 60 % more time, and
-#: blocks are placed by rows, in a fifth of the time.
-_LARGE = 2**22
-_FEW_COLORS = 32  # drawings and labels, which must not be blended
 #: Pixels of the output above which entire samples are placed only to keep large features whole, as
-#: other methods take a tenth of the time.
-PATIENCE = 2**20
+#: other methods take a tenth to a half of the time.
+_LARGE = 2**24
+_TURNED = 2**22  # the same for rotated copies, which take 60 % more time
+_FEW_COLORS = 32  # drawings and labels, which must not be blended
 #: Pixels of a sample, or around a hole, up to which the entire sample is always placed.
 _SMALL = 2**18
 #: Keep features whole: place the entire sample where it fits best, and cut around obstacles.
@@ -87,16 +85,15 @@ class Choice:
 def choose(findings: Findings, canvas: Canvas, *, patient: bool = False) -> Choice:
     """Return the method for a sample and a canvas without known pixels and without a guide.
 
-    It is that of the first rule that applies. `patient`: entire samples in outputs of any size, but
-    not by lattices, which other methods follow as well, and up to 1448x1448 for small features.
+    It is that of the first rule that applies. `patient`: entire samples in outputs of any size.
     """
-    pixels = math.prod(canvas.shape)
+    entire = patient or math.prod(canvas.shape) <= _LARGE
     choice = (
         _too_small(findings)
-        or _in_rows(findings, canvas)
-        or _regular(findings, canvas, patient)
-        or _fine(findings, canvas, pixels <= (2 * PATIENCE if patient else PATIENCE))
-        or _irregular(findings, canvas, patient or pixels <= PATIENCE)
+        or _in_rows(findings, entire)
+        or _regular(findings, canvas, entire)
+        or _fine(findings, canvas, entire)
+        or _irregular(findings, canvas, entire)
     )
     return replace(choice, warnings=(*_warnings(findings), *choice.warnings))
 
@@ -109,14 +106,13 @@ def _too_small(findings: Findings) -> Choice | None:
     return Choice("graphcut", {}, because)
 
 
-def _regular(findings: Findings, canvas: Canvas, patient: bool) -> Choice | None:
+def _regular(findings: Findings, canvas: Canvas, entire: bool) -> Choice | None:
     """Return what follows a sure lattice or rows, and what does not where they do not fit."""
     lattice, exact = findings.full or findings.lattice, findings.exact or findings.full is not None
     if lattice is None or not may_place(lattice, findings.shape):
         return None
     because = f"the sample has {words(lattice)}"
     vectors, rows = tuple(lattice), len(lattice.vectors) == 1
-    entire = (rows and patient) or math.prod(canvas.shape) <= (_LARGE if rows else PATIENCE)
     strain, notes = CanvasLattice(vectors, canvas).strain, strain_notes(vectors, canvas)
     if strain > (MOST_STRETCHED if exact and entire else VISIBLE_STRAIN):
         because = f"{because}; this pattern does not fit a tileable {size_words(canvas.shape)}"
@@ -129,9 +125,9 @@ def _regular(findings: Findings, canvas: Canvas, patient: bool) -> Choice | None
     return Choice("near-regular", given, because, notes)
 
 
-def _in_rows(findings: Findings, canvas: Canvas) -> Choice | None:
+def _in_rows(findings: Findings, entire: bool) -> Choice | None:
     """Return entire samples by rows whose joints run through, such as boards."""
-    if not findings.rows or math.prod(canvas.shape) > _LARGE:
+    if not findings.rows or not entire:
         return None
     return Choice("graphcut", {"placement": "rows"}, "the sample has rows of different kinds")
 
@@ -178,7 +174,7 @@ def _whole(findings: Findings, canvas: Canvas, because: str) -> Choice:
 
 def _orientations(findings: Findings, canvas: Canvas) -> str:
     upside_down, turned = findings.sidedness
-    if upside_down > _SIDED or canvas.height * canvas.width > _LARGE:
+    if upside_down > _SIDED or canvas.height * canvas.width > _TURNED:
         return "upright"
     return "half-turns" if turned > _SIDED else "all"
 
