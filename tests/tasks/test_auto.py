@@ -95,7 +95,7 @@ def test_rows_of_the_sample_itself_place_entire_samples():
 
 ENTIRE, ROW = {"placement": "entire"}, {"lattice": (0, 46, 1, 0)}
 PARAMETERS = [
-    # Large outputs of large samples are made of patches: entire ones take twice as long.
+    # Large outputs of large samples are made of patches.
     (with_(scale=60.0, shape=(512, 512)), (4096, 4097), ENTIRE),
     (with_(scale=60.0, shape=(512, 513)), (4096, 4096), ENTIRE),
     (with_(scale=60.0, shape=(512, 513)), (4096, 4097), {}),
