@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from PIL import Image
@@ -222,7 +224,7 @@ def test_joints_of_a_sure_lattice_go_on():
 
 
 def test_large_photos_with_a_lattice_are_filled_on_it(monkeypatch):
-    """On the vectors of the photo itself, not of a smaller copy; rows need the entire photo."""
+    """On the vectors of the photo itself, not of a smaller copy; small holes by its rows, too."""
     photo = np.tile(weftex.load_exemplar("sample:tiles").pixels[:204, :249], (3, 3, 1))
     hole = box(photo.shape[:2], (250, 300, 330, 400))
     canvas = weftex.Canvas(*hole.shape, known=photo, hole=hole, known_from=(0, 0))
@@ -230,9 +232,11 @@ def test_large_photos_with_a_lattice_are_filled_on_it(monkeypatch):
     choice = choose_for_hole(sample, canvas)
     assert choice.method == "graphcut"
     assert choice.parameters["lattice"] == tuple(find_lattice(sample))
-    for rows in (Lattice(((0.0, 68.0),), 0.9), None):
+    large = replace(canvas, hole=box(photo.shape[:2], (250, 300, 432, 482)))
+    for rows, by in ((Lattice(((0.0, 68.0),), 0.9), {"lattice": (0, 68, 1, 0)}), (None, {})):
         monkeypatch.setattr(rule, "find_lattice", lambda one, rows=rows: rows)
-        assert choose_for_hole(sample, canvas).parameters == {}
+        assert choose_for_hole(sample, canvas).parameters == {"placement": "entire", **by}
+        assert choose_for_hole(sample, large).parameters == {}
 
 
 @pytest.mark.parametrize("method", ["patch-sampling", "quilting", "graphcut"])

@@ -6,6 +6,8 @@ import math
 from dataclasses import dataclass, field, replace
 from typing import Any
 
+import numpy as np
+
 from weftex.analysis.canvas_lattice import (
     MOST_STRETCHED,
     STIFF,
@@ -39,6 +41,8 @@ _TURNED = 2**22  # the same for rotated copies, which take 60 % more time
 _FEW_COLORS = 32  # drawings and labels, which must not be blended
 #: Pixels of a sample, or around a hole, up to which the entire sample is always placed.
 _SMALL = 2**18
+#: Pixels around a hole, and of it, up to which it is also placed; more can take minutes.
+_AROUND, _HOLE = 5 * 2**18, 2**15
 #: Keep features whole: place the entire sample where it fits best, and cut around obstacles.
 WHOLE = {"placement": "entire"}
 
@@ -190,6 +194,9 @@ def _is_small(shape: tuple[int, int]) -> bool:
 
 def choose_for_hole(exemplar: Exemplar, canvas: Canvas) -> Choice:
     """Return graph cut for known pixels: on a lattice, of the entire sample, or of parts of it."""
+    missing = 0 if canvas.hole is None else np.count_nonzero(canvas.hole)
+    few = math.prod(exemplar.shape) <= _AROUND and missing <= _HOLE
+    whole = dict(WHOLE) if few or _is_small(exemplar.shape) else {}
     lattice = None
     if min(exemplar.shape) >= SMALLEST_ANALYZED and canvas.known_from is not None:
         small, step = smaller_copy(exemplar, LOOK)
@@ -203,13 +210,13 @@ def choose_for_hole(exemplar: Exemplar, canvas: Canvas) -> Choice:
             return Choice("graphcut", {"placement": "rows"}, because)
     if lattice is None:
         because = "no clear lattice was found around the hole"
-        return Choice("graphcut", dict(WHOLE) if _is_small(exemplar.shape) else {}, because)
+        return Choice("graphcut", whole, because)
     found = Lattice(tuple((x * step, y * step) for x, y in lattice.vectors), lattice.confidence)
     because = f"the photo around the hole has {words(found)}"
     if not _is_small(exemplar.shape):  # the smaller copy's vectors are not exact enough
-        exact = find_lattice(exemplar) if found.area else None
-        if exact is None or not exact.area:
-            return Choice("graphcut", {}, f"{because}, and is large")
+        exact = find_lattice(exemplar) if found.area or whole else None
+        if exact is None or len(exact.vectors) != len(found.vectors):
+            return Choice("graphcut", whole, f"{because}, and is large")
         found = exact
     vectors = tuple(found)
     if CanvasLattice(vectors, canvas).strain > STIFF:
