@@ -137,12 +137,10 @@ def test_effort_is_a_parameter_of_auto():
 
 
 def test_patience_places_entire_samples_in_outputs_of_any_size():
-    lattice = {"lattice": tuple(TILES)}
-    for changes, parameters in (
-        ({"scale": 13.5}, {}), ({"lattice": ROWS}, ROW), ({"lattice": TILES}, lattice)
-    ):  # fmt: skip
-        choice = choose(with_(**changes), Canvas(8192, 8192), patient=True)
-        assert choice.parameters == ENTIRE | parameters
+    lattice, huge = {"lattice": tuple(TILES)}, Canvas(8192, 8192)
+    cases = ({"scale": 13.5}, {}), ({"lattice": ROWS}, ROW), ({"lattice": TILES}, lattice)
+    for changes, parameters in cases:
+        assert choose(with_(**changes), huge, patient=True).parameters == ENTIRE | parameters
 
 
 @pytest.mark.parametrize(

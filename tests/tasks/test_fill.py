@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 from PIL import Image
@@ -226,13 +224,13 @@ def test_joints_of_a_sure_lattice_go_on():
 def test_large_photos_with_a_lattice_are_filled_on_it(monkeypatch):
     """On the vectors of the photo itself, not of a smaller copy; small holes by its rows, too."""
     photo = np.tile(weftex.load_exemplar("sample:tiles").pixels[:204, :249], (3, 3, 1))
-    hole = box(photo.shape[:2], (250, 300, 330, 400))
-    canvas = weftex.Canvas(*hole.shape, known=photo, hole=hole, known_from=(0, 0))
-    sample = weftex.Exemplar(photo, mask=~hole)
+    holes = [box(photo.shape[:2], (250, 300, *end)) for end in ((330, 400), (432, 482))]
+    known = {"known": photo, "known_from": (0, 0)}
+    canvas, large = (weftex.Canvas(*photo.shape[:2], hole=hole, **known) for hole in holes)
+    sample = weftex.Exemplar(photo, mask=~holes[0])
     choice = choose_for_hole(sample, canvas)
     assert choice.method == "graphcut"
     assert choice.parameters["lattice"] == tuple(find_lattice(sample))
-    large = replace(canvas, hole=box(photo.shape[:2], (250, 300, 432, 482)))
     for rows, by in ((Lattice(((0.0, 68.0),), 0.9), {"lattice": (0, 68, 1, 0)}), (None, {})):
         monkeypatch.setattr(rule, "find_lattice", lambda one, rows=rows: rows)
         assert choose_for_hole(sample, canvas).parameters == {"placement": "entire", **by}

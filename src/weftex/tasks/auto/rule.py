@@ -6,8 +6,6 @@ import math
 from dataclasses import dataclass, field, replace
 from typing import Any
 
-import numpy as np
-
 from weftex.analysis.canvas_lattice import (
     MOST_STRETCHED,
     STIFF,
@@ -159,7 +157,7 @@ def _irregular(findings: Findings, canvas: Canvas, entire: bool) -> Choice:
     because = f"the structure is irregular (features of {findings.scale:.3g} px)"
     if not findings.exact:
         because = "the structure is irregular"
-    if entire or _is_small(findings.shape):
+    if entire or math.prod(findings.shape) <= _SMALL:
         return _whole(findings, canvas, because)
     megapixels = canvas.height * canvas.width / 1e6
     because = f"{because} and the output is large ({megapixels:.3g} megapixels)"
@@ -188,32 +186,26 @@ def places_freely(choice: Choice) -> bool:
     return choice.parameters.get("placement") == "entire" and "lattice" not in choice.parameters
 
 
-def _is_small(shape: tuple[int, int]) -> bool:
-    return math.prod(shape) <= _SMALL
-
-
 def choose_for_hole(exemplar: Exemplar, canvas: Canvas) -> Choice:
     """Return graph cut for known pixels: on a lattice, of the entire sample, or of parts of it."""
-    missing = 0 if canvas.hole is None else np.count_nonzero(canvas.hole)
-    few = math.prod(exemplar.shape) <= _AROUND and missing <= _HOLE
-    whole = dict(WHOLE) if few or _is_small(exemplar.shape) else {}
-    lattice = None
+    few = canvas.hole is None or int(canvas.hole.sum()) <= _HOLE
+    pixels, lattice = math.prod(exemplar.shape), None
+    whole = dict(WHOLE) if (pixels <= _AROUND and few) or pixels <= _SMALL else {}
     if min(exemplar.shape) >= SMALLEST_ANALYZED and canvas.known_from is not None:
         small, step = smaller_copy(exemplar, LOOK)
         if min(small.shape) >= SMALLEST_ANALYZED:
             found = find_lattice(small)
             lattice = found if found and may_place(found, small.shape) else None
     if lattice is None or len(lattice.vectors) == 1:
-        even, pixels = lattice is not None, exemplar.matching()
-        if rows_around(pixels, exemplar.usable, canvas, even) is not None:
+        even, levels = lattice is not None, exemplar.matching()
+        if rows_around(levels, exemplar.usable, canvas, even) is not None:
             because = "joints run through the photo around the hole"
             return Choice("graphcut", {"placement": "rows"}, because)
     if lattice is None:
-        because = "no clear lattice was found around the hole"
-        return Choice("graphcut", whole, because)
+        return Choice("graphcut", whole, "no clear lattice was found around the hole")
     found = Lattice(tuple((x * step, y * step) for x, y in lattice.vectors), lattice.confidence)
     because = f"the photo around the hole has {words(found)}"
-    if not _is_small(exemplar.shape):  # the smaller copy's vectors are not exact enough
+    if pixels > _SMALL:  # the smaller copy's vectors are not exact enough
         exact = find_lattice(exemplar) if found.area or whole else None
         if exact is None or len(exact.vectors) != len(found.vectors):
             return Choice("graphcut", whole, f"{because}, and is large")
