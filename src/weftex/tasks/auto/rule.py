@@ -190,7 +190,7 @@ def choose_for_hole(exemplar: Exemplar, canvas: Canvas) -> Choice:
     """Return graph cut for known pixels: on a lattice, of the entire sample, or of parts of it."""
     few = canvas.hole is None or int(canvas.hole.sum()) <= _HOLE
     pixels, lattice = math.prod(exemplar.shape), None
-    whole = dict(WHOLE) if (pixels <= _AROUND and few) or pixels <= _SMALL else {}
+    whole = dict(WHOLE) if pixels <= (_AROUND if few else _SMALL) else {}
     if min(exemplar.shape) >= SMALLEST_ANALYZED and canvas.known_from is not None:
         small, step = smaller_copy(exemplar, LOOK)
         if min(small.shape) >= SMALLEST_ANALYZED:
