@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from weftex.errors import InvalidInputError, is_number
 from weftex.exemplar import load_exemplar
+from weftex.exemplar.exemplar import color_text
 from weftex.random import draw
 from weftex.raster.arrays import check_pixels
 
@@ -141,7 +142,7 @@ def _by_appearance(flat: NDArray[Any], count: int) -> NDArray[np.int32]:
     found, first, inverse = np.unique(flat, axis=0, return_index=True, return_inverse=True)
     order = np.argsort(first)
     if len(found) != count:
-        listed = ", ".join(map(_text, found[order][:_SHOWN])) + ", ..." * (len(found) > _SHOWN)
+        listed = ", ".join(map(color_text, found[order][:_SHOWN])) + ", ..." * (len(found) > _SHOWN)
         raise InvalidInputError(
             f"the label map has {len(found)} colors ({listed}) for {count} samples; it needs "
             "one for each sample, or a list of the colors: colors=[...], or --colors"
@@ -167,10 +168,10 @@ def _by_nearest(flat: NDArray[Any], count: int, colors: Sequence[Any]) -> NDArra
     distance = np.stack([((flat - c.astype(np.float64)) ** 2).sum(axis=1) for c in wanted])
     for k, color in enumerate(wanted):
         if (wanted[:k] == color).all(axis=1).any():
-            raise InvalidInputError(f"the color {_text(color)} is given twice; give one each")
+            raise InvalidInputError(f"the color {color_text(color)} is given twice; give one each")
     for k, color in enumerate(wanted):
         if not (distance[k] == 0).any():
-            raise InvalidInputError(f"the label map has no pixel of the color {_text(color)}")
+            raise InvalidInputError(f"the label map has no pixel of the color {color_text(color)}")
     nearest: NDArray[np.int32] = distance.argmin(axis=0).astype(np.int32)
     return nearest
 
@@ -190,7 +191,3 @@ def map_picture(label_map: Any) -> NDArray[Any]:
     if label_map is None:
         raise InvalidInputError("the label map is None; give an image, labels or 'gradient'")
     return load_exemplar(label_map).pixels
-
-
-def _text(color: NDArray[Any]) -> str:
-    return "(" + ", ".join(f"{v:g}" for v in color) + ")" if len(color) > 1 else f"{color[0]:g}"

@@ -66,10 +66,26 @@ def parameter(
     return dataclasses.field(default=about.pop("default"), metadata=about)
 
 
+def length_parameter(help: str, default_text: str, **more: Any) -> Any:
+    """Declare a number of pixels, or several, that the sample decides by default."""
+    return parameter(None, help, default_text=default_text, unit="px", **more)
+
+
 def window_parameter(help: str, default_text: str, high: int | None = None) -> Any:
     """Declare the odd width of a square window, which the sample decides by default."""
-    how: dict[str, Any] = {"low": 1, "high": high, "unit": "px", "parity": "odd"}
-    return parameter(None, help, default_text=default_text, control="size", **how)
+    how: dict[str, Any] = {"low": 1, "high": high, "parity": "odd", "control": "size"}
+    return length_parameter(help, default_text, **how)
+
+
+def levels_parameter(default_text: str, high: int) -> Any:
+    """Declare the number of pyramid levels, which the sample decides by default."""
+    text = "number of pyramid levels; more keep larger shapes, 1 is a single resolution"
+    return parameter(None, text, low=1, high=high, default_text=default_text)
+
+
+def guide_parameter(help: str) -> Any:
+    """Declare the weight of the guide against what is made."""
+    return parameter(0.3, help, low=0.01, high=100.0, needs_canvas="guide")
 
 
 def check_value(field: dataclasses.Field[Any], value: Any) -> None:

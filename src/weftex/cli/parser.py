@@ -51,8 +51,6 @@ ABOUT = {
     _LARGE: "OUT.tif of more than 268 megapixels, or with --block, is written block by block.\n"
     "The same command resumes an interrupted run."
 }
-
-
 #: Headings of the help, in their order, after the options that most people need.
 HEADINGS = ("output", "tiling", "quality", "map sets", "large outputs", "preparation of the sample")
 #: Names that other programs use, and the options that mean the same here.

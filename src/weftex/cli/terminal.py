@@ -19,8 +19,6 @@ from weftex.errors import InvalidInputError, printable
 Result = TypeVar("Result")
 
 _PATIENCE = 0.6  # seconds that work in hand has to end by itself
-
-
 #: Signals that stop a command; SIGHUP is that its terminal is closed.
 _SIGNALS = [
     getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name)

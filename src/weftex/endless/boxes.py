@@ -72,10 +72,9 @@ class PlaneRequest(NamedTuple):
 
 def around(boxes: list[Box]) -> Box:
     """The smallest box that has all of these."""
-    rows, columns = ([box[axis] for box in boxes] for axis in (0, 1))
     down, across = (
         Span(min(span.first for span in spans), max(span.last for span in spans))
-        for spans in (rows, columns)
+        for spans in zip(*boxes, strict=True)
     )
     return Box(down, across)
 

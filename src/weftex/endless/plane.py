@@ -206,7 +206,8 @@ class Plane:
             piece = self.piece(block) if block.kind == CORNER else None
             if piece is not None:
                 return self._cut(piece, own)
-            seen = self._without_start(block, seen)
+            # Nothing is there beside corners and edges.
+            seen = seen.grown(*(-self.grid.sizes.around * at_node for at_node in block.at_nodes))
             shown = np.full(seen.shape, -1, np.int32)
         else:
             shown = start
@@ -243,12 +244,6 @@ class Plane:
         )
         piece: NDArray[np.int32] = (v[:, None] * shape[1] + u).astype(np.int32)
         return piece
-
-    def _without_start(self, block: Block, seen: Box) -> Box:
-        """Nothing is there beside corners and edges."""
-        around = self.grid.sizes.around
-        rows, columns = (-around if at_node else 0 for at_node in block.at_nodes)
-        return seen.grown(rows, columns)
 
     def _may_replace(self, block: Block, shape: tuple[int, int]) -> Mask:
         """Which pixels that are there a block may replace; edges leave each other their own."""

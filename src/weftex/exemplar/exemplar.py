@@ -289,9 +289,9 @@ class Exemplar(Displayable):
         same = np.stack([(flat == label).all(axis=1) for label in self.labels], axis=1)
         unknown = np.flatnonzero(~same.any(axis=1))
         if len(unknown):
-            there = ", ".join(map(_color, self.labels[:6])) + ", ..." * (len(self.labels) > 6)
+            there = ", ".join(map(color_text, self.labels[:6])) + ", ..." * (len(self.labels) > 6)
             raise InvalidInputError(
-                f"the guide has the color {_color(flat[unknown[0]])}, which the guide of "
+                f"the guide has the color {color_text(flat[unknown[0]])}, which the guide of "
                 f"{self.name} lacks; that is a map of labels and has {there}"
             )
         same = same[:, -1:] if len(self.labels) <= 2 else same
@@ -308,6 +308,7 @@ def as_map(given: Any, name: str) -> Exemplar:
     return Exemplar(pixels, alpha=alpha, name=name, role=role)
 
 
-def _color(values: NDArray[Any]) -> str:
+def color_text(values: NDArray[Any]) -> str:
+    """Return a color as messages show it."""
     text = ", ".join(f"{v:g}" for v in values)
     return f"({text})" if len(values) > 1 else text

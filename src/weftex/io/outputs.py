@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Mapping
+from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -11,7 +12,7 @@ from numpy.typing import NDArray
 
 from weftex.errors import InvalidInputError
 from weftex.io.formats import FORMATS, suffix_of, written_as
-from weftex.io.pictures import Picture, check_output, read_bytes, write_bytes, write_image
+from weftex.io.pictures import Picture, check_output, write_bytes, write_image
 from weftex.raster.levels import to_light, to_stored
 from weftex.raster.mixing import middle_of, opposite, vectors_of
 from weftex.roles import ROLES, UNUSED, width_of
@@ -196,7 +197,7 @@ class OutputSet(NamedTuple):
 
         for _ in in_turn(write_one, range(len(files)), min(at_once, len(files))):
             pass  # the first that fails ends it
-        documents = self.documents(lambda name: read_bytes(temporary[name]), shapes[0])
+        documents = self.documents(lambda name: Path(temporary[name]).read_bytes(), shapes[0])
         for name, data in documents.items():
             write_bytes(staged_path(os.path.join(self.folder, name)), data)
         return [*temporary, *documents]

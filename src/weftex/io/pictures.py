@@ -373,12 +373,6 @@ def _target(given: str) -> str:
         raise file_error(given, "is not a usable path", error) from None
 
 
-def read_bytes(path: StrPath) -> bytes:
-    """Return what a file holds."""
-    with open(path, "rb") as file:
-        return file.read()
-
-
 def write_text(path: StrPath, text: str) -> None:
     """Write a text in UTF-8; the file appears whole or not at all."""
     write_bytes(path, text.encode())

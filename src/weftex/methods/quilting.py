@@ -14,7 +14,7 @@ from weftex.methods.patches.method import PatchMethod
 from weftex.methods.patches.model import PatchCanvas, PatchModel
 from weftex.methods.patches.orders import Run
 from weftex.methods.patches.patch_kernels import Tolerance
-from weftex.parameters import parameter
+from weftex.parameters import length_parameter, parameter
 
 _PAPERS_TOLERANCE = 0.1  # section 2.2
 
@@ -43,12 +43,10 @@ class Quilting(PatchMethod):
     )
 
     boundary_share: ClassVar[float] = 1 / 6  # section 2.2
-    boundary_width: int | None = parameter(
-        None,
+    boundary_width: int | None = length_parameter(
         "width of the overlap that must match and is cut; wider hides the cut better",
+        "a sixth of the patch size, at least 4",
         low=1,
-        unit="px",
-        default_text="a sixth of the patch size, at least 4",
         hole_text="4 px",
     )
     tolerance: float = parameter(

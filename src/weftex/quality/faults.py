@@ -45,8 +45,7 @@ def fault_maps(
             f"the source makes {size_words(source.shape)} from {size_words(source.sample_shape)}, "
             f"but result and sample are {size_words(sizes[1])} and {size_words(sizes[0])}"
         )
-    height, width = pixels.shape[:2]
-    pixels = middle(pixels, (min(height, LARGEST_MEASURED), min(width, LARGEST_MEASURED)))
+    pixels = middle(pixels, LARGEST_MEASURED)
     maps, scorer = {}, Scorer(as_it_was(exemplar))
     broken = scorer.broken_map(scorer.view(pixels))
     if broken is not None:
@@ -56,7 +55,7 @@ def fault_maps(
         places = source.pictured_source()
         if source.canvas.hole is not None:
             places[~source.canvas.hole] = -1
-        places = middle(places, pixels.shape[:2])
+        places = middle(places, LARGEST_MEASURED)
         known = places[..., 0] >= 0
         maps["source"] = draw_sources(places, pictured.shape)
         count = np.zeros(pictured.shape)

@@ -237,21 +237,16 @@ class MapsScorer:
 
     def rate(self, made: Synthesis) -> Rating:
         """Rate the middle 1024x1024 pixels; nothing is known where the color has no score."""
-        total, choice = self._color.rate(_middle(made.image))
+        total, choice = self._color.rate(middle(made.image, _LARGEST_SCORED))
         if total is None:
             return Rating()
         weights = 1.0
         for scorer, weight in self._maps:
-            found = scorer.rate(_middle(made.render(scorer.exemplar)))
+            found = scorer.rate(middle(made.render(scorer.exemplar), _LARGEST_SCORED))
             if found.score is not None:
                 total, choice = total + weight * found.score, choice + weight * found.choice
                 weights += weight
         return Rating(round(total / weights, _DIGITS), round(choice / weights, _DIGITS))
-
-
-def _middle(image: NDArray[Any]) -> NDArray[Any]:
-    shape = min(image.shape[0], _LARGEST_SCORED), min(image.shape[1], _LARGEST_SCORED)
-    return middle(image, shape)
 
 
 @dataclass(frozen=True, eq=False)

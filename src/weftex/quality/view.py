@@ -77,8 +77,8 @@ class View:
         """Return the middle of a picture with longer sides than `widest`."""
         if max(self.shape) <= widest:
             return self
-        shape = (min(self.shape[0], widest), min(self.shape[1], widest))
-        return View(middle(self.values, shape), middle(self.usable, shape), self.axis, self.sample)
+        values, usable = middle(self.values, widest), middle(self.usable, widest)
+        return View(values, usable, self.axis, self.sample)
 
     @cached_property
     def halves(self) -> tuple[tuple[View, View], ...]:
@@ -105,10 +105,10 @@ class View:
         return View(values, mask_pyramid(self.usable, 2)[1], self.axis, sample)
 
 
-def middle(values: NDArray[Kind], shape: tuple[int, int]) -> NDArray[Kind]:
-    """Return the part of this height and width in the middle."""
-    top, left = ((side - size) // 2 for side, size in zip(values.shape, shape, strict=False))
-    return values[top : top + shape[0], left : left + shape[1]]
+def middle(values: NDArray[Kind], widest: int) -> NDArray[Kind]:
+    """Return the middle of a picture, of sides of at most `widest` pixels."""
+    top, left = (max(0, side - widest) // 2 for side in values.shape[:2])
+    return values[top : top + widest, left : left + widest]
 
 
 def view_of(sample: Exemplar) -> View:

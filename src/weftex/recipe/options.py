@@ -262,8 +262,6 @@ STRAIGHTEN = TEXT._replace(
     wanted="four numbers, a lattice, or eight, corners", check=_vectors_or_corners,
     bare="", values=r"[-+.,\deE]*,[-+.,\deE]*",
 )  # fmt: skip
-
-
 WEIGHTS = _named(NUMBER, "weights", "maps and numbers, each once, such as height=3,normal=2")
 _LEVEL = Kind(
     "level", "a number or 'flat'",

@@ -23,7 +23,6 @@ from weftex.errors import InvalidInputError, missing_packages
 if TYPE_CHECKING:
     from weftex.studio.studio import Studio
 
-
 _PATIENCE = 60  # seconds for the browser to load the page
 
 

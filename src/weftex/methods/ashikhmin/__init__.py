@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from weftex.exemplar import Exemplar
 from weftex.methods.ashikhmin import candidate_kernels as kernels
 from weftex.methods.pixels import Growth, PixelModel, WindowedMethod, square_width
-from weftex.parameters import parameter, window_parameter
+from weftex.parameters import guide_parameter, parameter, window_parameter
 from weftex.random import pick
 from weftex.raster.masks import peeled
 from weftex.search.windows import Windows, new_query, square_windows
@@ -60,12 +60,8 @@ class Ashikhmin(WindowedMethod):
         low=1,
         high=100,
     )
-    guide_weight: float = parameter(
-        0.3,
-        "weight of the guide against the pixels made so far; higher follows the guide more closely",
-        low=0.01,
-        high=100.0,
-        needs_canvas="guide",
+    guide_weight: float = guide_parameter(
+        "weight of the guide against the pixels made so far; higher follows the guide more closely"
     )
 
     def fit_exemplar(self, exemplar: Exemplar) -> PixelModel:

@@ -15,7 +15,7 @@ from weftex.errors import InvalidInputError
 from weftex.exemplar import Exemplar
 from weftex.method import Method
 from weftex.methods.lattices import LatticeModel
-from weftex.parameters import parameter
+from weftex.parameters import length_parameter
 from weftex.progress import Progress, ProgressCallback
 from weftex.raster.arrays import Floats, Ints
 from weftex.results.pixels import PixelSynthesis
@@ -49,20 +49,16 @@ class BestTile(Method):
     )
     supports: ClassVar[frozenset[str]] = frozenset({"wrap", "random_access", "many"})
 
-    lattice: tuple[float, ...] | None = parameter(
-        None,
+    lattice: tuple[float, ...] | None = length_parameter(
         "vectors x1,y1,x2,y2 from one cell to the next",
+        "found in the sample",
         count=4,
-        unit="px",
-        default_text="found in the sample",
     )
-    border_width: int | None = parameter(
-        None,
+    border_width: int | None = length_parameter(
         "width of the borders that are compared",
+        "10, less for a small sample",
         low=1,
         high=1024,
-        unit="px",
-        default_text="10, less for a small sample",
     )
 
     def fit_exemplar(self, exemplar: Exemplar) -> BestTileModel:
@@ -115,7 +111,8 @@ class BestTileModel(LatticeModel):
                 f"{exemplar.name}"
             )
         # The tile with the lowest total is the best self-similar one (Fig. 4.6).
-        self.anchor = least_corner(errors)
+        usable = np.where(errors < 0, np.iinfo(np.int64).max, errors)
+        self.anchor = divmod(int(usable.argmin()), errors.shape[1])
         method = replace(method, lattice=vectors, border_width=border or None)
         super().__init__(method, exemplar, vectors)
 
@@ -249,13 +246,6 @@ def tile_errors(exemplar: Exemplar, vectors: tuple[float, ...], border: int) -> 
         error = np.where(inside, ((pixels - there) ** 2).sum(axis=2), 0)
         total += integrated(error, other, outside=0)
     return np.where(fits, total, -1)
-
-
-def least_corner(errors: Ints) -> tuple[int, int]:
-    """First corner of the tile of least error, the first of several."""
-    usable = np.where(errors < 0, np.iinfo(np.int64).max, errors)
-    y, x = divmod(int(usable.argmin()), errors.shape[1])
-    return y, x
 
 
 def border_for(given: int | None, vectors: tuple[float, ...], exemplar: Exemplar) -> int:

@@ -20,7 +20,7 @@ from weftex.methods.exact_matching.matching import (
     structured_band,
 )
 from weftex.methods.pixels import Growth, PixelModel, WindowedMethod
-from weftex.parameters import parameter, window_parameter
+from weftex.parameters import length_parameter, levels_parameter, parameter, window_parameter
 
 
 @dataclass(frozen=True)
@@ -87,19 +87,13 @@ class ExactMatching(WindowedMethod):
         0.0, "windows that differ by less (RMS) are compared only once; higher is faster",
         low=0.0, high=1.0,
     )  # fmt: skip
-    repeat_distance: int | None = parameter(
-        None,
+    repeat_distance: int | None = length_parameter(
         "minimum distance between copies of the same sample pixel (0 in the paper)",
+        "half the window width for a random band, 0 for a structured one",
         low=0,
-        unit="px",
-        default_text="half the window width for a random band, 0 for a structured one",
     )
-    levels: int | None = parameter(
-        None,
-        "number of pyramid levels; more keep larger shapes, 1 is a single resolution",
-        low=1,
-        high=12,
-        default_text="1 for a given window width, holes or a small sample, else 3",
+    levels: int | None = levels_parameter(
+        "1 for a given window width, holes or a small sample, else 3", high=12
     )
 
     def __post_init__(self) -> None:

@@ -66,8 +66,7 @@ def reach_of(width: int, sample: Exemplar, *, causal: bool, guided: bool) -> tup
 def _init(method: Any, exemplar: Exemplar) -> str:
     """Start from the sample's own order if that is near-regular."""
     if method.init != "auto":
-        init: str = method.init
-        return init
+        return str(method.init)
     return "structured" if regularity(exemplar) >= _NEAR_REGULAR else "random"
 
 

@@ -14,7 +14,7 @@ from weftex.methods.near_regular.blending import blend_linearly, paste_blocks
 from weftex.methods.near_regular.blocks import Plan, draw_constrained_blocks, fill_gaps
 from weftex.methods.near_regular.layout import divide
 from weftex.methods.near_regular.sample import check_block, margin_of, prepare, resolve
-from weftex.parameters import parameter
+from weftex.parameters import length_parameter, parameter
 from weftex.progress import ProgressCallback
 from weftex.results.patches import PatchSynthesis
 from weftex.threads import thread_map
@@ -46,55 +46,45 @@ class NearRegular(Method):
     )
     supports: ClassVar[frozenset[str]] = frozenset({"wrap", "random_access"})
 
-    lattice: tuple[float, ...] | None = parameter(
-        None,
+    lattice: tuple[float, ...] | None = length_parameter(
         "vectors x1,y1,x2,y2 from one cell to the next; rows P apart: 0,P,1,0; any shift: 1,0,0,1",
+        "found in the sample",
         count=4,
-        unit="px",
-        default_text="found in the sample",
     )
     defaults: str = parameter(
         "weftex",
         "defaults of the other parameters: chosen for the sample, or the paper's",
         choices=("weftex", "paper"),
     )
-    block_size: int | None = parameter(
-        None,
+    block_size: int | None = length_parameter(
         "side of the square patches; larger has fewer seams, smaller repeats less",
+        "by cell and sample, up to 5/16 of the sample's side as in the paper",
         low=1,
-        unit="px",
-        default_text="by cell and sample, up to 5/16 of the sample's side as in the paper",
         control="size",
     )
-    border_width: int | None = parameter(
-        None,
+    border_width: int | None = length_parameter(
         "even width of the borders that must match, half of it on either side",
+        "two thirds of the patch; 10 in the paper",
         low=0,
         parity="even",
-        unit="px",
-        default_text="two thirds of the patch; 10 in the paper",
     )
     blend: str = parameter(
         "feather",
         "how patches are joined: blended into each other, or pasted",
         choices=("feather", "none"),
     )
-    blend_width: int | None = parameter(
-        None,
+    blend_width: int | None = length_parameter(
         "width of the feathered area between patches; wider hides the seams better",
+        "12, at most that of the borders; 4 in the paper",
         low=0,
-        unit="px",
-        default_text="12, at most that of the borders; 4 in the paper",
         needs=("blend", ("feather",)),
         control="softness",
     )
-    tolerance: int | None = parameter(
-        None,
+    tolerance: int | None = length_parameter(
         "maximum distance of a patch in a gap from a multiple of the vectors",
+        "3, less where the cell is small",
         low=0,
         high=64,
-        unit="px",
-        default_text="3, less where the cell is small",
     )
     match: str = parameter(
         "difference",

@@ -11,7 +11,7 @@ from weftex.errors import InvalidInputError, size_words
 from weftex.exemplar import Exemplar
 from weftex.method import Method
 from weftex.methods.patches.patch_kernels import FINDERS, LARGEST_M
-from weftex.parameters import parameter
+from weftex.parameters import length_parameter, parameter
 from weftex.raster.arrays import Mask
 
 _ALL, _SQUARES, _COMPONENTS, _TREE = FINDERS
@@ -41,21 +41,17 @@ class PatchMethod(Method):
     #: Boundary width over patch size, where no boundary width is given.
     boundary_share: ClassVar[float]
 
-    patch_size: int | None = parameter(
-        None,
+    patch_size: int | None = length_parameter(
         "side of the square patches; larger keeps larger features whole",
+        "0.3 x the sample's shorter side; a smaller share above 512 px",
         low=1,
-        unit="px",
-        default_text="0.3 x the sample's shorter side; a smaller share above 512 px",
         hole_text=HOLE_PATCHES,
         control="size",
     )
-    boundary_width: int | None = parameter(
-        None,
+    boundary_width: int | None = length_parameter(
         "width of the border that must match the neighboring patches; wider matches better",
+        "a tenth of the patch size, at least 4",
         low=1,
-        unit="px",
-        default_text="a tenth of the patch size, at least 4",
         hole_text=f"{_HOLE_ZONE} px",
         control="softness",
     )

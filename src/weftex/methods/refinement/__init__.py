@@ -26,7 +26,7 @@ from weftex.methods.refinement.start import (
     start_window,
 )
 from weftex.methods.refinement.sweeps import Convergence, refine_texture, sweep_of
-from weftex.parameters import parameter, window_parameter
+from weftex.parameters import guide_parameter, length_parameter, parameter, window_parameter
 
 _PITCH = 384  # pixels, at least, from one node of a plane to the next
 
@@ -79,22 +79,18 @@ class Refinement(WindowedMethod):
         "initial image: seeds, a method such as 'graphcut placement=entire', or auto (by lattice)",
         choices=Starts("auto", "seeds"),
     )
-    joints: int | None = parameter(
-        None,
+    joints: int | None = length_parameter(
         "refine only belts of this even width along the seams of the initial image; wider "
         "changes more",
+        "everything is refined",
         low=2,
         parity="even",
-        unit="px",
-        default_text="everything is refined",
         needs=("init", Starts("auto")),
     )
-    seed_scale: float | None = parameter(
-        None,
+    seed_scale: float | None = length_parameter(
         "distance between seed points at a density of 1; higher places fewer",
+        "the sample's scale (weftex analyze)",
         low=1.0,
-        unit="px",
-        default_text="the sample's scale (weftex analyze)",
         needs=("init", ("seeds",)),
     )
     seed_density: float = parameter(
@@ -125,12 +121,8 @@ class Refinement(WindowedMethod):
         needs=("search", ("coherent",)),
         control="variety",
     )
-    guide_weight: float = parameter(
-        0.3,
-        "weight of the guide against the image so far; higher follows the guide more closely",
-        low=0.01,
-        high=100.0,
-        needs_canvas="guide",
+    guide_weight: float = guide_parameter(
+        "weight of the guide against the image so far; higher follows the guide more closely"
     )
 
     def __post_init__(self) -> None:

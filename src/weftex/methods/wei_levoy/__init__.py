@@ -27,7 +27,7 @@ from weftex.methods.wei_levoy.levels import (
     window_width,
 )
 from weftex.methods.wei_levoy.tsvq import Trees
-from weftex.parameters import parameter, window_parameter
+from weftex.parameters import length_parameter, levels_parameter, parameter, window_parameter
 from weftex.progress import Progress
 from weftex.random import draw
 from weftex.raster.masks import peeled
@@ -71,24 +71,18 @@ class WeiLevoy(WindowedMethod):
     )
     supports: ClassVar[frozenset[str]] = frozenset({"wrap", "known", "many"})
 
-    levels: int | None = parameter(
-        None,
-        "number of pyramid levels; more keep larger shapes, 1 is a single resolution",
-        low=1,
-        high=16,
-        default_text="4, fewer where the coarsest level would not hold two windows",
+    levels: int | None = levels_parameter(
+        "4, fewer where the coarsest level would not hold two windows", high=16
     )
     window_width: int | None = window_parameter(
         "side S of the square window at a pixel's own level, odd; wider keeps larger shapes",
         f"{PROPOSED_WIDTH}, less for a very small sample",
     )
-    parent_width: int | None = parameter(
-        None,
+    parent_width: int | None = length_parameter(
         "side N of the square window at the next coarser level, odd and less than S; 0 is none",
+        "2 less than the window width; 0 for one level",
         low=0,
         parity="odd",
-        unit="px",
-        default_text="2 less than the window width; 0 for one level",
     )
     search: str = parameter(
         "tsvq",
