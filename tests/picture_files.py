@@ -25,6 +25,12 @@ GRAY_PROFILE = RGB_PROFILE[:16] + b"GRAY" + RGB_PROFILE[20:]
 noise = functools.partial(families.noise, wide=True)
 
 
+def read_back(path, pixels, **how):
+    """Write a picture, and read it."""
+    io.write_image(path, pixels, **how)
+    return io.read_image(path)
+
+
 def smooth(height, width, channels=3):
     y, x = np.mgrid[:height, :width]
     waves = [np.sin(y / (7 + k)) + np.cos(x / (5 + k)) for k in range(channels)]

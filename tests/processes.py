@@ -58,10 +58,12 @@ def have_ended(pids):
 
 
 def run(code, *args, **options):
-    """Run Python code with weftex importable, in a process of its own."""
+    """Run Python code with weftex importable, in a process of its own, which must not fail."""
     command = [sys.executable, "-c", textwrap.dedent(code), *map(str, args)]
     options = {"env": ENVIRONMENT, "timeout": 60} | options
-    return subprocess.run(command, capture_output=True, text=True, check=False, **options)
+    done = subprocess.run(command, capture_output=True, text=True, check=False, **options)
+    assert done.returncode == 0, done.stderr
+    return done
 
 
 def weftex_process(*words, **options):

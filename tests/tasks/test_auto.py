@@ -14,7 +14,7 @@ from weftex.analysis.properties import Evenness
 from weftex.canvas import Canvas
 from weftex.errors import InvalidInputError
 from weftex.tasks.auto import Findings, choose, look
-from weftex.tasks.auto.findings import count_colors
+from weftex.tasks.auto.findings import count_colors, with_full
 
 EVEN = Evenness(0.0, 0.0, 0.0, (1.0, 1.0))
 GRASS = Findings((256, 256), None, True, 12.5, 5000, EVEN)
@@ -178,6 +178,8 @@ def test_a_lattice_is_found_in_a_larger_sample_too():
     assert not large.exact and large.lattice.same_as(Lattice(((124.2, 0.0), (-1, 408.7)), 1.0))
     own = tuple(find_lattice(sample).reduced())
     assert weftex.Auto().fit(sample).choose(600).parameters == ENTIRE | {"lattice": own}
+    # One that only the smaller copy shows is none.
+    assert with_full(large, weftex.Exemplar(noise((500, 500)))).lattice is None
     # A fine one is lost where pixels are averaged, and found in a part.
     y, x = np.indices((1100, 1000))
     fine = (127 + 90 * ((x // 2 + y // 3) % 2)).astype(np.uint8)

@@ -10,6 +10,7 @@ import families
 import weftex
 from families import noise
 from weftex.analysis.lattice import Lattice, find_lattice
+from weftex.raster.boxes import holes_in
 from weftex.tasks.auto import rule
 from weftex.tasks.auto.rule import choose_for_hole
 
@@ -224,7 +225,7 @@ def test_joints_of_a_sure_lattice_go_on():
 def test_large_photos_with_a_lattice_are_filled_on_it(monkeypatch):
     """On the vectors of the photo itself, not of a smaller copy; small holes by its rows, too."""
     photo = np.tile(weftex.load_exemplar("sample:tiles").pixels[:204, :249], (3, 3, 1))
-    holes = [box(photo.shape[:2], (250, 300, *end)) for end in ((330, 400), (432, 482))]
+    holes = [box(photo.shape[:2], ends) for ends in ((250, 300, 330, 400), (9, 9, 522, 522))]
     known = {"known": photo, "known_from": (0, 0)}
     canvas, large = (weftex.Canvas(*photo.shape[:2], hole=hole, **known) for hole in holes)
     sample = weftex.Exemplar(photo, mask=~holes[0])
@@ -235,6 +236,19 @@ def test_large_photos_with_a_lattice_are_filled_on_it(monkeypatch):
         monkeypatch.setattr(rule, "find_lattice", lambda one, rows=rows: rows)
         assert choose_for_hole(sample, canvas).parameters == {"placement": "entire", **by}
         assert choose_for_hole(sample, large).parameters == {}
+
+
+@pytest.mark.parametrize("wrap", [(False, False), (False, True), (True, True)])
+def test_holes_far_apart_have_boxes_of_their_own(rng, wrap):
+    mask = rng.random((190, 120)) < 0.001
+    seen = np.zeros(mask.shape, int)
+    for (top, bottom), (left, right) in holes_in(mask, wrap, apart=5):
+        near = np.s_[max(top - 5, 0) : bottom + 5, max(left - 5, 0) : right + 5]
+        seen[near] += mask[near]
+        assert wrap == ((top, bottom) == (0, 190), (left, right) == (0, 120))
+        rows, columns = (mask[top:bottom, left:right].any(axis=axis) for axis in (1, 0))
+        assert (wrap[0] or rows[[0, -1]].all()) and (wrap[1] or columns[[0, -1]].all())
+    assert mask.any() and np.array_equal(seen, mask)  # each pixel is near one of them only
 
 
 @pytest.mark.parametrize("method", ["patch-sampling", "quilting", "graphcut"])

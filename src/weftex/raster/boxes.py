@@ -7,9 +7,10 @@ from typing import Any, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from weftex.raster.arrays import Floats
+from weftex.raster.arrays import Floats, Mask
 
 Kind = TypeVar("Kind", bound=np.generic)
+Hole = list[tuple[int, int]]  #: Its rows and columns: the first, and one after the last.
 
 
 def box_sums(values: NDArray[Any], height: int, width: int) -> NDArray[np.int64]:
@@ -114,3 +115,33 @@ def smaller_masks(places: NDArray[np.bool_], count: int) -> list[NDArray[np.uint
         either = copies[-1][:rows:2, :columns] | copies[-1][1:rows:2, :columns]
         copies.append(either[:, ::2] | either[:, 1::2])
     return copies
+
+
+def holes_in(mask: Mask, wrap: tuple[bool, bool], apart: int) -> list[Hole]:
+    """Return boxes around all that is marked, more than `apart` pixels from each other.
+
+    Along an axis that wraps around a box has the entire side.
+    """
+    left, holes, before = mask.copy(), [], Hole()
+    while left.any():
+        y, x = divmod(int(left.argmax()), left.shape[1])
+        runs = (y, left[y:, x]), (x, left[y, x:])  # which begin with marked pixels
+        hole = [(at, at + (int(line.argmin()) or len(line))) for at, line in runs]
+        while hole != before:
+            before = hole
+            near = tuple(slice(max(a - apart, 0), b + apart) for a, b in hole)
+            lines = [np.flatnonzero(left[near].any(axis=axis)) for axis in (1, 0)]
+            hole = [
+                (0, n) if wraps else (int(line[0]) + part.start, int(line[-1]) + part.start + 1)
+                for line, part, n, wraps in zip(lines, near, left.shape, wrap, strict=True)
+            ]
+        left[near] = False
+        holes.append(hole)
+    return holes
+
+
+def nearest_hole(holes: list[Hole], pixel: tuple[int, int]) -> Hole:
+    """Return the box that a pixel is in, or the nearest one."""
+    ends = np.array(holes)
+    outside = np.maximum(ends[..., 0] - pixel, pixel - ends[..., 1] + 1).clip(0)
+    return holes[int(outside.sum(axis=1).argmin())]

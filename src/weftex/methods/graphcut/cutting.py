@@ -19,7 +19,6 @@ from weftex.methods.pixels import Growth
 from weftex.raster.boxes import box_sums
 from weftex.seams import search_trees
 
-_AHEAD = 2**16  # pixels that are searched at a time for one that is missing
 _TOLERATED = 1.4  # times the least cost, of patches that another seed fills a hole by
 _NO_PRICES = np.zeros((0, 0), np.int32)
 _CELL = 8  # side in pixels of the squares that the costs of seams are summed over
@@ -66,15 +65,9 @@ class CutCanvas:
 
     def missing(self) -> Iterator[tuple[int, int]]:
         """Yield the first pixel that is missing, until none is."""
-        first, size = 0, self.done.size
-        while first < size:
-            part = self.done[first : first + _AHEAD]
-            at = int(part.argmin())
-            if part[at]:
-                first += len(part)
-            else:
-                first += at
-                yield divmod(first, self.shape[1])
+        first, done = 0, self.done.view(bool)
+        while not done[first := first + int(done[first:].argmin())]:
+            yield divmod(first, self.shape[1])
 
     def cheapest(self, patches: list[Patch], map_: Callable[..., Any] = map) -> Patch:
         """Return the patch of the least `cost`, or one that costs little more, see `filling`.

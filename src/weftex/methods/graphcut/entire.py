@@ -23,7 +23,7 @@ from weftex.methods.graphcut.sample import (
 )
 from weftex.methods.pixels import Growth
 from weftex.raster.arrays import Bytes, Floats, Mask, fast_size, stacked
-from weftex.raster.boxes import smaller_masks
+from weftex.raster.boxes import Hole, holes_in, nearest_hole, smaller_masks
 from weftex.repeats.salience import SaliencePenalty
 from weftex.search.fft_mismatch import Spectra, overlap_mismatch
 
@@ -33,8 +33,9 @@ _MOST = 4.0  # pixels, at most
 _LEAST = 0.75  # pixels, so that there is a whole one at each multiple of the vectors
 _OVER, _OFF = 6, 1  # pixels that patches reach beyond their row, for cuts, and may lie off it
 _UNIT = 1 << 16  # of `CanvasLattice.phase`
-#: Pyramids of what is around a pixel, by the shape of the copies that may cover it.
-Around = dict[tuple[int, int], list[Level]]
+#: What is around a pixel, by the shape of the copies that may cover it: the pyramid of a box, and
+#: how far the pixel is from its corner, in whole pixels of all levels.
+Around = dict[tuple[int, int], tuple[list[Level], list[int]]]
 
 
 class Copy(NamedTuple):
@@ -98,10 +99,12 @@ class EntirePatchMatching:
     ) -> Matches:
         """See `Placement.matches`; the offsets of all copies lie one under the other."""
         # The nearest pixel in the rows and columns of the hole.
-        y, x = (min(max(at, a), b - 1) for at, (a, b) in zip(pixel, self._holes, strict=True))
+        ends = nearest_hole(self._holes, pixel)
+        y, x = (min(max(p, a), b - 1) for p, (a, b) in zip(pixel, ends, strict=True))
         boxes = {shape: self._around((y, x), some[0].reach) for shape, some in self._alike.items()}
         places = [self._allowed(copy, (y, x), centered, boxes) for copy in self.copies]
-        k = min(coarsest(boxes[c.shape], p) for c, p in zip(self.copies, places, strict=True))
+        both = zip(self.copies, places, strict=True)
+        k = min(coarsest(boxes[copy.shape][0], some) for copy, some in both)
         allowed = [some[k] != 0 for some in places]
         costs = [np.zeros(some.shape) for some in allowed]
         factors = [np.ones(some.shape) for some in allowed]
@@ -119,8 +122,8 @@ class EntirePatchMatching:
                 if not own:
                     continue
                 here = [(v - tops[n], u) for v, u in own]
-                box = boxes[copy.shape]
-                full = in_full_size(here, box[: k + 1], copy.levels, places[n], copy.reach, map_)
+                levels, reach = boxes[copy.shape]
+                full = in_full_size(here, levels[: k + 1], copy.levels, places[n], reach, map_)
                 cut = self._clipped(copy, (y, x), full, [float(factors[n][at]) for at in here])
                 found |= zip(own, cut, strict=True)
             return [found[at] for at in drawn]
@@ -152,7 +155,7 @@ class EntirePatchMatching:
         if self._rows is not None:
             return smaller_masks(middle != 0, len(copy.levels))
         if self._lattice is not None:
-            near = self._drift if boxes[copy.shape][0].mask.any() else _LEAST
+            near = self._drift if boxes[copy.shape][0][0].mask.any() else _LEAST
             on = self._on_lattice(self._lattice, copy.shape, pixel, near)
             for some in (middle, usable):
                 if (found := on & (some != 0)).any():
@@ -176,24 +179,29 @@ class EntirePatchMatching:
 
     def _limits(self, pixel: tuple[int, int], over: int) -> list[tuple[int, int, bool]]:
         """Lines that patches on a pixel may cover, `over` beyond a row, and whether they wrap."""
-        limits = [(*hole, wraps) for hole, wraps in zip(self._holes, self.canvas.wrap, strict=True)]
+        both = zip(nearest_hole(self._holes, pixel), self.canvas.wrap, strict=True)
+        limits = [(*ends, wraps) for ends, wraps in both]
         if self._rows is not None and self.canvas.hole is None:
             limits[self._rows.axis] = self._rows.limits(pixel, over)
         return limits
 
-    def _around(self, pixel: tuple[int, int], reaches: list[int]) -> list[Level]:
-        """The pyramid of all that a copy may cover with this pixel."""
-        lines, limits = [], self._limits(pixel, 0)
+    def _around(self, pixel: tuple[int, int], reaches: list[int]) -> tuple[list[Level], list[int]]:
+        """All that a copy may cover with this pixel."""
+        lines, before, limits, step = [], [], self._limits(pixel, 0), self.reduction
         for at, reach, n, (low, high, wraps) in zip(
             pixel, reaches, self.canvas.shape, limits, strict=True
         ):
-            line = np.arange(at - reach, at + reach + self.reduction)
             around = max((high - low) // 2, _AROUND)
             around *= self._rows is None or self.canvas.hole is not None  # none of other rows
             low, high = max(low - around, 0), min(high + around, n)
+            first, last = (at - reach, at + reach) if wraps else (low, high)
+            before.append(min(-(-(at - first) // step) * step, reach))
+            # The same length for all pixels of a hole, if the sample is not smaller.
+            length = min(-(-(last - first) // step) * step, before[-1] + reach) + step
+            line = np.arange(at - before[-1], at - before[-1] + length)
             line = line % n if wraps else np.where((line >= low) & (line < high), line, -1)
             lines.append(line.astype(np.int32))
-        return levels_of(box_of(self._on_canvas, *lines), self.reduction)
+        return levels_of(box_of(self._on_canvas, *lines), step), before
 
     def _mismatch(self, boxes: Around, allowed: list[Mask], k: int) -> list[Floats]:
         """C(t) over the overlap, for each pixel of each copy that may come to lie on this one.
@@ -202,21 +210,25 @@ class EntirePatchMatching:
         """
         found: list[Floats] = []
         for shape, alike in self._alike.items():
-            box, levels = boxes[shape][k], [copy.levels[k] for copy in alike]
-            size = [fast_size(n) for n in box.mask.shape]
-            if (shape, k) not in self._spectra:  # boxes of a level have one size
+            box, levels = boxes[shape][0][k], [copy.levels[k] for copy in alike]
+            sides = levels[0].mask.shape
+            # None wraps around onto the box, which has at most `reach` pixels beyond this one.
+            size = tuple(
+                fast_size(min(n, (reach >> k) + 1) + side)
+                for n, reach, side in zip(box.mask.shape, alike[0].reach, sides, strict=True)
+            )
+            spectra = self._spectra.get((shape, k))
+            if spectra is None or spectra.size != size:  # the same for all pixels of a hole
                 whole = (
                     np.stack(a) for a in zip(*((x.pixels, x.mask) for x in levels), strict=True)
                 )
-                self._spectra[shape, k] = Level(*whole).spectra_of(size)
-            totals, areas = overlap_mismatch(box.spectra_of(size), self._spectra[shape, k])
-            # Place (0, 0) of the corner has the last pixel within reach on this one.
-            rows, columns = (reach >> k for reach in alike[0].reach)
-            height, width = levels[0].mask.shape
+                spectra = self._spectra[shape, k] = Level(*whole).spectra_of(size)
+            totals, areas = overlap_mismatch(box.spectra_of(size), spectra)
+            # Where the corner lies if each pixel of a copy lies on this one.
+            ends = zip(boxes[shape][1], sides, size, strict=True)
+            corners = np.ix_(*(((reach >> k) - np.arange(side)) % n for reach, side, n in ends))
             for total, area in zip(totals, areas, strict=True):
-                total, area = (
-                    a[: rows + 1, : columns + 1][::-1, ::-1][:height, :width] for a in (total, area)
-                )
+                total, area = total[corners], area[corners]
                 costs = total / np.maximum(area, 1)
                 # Where the sample lies apart from everything, only what it repeats counts.
                 costs[area == 0] = np.inf if area[allowed[len(found)]].any() else 1.0
@@ -244,17 +256,10 @@ class EntirePatchMatching:
         return [Patch(*box) for box in zip(*boxes, factors, strict=True)]
 
 
-def holes_of(growth: Growth) -> list[tuple[int, int]]:
-    """Rows and columns that are missing or may change: the first, and one after the last.
-
-    They and their surroundings are matched, not all of a photo with a hole.
-    """
+def holes_of(growth: Growth) -> list[Hole]:
+    """The holes that are missing or may change; they are matched, not all of a photo."""
     canvas, missing = growth.canvas, growth.done == 0
     if canvas.shown is not None and canvas.hole is not None:
         missing |= canvas.hole
-    holes = []
-    for axis, (n, wraps) in enumerate(zip(canvas.shape, canvas.wrap, strict=True)):
-        some = np.flatnonzero(missing.any(axis=1 - axis))
-        all_ = wraps or not len(some)
-        holes.append((0, n) if all_ else (int(some[0]), int(some[-1]) + 1))
-    return holes
+    found = holes_in(missing, canvas.wrap, _AROUND) if canvas.hole is not None else []
+    return found or [[(0, n) for n in canvas.shape]]

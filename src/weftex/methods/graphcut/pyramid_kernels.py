@@ -97,7 +97,7 @@ def box_mismatch(box, known, sample, usable, top, left, whole, most):
             j = run_of(here, first, last, 1)
             while j < last:
                 if not (whole or there[j]):
-                    j = run_of(here, j + 1, last, 1)
+                    j = run_of(here, run_of(there, j + 1, last, 1), last, 1)
                     continue
                 end = run_of(here, j + 1, last, 0)
                 if not whole:

@@ -70,9 +70,14 @@ def look(exemplar: Exemplar) -> Findings:
 
 
 def with_full(found: Findings, exemplar: Exemplar) -> Findings:
-    """Add the lattice of the sample itself, as entire samples and canvases that wrap need it."""
-    own = None if found.exact or found.lattice is None else find_lattice(exemplar)
-    return found if own is None else replace(found, full=own.reduced())
+    """Add the lattice of the sample itself, as entire samples and canvases that wrap need it.
+
+    Where it has none, that of the smaller copy is left out.
+    """
+    if found.exact or found.lattice is None:
+        return found
+    own = find_lattice(exemplar)
+    return replace(found, lattice=found.lattice if own else None, full=own and own.reduced())
 
 
 def _sidedness(exemplar: Exemplar, small: Exemplar) -> tuple[float, float]:

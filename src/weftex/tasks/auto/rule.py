@@ -40,7 +40,7 @@ _FEW_COLORS = 32  # drawings and labels, which must not be blended
 #: Pixels of a sample, or around a hole, up to which the entire sample is always placed.
 _SMALL = 2**18
 #: Pixels around a hole, and of it, up to which it is also placed; more can take minutes.
-_AROUND, _HOLE = 5 * 2**18, 2**15
+_AROUND, _HOLE = 5 * 2**18, 2**18
 #: Keep features whole: place the entire sample where it fits best, and cut around obstacles.
 WHOLE = {"placement": "entire"}
 
