@@ -31,7 +31,7 @@ from weftex.results.pixels import PixelSynthesis
 from weftex.search.windows import windows_of
 from weftex.threads import quick_map
 
-_LARGE = 2**15  # pixels of a patch from which on candidates are cut in threads
+_LARGE = 2**15  # pixels of a patch whose candidates are cut in threads, or a hole with fewer
 _PATCHES = 2  # in a row between two belts of a plane
 _TURNS = {"half-turns": "half", "all": "8"}  # orientations, as `turned` names them
 _IDLE = 4  # refinements that improve nothing, for each patch that covered the canvas, end it
@@ -176,7 +176,7 @@ class GraphCut(Method):
             best = {"candidates": 96}  # finer cuts and refinements break its joints
         elif self.placement == "entire":
             fine = 2 if min(usable.shape) >= 96 else None
-            # In large holes, most of the time is theirs; in small ones, seeds differ by them.
+            # In large holes they take most of the time; in small ones few leave seeds no choice.
             count = 16 if hole.sum() > _LARGE else 48
             best = {"candidates": count, "refinements": 2.0, "halvings": fine}
         return replace(self, **{k: n for k, n in best.items() if getattr(self, k) is None})

@@ -257,7 +257,7 @@ class EntirePatchMatching:
 
 
 def holes_of(growth: Growth) -> list[Hole]:
-    """The holes that are missing or may change; they are matched, not all of a photo."""
+    """The holes, or the entire canvas; a patch stays in one, and matches its surroundings."""
     canvas, missing = growth.canvas, growth.done == 0
     if canvas.shown is not None and canvas.hole is not None:
         missing |= canvas.hole
