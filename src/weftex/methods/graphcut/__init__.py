@@ -111,7 +111,7 @@ class GraphCut(Method):
         "higher is slower",
         low=0.0,
         high=1000.0,
-        default_text="1 if placement is random; 2 in holes, if entire without a lattice; else 0",
+        default_text="random: 1; entire without a lattice, in holes: 2 (large: 0.5); else 0",
     )
     variety: float = parameter(
         1.0,
@@ -177,8 +177,8 @@ class GraphCut(Method):
         elif self.placement == "entire":
             fine = 2 if min(usable.shape) >= 96 else None
             # In large holes they take most of the time; in small ones few leave seeds no choice.
-            count = 16 if hole.sum() > _LARGE else 48
-            best = {"candidates": count, "refinements": 2.0, "halvings": fine}
+            count, more = (16, 0.5) if hole.sum() > _LARGE else (48, 2.0)
+            best = {"candidates": count, "refinements": more, "halvings": fine}
         return replace(self, **{k: n for k, n in best.items() if getattr(self, k) is None})
 
     def resolved(self, exemplar: Exemplar) -> Self:
