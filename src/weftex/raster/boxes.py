@@ -122,9 +122,10 @@ def holes_in(mask: Mask, wrap: tuple[bool, bool], apart: int) -> list[Hole]:
 
     Along an axis that wraps around a box has the entire side.
     """
-    left, holes, before = mask.copy(), [], Hole()
-    while left.any():
-        y, x = divmod(int(left.argmax()), left.shape[1])
+    left, holes, before, first = mask.copy(), [], Hole(), 0
+    flat = left.ravel()
+    while flat[first := first + int(flat[first:].argmax())]:  # no pixel is searched twice
+        y, x = divmod(first, left.shape[1])
         runs = (y, left[y:, x]), (x, left[y, x:])  # which begin with marked pixels
         hole = [(at, at + (int(line.argmin()) or len(line))) for at, line in runs]
         while hole != before:
@@ -140,8 +141,8 @@ def holes_in(mask: Mask, wrap: tuple[bool, bool], apart: int) -> list[Hole]:
     return holes
 
 
-def nearest_hole(holes: list[Hole], pixel: tuple[int, int]) -> Hole:
-    """Return the box that a pixel is in, or the nearest one."""
-    ends = np.array(holes)
-    outside = np.maximum(ends[..., 0] - pixel, pixel - ends[..., 1] + 1).clip(0)
-    return holes[int(outside.sum(axis=1).argmin())]
+def nearest_hole(holes: NDArray[np.int_], pixel: tuple[int, int]) -> Hole:
+    """Return the box, of boxes (n, 2, 2), that a pixel is in, or the nearest one."""
+    outside = np.maximum(holes[..., 0] - pixel, pixel - holes[..., 1] + 1).clip(0)
+    nearest: Hole = holes[outside.sum(axis=1).argmin()].tolist()
+    return nearest

@@ -31,7 +31,7 @@ from weftex.results.pixels import PixelSynthesis
 from weftex.search.windows import windows_of
 from weftex.threads import quick_map
 
-_LARGE = 2**15  # pixels of a patch whose candidates are cut in threads, or a hole with fewer
+_LARGE = 2**15  # pixels of a patch whose candidates are cut in threads; a larger hole has fewer
 _PATCHES = 2  # in a row between two belts of a plane
 _TURNS = {"half-turns": "half", "all": "8"}  # orientations, as `turned` names them
 _IDLE = 4  # refinements that improve nothing, for each patch that covered the canvas, end it

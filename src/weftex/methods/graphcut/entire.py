@@ -82,7 +82,7 @@ class EntirePatchMatching:
         self.levels, self.penalty = self.copies[0].levels, penalty
         self._spectra: dict[tuple[tuple[int, int], int], Spectra] = {}
         self._on_canvas = Level(growth.pixels, growth.done)
-        self._holes = holes_of(growth)
+        self._holes = np.array(holes_of(growth))
         self._lattice = self._rows = None
         plain = self.canvas.shown is None and not growth.done.any()
         if placement == "rows" and plain and sample.boards is not None:

@@ -37,10 +37,9 @@ _SIDED = 0.06
 _LARGE = 2**24
 _TURNED = 2**22  # the same for rotated copies, which take 60 % more time
 _FEW_COLORS = 32  # drawings and labels, which must not be blended
-#: Pixels of a sample, or around a hole, up to which the entire sample is always placed.
+#: Pixels of a sample, a hole, or around any hole, up to which the entire sample is always placed.
 _SMALL = 2**18
-#: Pixels around a hole, and of it, up to which it is also placed; more can take minutes.
-_AROUND, _HOLE = 5 * 2**18, 2**18
+_AROUND = 5 * 2**18  # pixels around such a hole, up to which it is, too; more can take minutes
 #: Keep features whole: place the entire sample where it fits best, and cut around obstacles.
 WHOLE = {"placement": "entire"}
 
@@ -159,9 +158,8 @@ def _irregular(findings: Findings, canvas: Canvas, entire: bool) -> Choice:
         because = "the structure is irregular"
     if entire or math.prod(findings.shape) <= _SMALL:
         return _whole(findings, canvas, because)
-    megapixels = canvas.height * canvas.width / 1e6
-    because = f"{because} and the output is large ({megapixels:.3g} megapixels)"
-    return Choice("graphcut", {}, because)
+    large = f"the output is large ({math.prod(canvas.shape) / 1e6:.3g} megapixels)"
+    return Choice("graphcut", {}, f"{because} and {large}")
 
 
 def _whole(findings: Findings, canvas: Canvas, because: str) -> Choice:
@@ -188,7 +186,7 @@ def places_freely(choice: Choice) -> bool:
 
 def choose_for_hole(exemplar: Exemplar, canvas: Canvas) -> Choice:
     """Return graph cut for known pixels: on a lattice, of the entire sample, or of parts of it."""
-    few = canvas.hole is None or int(canvas.hole.sum()) <= _HOLE
+    few = canvas.hole is None or int(canvas.hole.sum()) <= _SMALL
     pixels, lattice = math.prod(exemplar.shape), None
     whole = dict(WHOLE) if pixels <= (_AROUND if few else _SMALL) else {}
     if min(exemplar.shape) >= SMALLEST_ANALYZED and canvas.known_from is not None:
