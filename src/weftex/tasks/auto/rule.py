@@ -158,8 +158,8 @@ def _irregular(findings: Findings, canvas: Canvas, entire: bool) -> Choice:
         because = "the structure is irregular"
     if entire or math.prod(findings.shape) <= _SMALL:
         return _whole(findings, canvas, because)
-    large = f"the output is large ({math.prod(canvas.shape) / 1e6:.3g} megapixels)"
-    return Choice("graphcut", {}, f"{because} and {large}")
+    because = f"{because} and the output is large ({math.prod(canvas.shape) / 1e6:.3g} megapixels)"
+    return Choice("graphcut", {}, because)
 
 
 def _whole(findings: Findings, canvas: Canvas, because: str) -> Choice:
