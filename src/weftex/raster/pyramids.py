@@ -12,6 +12,8 @@ two or more apart on the finest; those that belong together are a phase, a pictu
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -27,18 +29,12 @@ def gaussian_pyramid(
 
     Axes wrap, or border pixels are repeated outside.
     """
-    result = [pixels]
-    for _ in range(count - 1):
-        result.append(_halved(result[-1], wrap))
-    return result
+    return [level for (level,) in _levels(pixels, count, _halved, wrap, _STARTS[:1])]
 
 
 def mask_pyramid(mask: Mask, count: int, wrap: tuple[bool, bool] = (False, False)) -> list[Mask]:
     """For each level, which pixels are means of pixels of the mask alone."""
-    result = [mask]
-    for _ in range(count - 1):
-        result.append(_halved_mask(result[-1], wrap))
-    return result
+    return [level for (level,) in _levels(mask, count, _halved_mask, wrap, _STARTS[:1])]
 
 
 def children(
@@ -53,28 +49,28 @@ def children(
     return 2 * above[0] + y % 2, 2 * above[1] + x % 2
 
 
-def gaussian_stack(
-    pixels: Bytes, count: int, wrap: tuple[bool, bool] = (False, False)
-) -> list[list[Bytes]]:
+def gaussian_stack(pixels: Bytes, count: int, wrap: tuple[bool, bool]) -> list[list[Bytes]]:
     """The phases of each level of a Gaussian stack of `pixels` (H, W, K), finest level first.
 
     Each level has four times the phases of the one before, in the order of `phase_starts`; the
     first phase is the level of the pyramid.
     """
-    result = [[pixels]]
-    for _ in range(count - 1):
-        result.append([_halved(phase, wrap, at) for at in _STARTS for phase in result[-1]])
-    return result
+    return _levels(pixels, count, _halved, wrap)
 
 
-def mask_stack(
-    mask: Mask, count: int, wrap: tuple[bool, bool] = (False, False)
-) -> list[list[Mask]]:
+def mask_stack(mask: Mask, count: int, wrap: tuple[bool, bool]) -> list[list[Mask]]:
     """Return for each phase of `gaussian_stack` which pixels are means of the mask's alone."""
-    result = [[mask]]
+    return _levels(mask, count, _halved_mask, wrap)
+
+
+def _levels(
+    finest: Any, count: int, halved: Any, wrap: tuple[bool, bool], starts: Any = _STARTS
+) -> list[list[Any]]:
+    """The phases of each level, `halved` from those of the level before at each of `starts`."""
+    levels = [[finest]]
     for _ in range(count - 1):
-        result.append([_halved_mask(phase, wrap, at) for at in _STARTS for phase in result[-1]])
-    return result
+        levels.append([halved(phase, wrap, at) for at in starts for phase in levels[-1]])
+    return levels
 
 
 def phase_starts(number: int) -> list[tuple[int, int]]:
@@ -112,15 +108,10 @@ def _halved_mask(mask: Mask, wrap: tuple[bool, bool], start: tuple[int, int] = (
         )
         return np.ones((height, width), bool)
     for axis in (0, 1):
-        taps = _taps(mask.shape[axis], wrap[axis], start[axis])
+        around = _reached(mask.shape[axis], wrap[axis], start[axis])
+        taps = [around[k : len(around) - 3 + k : 2] for k in range(5)]  # one for each weight
         mask = np.logical_and.reduce([mask.take(t, axis) for t in taps])
     return np.ascontiguousarray(mask)
-
-
-def _taps(length: int, wrap: bool, start: int = 0) -> list[NDArray[np.intp]]:
-    """For each weight, the pixels of an axis that it goes to."""
-    around = _reached(length, wrap, start)
-    return [around[k : len(around) - 3 + k : 2] for k in range(5)]
 
 
 def _reached(length: int, wrap: bool, start: int) -> NDArray[np.intp]:
