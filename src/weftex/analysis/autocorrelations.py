@@ -56,7 +56,7 @@ class Field:
         self.height, self.width = (side // 2 + 1 for side in correlation.shape)
         # Multiples lie between pixels, and material is not exact: of a place and its neighbors
         # the highest counts, also at the places between multiples.
-        self.tables = np.stack([correlation, _around(correlation)])
+        self.tables = np.stack([correlation, highest_around(correlation)])
 
     def values(self, x: Floats, y: Floats, pairs: Floats) -> Floats:
         """Return the correlation at shifts (n, m) of n pairs, or the highest around them."""
@@ -103,7 +103,7 @@ def find_peaks(correlation: Floats) -> Peaks:
     margin = min(_LARGEST_DOMINANCE, center)  # columns of the left half, for squares around peaks
     # Rounded, so that peaks that differ by rounding alone are equal on every machine.
     part = np.rint(correlation[:, center - margin :] * 1e9) / 1e9
-    around, radius = _around(part), 1
+    around, radius = highest_around(part), 1
     high = (part > 0) & (part >= around)
     high[:, :margin] = False
     high[: middle + 1, margin] = False  # no shift at all, and mirror images of shifts straight down
@@ -180,7 +180,7 @@ def _all_times(limit: int, number: int) -> Ints:
     return times
 
 
-def _around(table: Floats) -> Floats:
+def highest_around(table: Floats) -> Floats:
     """Return the maximum of each place and its eight neighbors."""
     framed = np.pad(table, 1, mode="edge")
     tall = np.maximum(np.maximum(framed[:-2], framed[1:-1]), framed[2:])

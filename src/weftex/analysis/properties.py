@@ -11,6 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from weftex.analysis.autocorrelations import highest_around
 from weftex.analysis.correlation import correlate
 from weftex.analysis.relief import means, relief, usable_box
 from weftex.exemplar import Exemplar
@@ -46,12 +47,7 @@ def highest_return(correlation: Floats) -> float:
     """Return the highest correlation at any shift above the lowest on the straight way to it."""
     middle, center = correlation.shape[0] // 2, correlation.shape[1] // 2
     half = correlation[middle:]  # the other one is its mirror image
-    around = np.pad(correlation, 1, constant_values=-np.inf)[middle:]
-    peak = np.ones(half.shape, bool)
-    for dy in range(3):
-        for dx in range(3):
-            peak &= half >= around[dy : dy + half.shape[0], dx : dx + half.shape[1]]
-    y, x = peak.nonzero()
+    y, x = (half >= highest_around(correlation)[middle:]).nonzero()
     best = 0.0
     for k in np.argsort(-half[y, x], kind="stable"):
         reached = float(half[y[k], x[k]])
@@ -72,11 +68,9 @@ def border_steps(exemplar: Exemplar) -> tuple[float, float]:
     by the median of the others, or by the first or last where larger, as on a joint. Equal lines,
     as in an image that was enlarged by repeating pixels, do not count.
     """
-    levels = exemplar.matching()
-    usable = exemplar.usable
     found = []
     for axis in (0, 1):
-        lines, whole = np.moveaxis(levels, axis, 0), np.moveaxis(usable, axis, 0)
+        lines, whole = (np.moveaxis(a, axis, 0) for a in (exemplar.matching(), exemplar.usable))
         total = np.zeros(len(lines), np.int64)
         for start in range(0, lines.shape[1], _STRIP):
             strip = lines[:, start : start + _STRIP].astype(np.int32)
