@@ -131,7 +131,7 @@ class Grid(NamedTuple):
         )
         for kind, i, j in product((CORNER, ACROSS, DOWN, INSIDE), rows, columns):
             block = Block(kind, i, j)
-            if _meet(self.shown(block), box):
+            if all(part.start < part.stop for part in self.shown(block).within(box)):
                 found |= {block, *self.dependencies(block)}
         return sorted(found, key=lambda b: (b.row + (not b.at_nodes[0]), b.kind, b.column))
 
@@ -148,7 +148,3 @@ class Grid(NamedTuple):
         if at_node:
             return Span(axis.node(number) - half, axis.node(number) + half)
         return Span(axis.node(number) + half, axis.node(number + 1) - half)
-
-
-def _meet(one: Box, other: Box) -> bool:
-    return all(min(a.last, b.last) > max(a.first, b.first) for a, b in zip(one, other, strict=True))
