@@ -38,13 +38,14 @@ def sample_pyramid(exemplar: Exemplar, count: int) -> list[Exemplar]:
 
 def window_offsets(width: int, causal: bool) -> NDArray[np.int32]:
     """Return (n, 2) dy and dx of a window's pixels, in scan order, without the center."""
-    around = _square(width)
+    around = parent_offsets(width)
     return np.delete(around, len(around) // 2, axis=0)[: len(around) // 2 if causal else None]
 
 
 def parent_offsets(width: int) -> NDArray[np.int32]:
     """Rows and columns of a window around the parent: (n, 2); none for a width of 0."""
-    return _square(width) if width else np.empty((0, 2), np.int32)
+    every = np.indices((width, width)).reshape(2, -1).T - width // 2
+    return np.ascontiguousarray(every, np.int32)
 
 
 def interior_windows(
@@ -103,8 +104,3 @@ def _bytes_at(
         part = slice(start, start + _CHUNK)
         result[part] = pixels[centers[part, None] + away].reshape(-1, result.shape[1])
     return result
-
-
-def _square(width: int) -> NDArray[np.int32]:
-    every = np.indices((width, width)).reshape(2, -1).T - width // 2
-    return np.ascontiguousarray(every, np.int32)
