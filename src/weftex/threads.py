@@ -18,8 +18,7 @@ def thread_count(threads: int | None) -> int:
     """The number of threads: `threads`, which must be 1 or more, or one per usable processor."""
     if threads is not None and not is_whole(threads, 1):
         raise wrong_value("threads", threads, "an integer of 1 or more")
-    threads = None if threads is None else int(threads)
-    return threads or _processors()
+    return _processors() if threads is None else int(threads)
 
 
 def _processors() -> int:

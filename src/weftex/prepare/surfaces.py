@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import numbers
 from typing import Any
 
 import numpy as np
 from numpy.typing import DTypeLike, NDArray
 
-from weftex.errors import InvalidInputError, is_number, wrong_value
+from weftex.errors import InvalidInputError, is_number, is_whole, wrong_value
 from weftex.raster.arrays import Floats, check_pixels
 from weftex.raster.mixing import middle_of, stored, vectors_of
 
@@ -160,7 +159,7 @@ def occlusion_from_height(
     [1.0, 0.23]
     """
     surface = heights_of(height, relief).astype(np.float32)
-    if isinstance(radius, bool) or not isinstance(radius, numbers.Integral) or radius < 1:
+    if not is_whole(radius, 1):
         raise wrong_value("radius", radius, "1 or more")
     margin = min(int(radius), max(surface.shape))
     padded = np.pad(surface, margin, "wrap" if tileable else "symmetric")
@@ -174,7 +173,7 @@ def occlusion_from_height(
             other = padded[margin + y :, margin + x :][:rows, :columns]
             np.maximum(slope, (other - surface) / np.float32(np.hypot(y, x)), out=slope)
         open_sky += 1 / (1 + slope * slope)
-    return open_sky / _DIRECTIONS
+    return open_sky / np.float32(_DIRECTIONS)
 
 
 def heights_of(height: NDArray[Any], relief: float) -> Floats:
