@@ -8,7 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from weftex.analysis.lattice import Lattice
-from weftex.quality.view import View, beside_halves, some, window_corners
+from weftex.analysis.pairs import multiples
+from weftex.quality.view import View, beside_halves, middle, some, window_corners
 from weftex.random import draw
 from weftex.raster.arrays import Floats
 from weftex.threads import one_blas_thread
@@ -83,12 +84,11 @@ def _features(channels: int, scale: int) -> NDArray[np.float32]:
         corners = (bits[4:8] % (_WIDTH + 1 - sizes).astype(np.uint64)).astype(int)
         mixture = (bits[8:] % np.uint64(3)).astype(int) - 1
         mixture = mixture if mixture.any() else np.ones(channels, int)
-        boxes = []
-        for y, x, h, w in ((*corners[:2], *sizes[:2]), (*corners[2:], *sizes[2:])):
-            box = np.zeros((_WIDTH, _WIDTH), np.int16)
+        first, second = boxes = np.zeros((2, _WIDTH, _WIDTH), np.int16)
+        for box, (y, x), (h, w) in zip(
+            boxes, corners.reshape(2, 2), sizes.reshape(2, 2), strict=True
+        ):
             box[y : y + h, x : x + w] = 1
-            boxes.append(box)
-        first, second = boxes
         if k % 4:  # a mean of one box in every fourth
             first = first * second.sum() - second * first.sum()
         if not first.any():
@@ -171,16 +171,11 @@ def autocorrelation_distance(sample: View, result: View) -> float | None:
         return None
 
     def apart(first: View, second: View) -> float:
-        parts = [_at_short_shifts(view, reach) for view in (first, second)]
+        # at short shifts, without the mirror image
+        parts = [middle(view.correlation, 2 * reach + 1)[reach:] for view in (first, second)]
         return float(np.sqrt(np.mean((parts[0] - parts[1]) ** 2)))
 
     return beside_halves(sample, result, apart, _SAME)
-
-
-def _at_short_shifts(view: View, reach: int) -> Floats:
-    """Return the correlation at shifts of up to `reach` pixels, without the mirror image."""
-    y, x = (side // 2 for side in view.correlation.shape)
-    return view.correlation[y : y + reach + 1, x - reach : x + reach + 1]
 
 
 def lattice_kept(sample: View, result: View, lattice: Lattice | None) -> float | None:
@@ -220,12 +215,10 @@ def _contrast(view: View, lattice: Lattice, sample: tuple[int, int]) -> float | 
 def _places(lattice: Lattice) -> tuple[Floats, Floats]:
     """Return multiples of the vectors as (x, y), and the places half-way between them."""
     vectors = np.array(lattice.vectors)
-    steps = np.arange(-_MULTIPLES, _MULTIPLES + 1)
     if len(vectors) == 1:
-        return steps[steps > 0][:, None] * vectors, (steps[steps > 0] - 0.5)[:, None] * vectors
-    i, j = (part.ravel() for part in np.meshgrid(steps, steps))
-    later = (j > 0) | ((j == 0) & (i > 0))  # the rest mirrors it
-    times = np.stack([i[later], j[later]], axis=1).astype(np.float64)
+        steps = np.arange(1, _MULTIPLES + 1)[:, None]
+        return steps * vectors, (steps - 0.5) * vectors
+    times = multiples(_MULTIPLES, (0, 0))  # in the right half; the rest mirrors it
     halves = np.concatenate([times - (0.5, 0), times - (0, 0.5), times - (0.5, 0.5)])
     return times @ vectors, halves @ vectors
 

@@ -150,7 +150,7 @@ def assess(
         patches, color = patch_distance(own, made), color_distance(own, made)
         step(1)
         scored = scorer.figures(made, step)
-        figures = {
+        figures: dict[str, Any] = {
             **{name: scored.get(name) for name in _SCORED},
             "patches": patches,
             "color": color,
@@ -159,7 +159,10 @@ def assess(
             "score": weigh(scored),
         }
     figures = {name: _rounded(value) for name, value in figures.items()}
-    return Assessment(**figures, flags=_flags(figures))
+    found = Assessment(**figures)
+    off = {name: found.badness(name) or 0.0 for name in FIGURES}
+    flags = sorted((name for name in FIGURES if off[name] > 1), key=lambda name: -off[name])
+    return dataclasses.replace(found, flags=tuple(flags))
 
 
 def _checked(
@@ -206,10 +209,3 @@ def _mean(values: list[float | None]) -> float | None:
 
 def _rounded(value: float | None) -> float | None:
     return None if value is None or not math.isfinite(value) else round(float(value), _DIGITS)
-
-
-def _flags(figures: dict[str, float | None]) -> tuple[str, ...]:
-    """Return the names of the figures beyond their limits, the worst first."""
-    known = ((name, figures.get(name)) for name in FIGURES)
-    off = {name: FIGURES[name].badness(value) for name, value in known if value is not None}
-    return tuple(sorted((name for name in off if off[name] > 1), key=lambda name: -off[name]))

@@ -121,9 +121,8 @@ def borders_of(picture: Exemplar) -> tuple[Border, Border]:
         if model.fits(view):
             surprising = model.border_places(view, axis)
             seam = float(surprising.mean())
-            trimmed = (len(places) - len(surprising)) // 2
             if steps <= _STEPS:
-                places = np.pad(surprising, trimmed, "edge")
+                places = np.pad(surprising, (len(places) - len(surprising)) // 2, "edge")
         found.append(Border(steps, seam, places))
     return found[0], found[1]
 

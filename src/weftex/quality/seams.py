@@ -19,6 +19,9 @@ _USUAL = 0.99  # quantile of the surprise; above it is a seam
 _LONGEST_BORDER = 2048  # pixels a side that the border of a result is compared with
 _STRIP = 32  # lines that are predicted at a time, for the processor's cache
 _BORDER = 2 * (_REACH + _ALONG)
+_ACROSS = [dx for dx in range(-_REACH, _REACH + 1) if dx]
+#: Offsets (dy, dx) of the steps that predict one.
+_AROUND = [(dy, dx) for dy in range(-_ROWS, _ROWS + 1) for dx in _ACROSS]
 
 
 class StepModel:
@@ -99,17 +102,6 @@ def _steps(gray: Floats) -> Floats:
     return rows[:, 1:] - rows[:, :-1]
 
 
-def _around() -> list[tuple[int, int]]:
-    """Return the offsets (dy, dx) of the steps that predict one."""
-    across = [dx for dx in range(-_REACH, _REACH + 1) if dx]
-    return [(dy, dx) for dy in range(-_ROWS, _ROWS + 1) for dx in across]
-
-
-def _shifts(width: int) -> NDArray[np.int64]:
-    """Return the same offsets as differences of flat indices."""
-    return np.array([dy * width + dx for dy, dx in _around()])
-
-
 def _predictable(usable: NDArray[np.bool_]) -> NDArray[np.bool_]:
     """Return where a step and all steps around it are usable."""
     whole = usable[:, 1:] & usable[:, :-1]
@@ -117,7 +109,7 @@ def _predictable(usable: NDArray[np.bool_]) -> NDArray[np.bool_]:
     shape = max(height - 2 * _ROWS, 0), max(width - 2 * _REACH, 0)
     place = np.ones(shape, bool)
     if 0 not in shape and not usable.all():
-        for dy, dx in (*_around(), (0, 0)):
+        for dy, dx in (*_AROUND, (0, 0)):
             rows = slice(_ROWS + dy, _ROWS + dy + shape[0])
             place &= whole[rows, _REACH + dx : _REACH + dx + shape[1]]
     return place
@@ -136,7 +128,8 @@ def _fit(gray: Floats, usable: NDArray[np.bool_]) -> Model | None:
     steps = _steps(gray)
     at = (y + _ROWS) * steps.shape[1] + x + _REACH
     step = steps.ravel()[at].astype(np.float64)
-    around = steps.ravel()[at[:, None] + _shifts(steps.shape[1])].astype(np.float64)
+    shifts = [dy * steps.shape[1] + dx for dy, dx in _AROUND]
+    around = steps.ravel()[at[:, None] + shifts].astype(np.float64)
     # Not by matrix products, whose order of summation is not the same everywhere.
     gram = np.einsum("ni,nj->ij", around, around)
     ridge = 1e-4 * np.trace(gram) / len(gram) + len(places) / 12  # the rounding to bytes
@@ -158,7 +151,7 @@ def _surprise(steps: Floats, model: Model) -> Floats:
     activity = np.zeros_like(error)
     for top in range(0, height, _STRIP):
         lines = np.s_[top : top + _STRIP]
-        for (dy, dx), weight in zip(_around(), weights.astype(np.float32), strict=True):
+        for (dy, dx), weight in zip(_AROUND, weights.astype(np.float32), strict=True):
             step = steps[_ROWS + dy :, _REACH + dx :][:height, :width][lines]
             error[lines] -= weight * step
             activity[lines] += step * step
