@@ -42,13 +42,9 @@ def python_of(recipe: Recipe, output: str = "out.png", names: Names | None = Non
             lines.append(f"{variable} = weftex.prepare.turned({variable}, {spec['turn']!r})")
     lines += _SCRIPTS[recipe.task](recipe, variables, names)
     suffix = os.path.splitext(output)[1] or ".png"
-    density = (
-        ", density=density"
-        if any({"sample_width", "density"} & one.keys() for one in recipe.materials)
-        else ""
-    )
+    stated = any({"sample_width", "density"} & one.keys() for one in recipe.materials)
     lines.append(f'{_PACKAGE}.write_image("out{suffix}", made.image, alpha=made.sample.alpha, '
-                 f"icc=made.sample.icc{density})")  # fmt: skip
+                 f"icc=made.sample.icc{', density=density' * stated})")  # fmt: skip
     if output.endswith("/"):
         lines.append(_MAPS)
     imports = ["import weftex", ""]

@@ -207,14 +207,13 @@ def _best_of(
     """
     from weftex.quality.score import MapsScorer  # loads the measures
 
-    seeds = [(first + further) % 2**64 for further in range(count)]
-    kept = seeds[0]
+    kept = first
     made_by: dict[int, Synthesis] = {}  # the best so far
     ratings: dict[int, Rating] = {}
     scorer = MapsScorer(model.exemplar)
     progress, threads = how["progress"], how["threads"]
     steps = Progress(progress, count, "outputs", lambda: made_by[kept].image if made_by else None)
-    for number in seeds:
+    for number in ((first + further) % 2**64 for further in range(count)):
         made = model.sample(canvas, seed=number, threads=threads, progress=steps.within())
         ratings[number] = scorer.rate(made)
         if not made_by or ratings[number].choice < ratings[kept].choice:
@@ -222,8 +221,8 @@ def _best_of(
         steps.advance(1)
     best = made_by[kept]
     scores = {number: one.score for number, one in ratings.items()}
-    about = {"scores": {str(number): score for number, score in scores.items()}}
-    best.provenance["best_of"] = {**about, "told": _told(kept, scores)}
+    named = {str(number): score for number, score in scores.items()}
+    best.provenance["best_of"] = {"scores": named, "told": _told(kept, scores)}
     return best
 
 

@@ -37,11 +37,10 @@ def run(argv: list[str]) -> None:
     args = parser.parse(argv)
     if args.overlay is not None:
         check_output(args.overlay)
-    how = {"lattice": args.lattice, "runners_up": args.runners_up}
 
     def work(bar: Bar, outputs: Outputs) -> tuple[Exemplar, Analysis]:
         exemplar = load_sample(args.sample, args, "maps")
-        return exemplar, analyze(exemplar, **how)
+        return exemplar, analyze(exemplar, lattice=args.lattice, runners_up=args.runners_up)
 
     (exemplar, found), _ = run_work(work, False)
     if args.overlay is not None:
