@@ -20,7 +20,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
-from itertools import pairwise
+from itertools import pairwise, product
 
 import numpy as np
 from numpy.typing import NDArray
@@ -36,12 +36,7 @@ from weftex.raster.arrays import Ints
 CORNER, ACROSS, DOWN, INSIDE = range(4)
 _PITCH, _FEWEST, _MOST = 144, 3, 8  # pixels, or so many patches, from one node to the next
 _REACH = 2  # patches around that should not be repeated
-_AROUND = [
-    (i, j)
-    for i in range(-_REACH, _REACH + 1)
-    for j in range(-_REACH, _REACH + 1)
-    if (i, j) != (0, 0)
-]
+_AROUND = [step for step in product(range(-_REACH, _REACH + 1), repeat=2) if any(step)]
 _TOUCHING = [k for k, (i, j) in enumerate(_AROUND) if max(abs(i), abs(j)) == 1]
 _TWO_STEPS = [
     (first, second, k)
@@ -101,12 +96,9 @@ class PlaneOrder:
             for axis, line in zip(self.axes, self.numbers, strict=True)
         )
         self.shape = len(self.numbers[0]), len(self.numbers[1])
-        self._place()
-
-    def _place(self) -> None:
-        """Find the block of each patch, and its turn: the kind of block, and the place in it."""
+        # the block of each patch, and its turn: the kind of block, and the place in it
         (gap_y, after_y), (gap_x, after_x) = (
-            _gaps(axis, line) for axis, line in zip(self.axes, self.numbers, strict=True)
+            _gaps(axis, line) for axis, line in zip(axes, self.numbers, strict=True)
         )
         y, x = after_y[:, None], after_x
         self.kind = np.where(y > 0, np.where(x > 0, INSIDE, DOWN), np.where(x > 0, ACROSS, CORNER))
