@@ -137,5 +137,4 @@ def _between(values: Floats, x: Floats, y: Floats) -> Floats:
     down, along = y - i, x - j
     upper = values[i, j] * (1 - along) + values[i, j + 1] * along
     lower = values[i + 1, j] * (1 - along) + values[i + 1, j + 1] * along
-    found: Floats = upper * (1 - down) + lower * down
-    return found
+    return upper * (1 - down) + lower * down

@@ -50,7 +50,7 @@ _HIGHER = 0.8  # of its height: the most that every second ridge lies above the 
 
 #: Cached by `Joints.step`, as rows and the joints that cross them use the same edges.
 _TAKEN: WeakKeyDictionary[Relief, dict[int, Joints]] = WeakKeyDictionary()
-_TRIED: WeakKeyDictionary[Relief, list[Floats]] = WeakKeyDictionary()  # profiles by direction
+_TRIED: WeakKeyDictionary[Relief, list[Floats]] = WeakKeyDictionary()  # `Joints.alike` of `_COARSE`
 
 
 class Courses(NamedTuple):
@@ -138,20 +138,15 @@ def joints_of(flat: Relief, side: int | None = None) -> Joints:
     return known[step]
 
 
-def _tried(flat: Relief) -> list[Floats]:
-    """Return what `Joints.alike` returns for each of the coarse directions."""
-    if flat not in _TRIED:
-        _TRIED[flat] = [joints_of(flat, _SIDES[0]).alike(turn) for turn in _COARSE]
-    return _TRIED[flat]
-
-
 def find_courses(flat: Relief, across: Floats | None = None) -> Courses | None:
     """Return the rows with the best evidence of joints, right or not."""
     if min(flat.usable.shape) < _CLOSEST * (_FEWEST + 1):
         return None
     coarse, fine = (joints_of(flat, side) for side in _SIDES)
+    if flat not in _TRIED:
+        _TRIED[flat] = [coarse.alike(turn) for turn in _COARSE]
     best, angle, distance = 0.0, 0.0, 0.0
-    for turn, profile in zip(_COARSE, _tried(flat), strict=True):
+    for turn, profile in zip(_COARSE, _TRIED[flat], strict=True):
         if across is not None and abs(np.sin(turn - _angle(across))) <= _CROSSING:
             continue  # such lines do not cross the rows
         far = _REACH * len(profile) / _FEWEST
