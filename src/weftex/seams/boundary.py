@@ -63,8 +63,7 @@ def _cut(first: Bytes, second: Bytes, leaning: NDArray[np.int32], free: Mask) ->
 def _costs(first: NDArray[np.int32], second: NDArray[np.int32], free: Mask) -> NDArray[np.int32]:
     """Costs of the arcs to the right, lower, left and upper neighbor; integers, so exact."""
     height, width = free.shape
-    steps = np.zeros((height, width, 4), np.int64)
-    edges = np.zeros((height, width, 4), np.int64)
+    steps, edges = np.zeros((2, height, width, 4), np.int64)
     both = np.zeros((height, width, 4), bool)
     for axis, ahead in ((1, 0), (0, 1)):
         here, there = (

@@ -33,13 +33,10 @@ def islands(sea: Bytes, land: Bytes, usable: Mask, scale: int, seed: int) -> NDA
         core, limit = _shape(scale, seed, number)
         size = core.shape
         corner = [
-            k * n // count + _below(max(0, n // count - s) + 1, seed, number, axis)
-            for axis, (k, n, count, s) in enumerate(
+            min(k * n // of + _below(max(0, n // of - s) + 1, seed, number, axis), max(0, n - s))
+            for axis, (k, n, of, s) in enumerate(
                 zip((i, j), (height, width), (rows, columns), size, strict=True)
             )
-        ]
-        corner = [
-            min(c, max(0, n - s)) for c, n, s in zip(corner, (height, width), size, strict=True)
         ]
         area = tuple(slice(c, c + s) for c, s in zip(corner, size, strict=True))
         around = sea[area]
