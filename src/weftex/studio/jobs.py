@@ -166,7 +166,9 @@ class Jobs:
             own = sum(one.session is job.session for one in busy)
             if len(busy) >= self.limits.jobs or own >= self.limits.session_jobs:
                 raise Refusal(429, f"{len(busy)} jobs are waiting; let some of them finish first")
-            self._forget_old()
+            ended = [one for one in self._jobs.values() if one.state in ENDED]
+            for old in ended[: max(0, len(ended) - 4 * self.limits.jobs)]:
+                del self._jobs[old.id]
             self._jobs[job.id] = job
             self._change.notify_all()
 
@@ -211,11 +213,6 @@ class Jobs:
             self._change.notify_all()
         for thread in self._threads:
             thread.join(2)
-
-    def _forget_old(self) -> None:
-        ended = [job for job in self._jobs.values() if job.state in ENDED]
-        for job in ended[: max(0, len(ended) - 4 * self.limits.jobs)]:
-            del self._jobs[job.id]
 
     def _next(self, quick: bool) -> Job | None:
         """The job that is to run: of the session that has fewest running, the first."""

@@ -90,8 +90,7 @@ def preview_of(sample: Exemplar) -> Callable[[NDArray[Any]], Bytes]:
     """Return what makes a preview's pixels fit for a screen: those of a sample's kind."""
 
     def show(pixels: NDArray[Any]) -> Bytes:
-        same = pixels.dtype == sample.pixels.dtype and pixels.shape[2:] == sample.pixels.shape[2:]
-        if same:
+        if pixels.dtype == sample.pixels.dtype and pixels.shape[2:] == sample.pixels.shape[2:]:
             return on_screen(sample, pixels)
         planes = pixels.reshape(*pixels.shape[:2], -1)  # of all maps at once: features in bytes
         levels = planes if planes.dtype == np.uint8 else np.zeros(planes.shape, np.uint8)
