@@ -50,8 +50,7 @@ class PixelSynthesis(Synthesis):
     ) -> PixelSynthesis:
         """Return this result of a rearranged sample as one of the sample itself, made `by`."""
         about = {"exemplar": exemplar, "provenance": self.provenance | by}
-        index = index.ravel()[self.index]
-        return self._again(self.canvas, index, **about)
+        return self._again(self.canvas, index.ravel()[self.index], **about)
 
     def _again(self, canvas: Canvas, index: NDArray[np.int32], **changes: Any) -> PixelSynthesis:
         names = (*ABOUT, "exemplar", "threads")

@@ -66,8 +66,7 @@ def _weights(
         x = column[1] if odd_x == column[0] else 1 - column[1]
         own = np.outer(y, x)
         before = before + own
-    result = np.rint(256 * own / np.where(own > 0, before, 1))
-    return result.astype(np.uint16)
+    return np.rint(256 * own / np.where(own > 0, before, 1)).astype(np.uint16)
 
 
 def paste_blocks(
@@ -97,15 +96,11 @@ def paste_blocks(
         facts["strain"] = round(layout.lattice.strain, 6)
     if 2 * layout.half_border < method.border_width:  # blocks of a small canvas that wraps
         facts["border_narrowed_to"] = 2 * layout.half_border
-    about: dict[str, Any] = {
-        "sample_shape": sample.exemplar.shape,
-        "exemplar": sample.exemplar,
-        "provenance": provenance | facts,
-    }
-    pasted = (
+    return PatchSynthesis(
         layout.canvas,
         table[order].astype(np.int32),
         joints.weights,
         np.zeros((0, 0), np.uint16),
+        exemplar=sample.exemplar,
+        provenance=provenance | facts,
     )
-    return PatchSynthesis(*pasted, **about)
