@@ -58,10 +58,9 @@ class Arrays:
         """Bytes that an array takes by its header, and bytes that follow it."""
         entry = self._file.zip.getinfo(f"{name}.npy")
         with self._file.zip.open(entry) as member:
-            version = np.lib.format.read_magic(member)
-            read = np.lib.format.read_array_header_1_0
-            if version != (1, 0):
-                read = np.lib.format.read_array_header_2_0
+            form = np.lib.format
+            first = form.read_magic(member) == (1, 0)
+            read = form.read_array_header_1_0 if first else form.read_array_header_2_0
             shape, _, dtype = read(member)
             said = math.prod(map(abs, shape)) * int(dtype.itemsize)
             return said, entry.file_size - member.tell()
