@@ -73,8 +73,7 @@ def length_parameter(help: str, default_text: str, **more: Any) -> Any:
 
 def window_parameter(help: str, default_text: str, high: int | None = None) -> Any:
     """Declare the odd width of a square window, which the sample decides by default."""
-    how: dict[str, Any] = {"low": 1, "high": high, "parity": "odd", "control": "size"}
-    return length_parameter(help, default_text, **how)
+    return length_parameter(help, default_text, low=1, high=high, parity="odd", control="size")
 
 
 def levels_parameter(default_text: str, high: int) -> Any:

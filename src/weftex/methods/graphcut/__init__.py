@@ -22,7 +22,7 @@ from weftex.methods.graphcut.placement import Patch, Placement, draw_offsets
 from weftex.methods.graphcut.sample import PATCH_SHARE, CutSample, check_boundary, patch_shape_for
 from weftex.methods.graphcut.subpatch import SubPatchMatching
 from weftex.methods.pixels import Growth, PixelModel
-from weftex.parameters import parameter
+from weftex.parameters import length_parameter, parameter
 from weftex.progress import ProgressCallback
 from weftex.raster.arrays import Mask
 from weftex.repeats import Repetition
@@ -67,22 +67,18 @@ class GraphCut(Method):
         "what is placed: squares (subpatch), or the entire sample: best match, by rows, or random",
         choices=("subpatch", "entire", "rows", "random"),
     )
-    patch_size: int | None = parameter(
-        None,
+    patch_size: int | None = length_parameter(
         "side of the square patches; larger keeps larger features whole",
+        "0.45 x the sample's shorter side; a smaller share above 512 px",
         low=1,
-        unit="px",
-        default_text="0.45 x the sample's shorter side; a smaller share above 512 px",
         hole_text=HOLE_PATCHES,
         needs=("placement", ("subpatch",)),
         control="size",
     )
-    boundary_width: int | None = parameter(
-        None,
+    boundary_width: int | None = length_parameter(
         "width of the overlap with patches placed before; wider hides the seam better",
+        "a third of the patch size",
         low=0,
-        unit="px",
-        default_text="a third of the patch size",
         needs=("placement", ("subpatch",)),
     )
     tolerance: float | None = parameter(
@@ -138,12 +134,10 @@ class GraphCut(Method):
         idle_canvas="known",
         control="softness",
     )
-    lattice: tuple[float, ...] | None = parameter(
-        None,
+    lattice: tuple[float, ...] | None = length_parameter(
         "shift only by multiples of the lattice vectors x1,y1,x2,y2; for rows P apart: 0,P,1,0",
+        "any shift",
         count=4,
-        unit="px",
-        default_text="any shift",
         needs=("placement", ("entire",)),
     )
     orientations: str = parameter(
