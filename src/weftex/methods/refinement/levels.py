@@ -193,14 +193,13 @@ def prepare(
     # A coarse level would move what lies between patches that stay where they are.
     finer = 0 if method.joints else count - 1
     last = method.iterations
-    if method.search == "coherent":
-        last *= 2  # structure is determined on the coarsest level, where it costs least
-    rounds = (*[max(1, method.iterations // 2)] * finer, last)
-    levels: list[SampleLevel]
+    levels: list[SampleLevel] = []
     if method.search == "nearest":
-        levels = [_nearest_level(exemplar, reach)]
+        levels += [_nearest_level(exemplar, reach)]
     else:
-        levels = [*_pyramid_levels(method, exemplar, reach, count)]
+        last *= 2  # structure is determined on the coarsest level, where it costs least
+        levels += _pyramid_levels(method, exemplar, reach, count)
+    rounds = (*[max(1, method.iterations // 2)] * finer, last)
     spacing = seed_spacing(method, exemplar, by_canvas=by_canvas)
     windows = windows_of(exemplar, (0,) * 4)
     return Prepared(method, windows, levels, starts, rounds, spacing, by_canvas)

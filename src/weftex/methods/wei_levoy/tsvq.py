@@ -73,11 +73,10 @@ def build_tsvq(vectors: NDArray[np.uint8], places: NDArray[np.int32], tree_size:
             middle = kernels.split(splitting, start, stop, made, _LLOYD_ROUNDS)
             step(_splits(stop - start) - _splits(middle - start) - _splits(stop - middle))
             nodes[node, 0] = made
-            nodes[made] = (-1, start, middle)
-            nodes[made + 1] = (-1, middle, stop)
-            heapq.heappush(heap, (-int(spread[made]), made))
-            heapq.heappush(heap, (-int(spread[made + 1]), made + 1))
-            made += 2
+            for ends in ((start, middle), (middle, stop)):
+                nodes[made] = (-1, *ends)
+                heapq.heappush(heap, (-int(spread[made]), made))
+                made += 1
     nodes, spread = nodes[:made].copy(), spread[:made]
     # Of equal vectors the first one stands for all, or a sample of few colors would take long.
     equal = (nodes[:, 0] < 0) & (spread == 0)
