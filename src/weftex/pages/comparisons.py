@@ -175,9 +175,7 @@ class Comparison(Page):
             pictures(
                 [(image, entry.method, "the result"), (entry.result.draw(), "Source", _COLORS)]
             ),
-            "<details><summary>Parameters</summary>",
-            parameters(entry.result.provenance),
-            "</details>",
+            parameters("Parameters", entry.result.provenance),
         ]
 
 

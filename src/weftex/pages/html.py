@@ -87,12 +87,13 @@ def number(value: float | None, figure: Figure | None = None) -> str:
     return f"{value:.0f}" if figure is not None and figure.unit == "pixels" else f"{value:.2f}"
 
 
-def parameters(provenance: dict[str, Any]) -> str:
-    """Return a table of parameters."""
-    return table(
+def parameters(summary: str, provenance: dict[str, Any]) -> str:
+    """Return a table of parameters, which a click on the summary shows."""
+    rows = (
         f'<th scope="row">{escape(str(name))}</th><td>{escape(_plain(value))}</td>'
         for name, value in provenance.items()
     )
+    return f"<details><summary>{summary}</summary>\n{table(rows)}\n</details>"
 
 
 def _plain(value: Any) -> str:

@@ -140,8 +140,7 @@ class Report(Page):
         rows = (_figure_row(self, name) for name in FIGURES)
         parts += ["<h2>Measures</h2>", table(rows, _HEAD), small(_LEGEND)]
         if self.provenance:
-            parts += ["<details><summary>How it was made</summary>", parameters(self.provenance)]
-            parts.append("</details>")
+            parts.append(parameters("How it was made", self.provenance))
         return document(f"{self.result_name} from {self.name}", parts)
 
 
