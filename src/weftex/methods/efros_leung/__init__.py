@@ -72,8 +72,7 @@ class EfrosLeung(WindowedMethod):
         width = method.window_for(0)
         windows = square_windows(exemplar, width)
         search = ExactSearch(windows, gaussian_weights(width, width / _SIGMAS))
-        prepared = Prepared(method, windows, search)
-        return PixelModel(method, exemplar, prepared, grow_in_layers)
+        return PixelModel(method, exemplar, Prepared(method, windows, search), grow_in_layers)
 
 
 @dataclass(frozen=True, eq=False)

@@ -112,8 +112,7 @@ def structured_band(
     y, x = np.indices((min(high, width), high)) - high  # inside the window of that center
     block = corner + y * windows.pixels.shape[1] + x
     sheet.put(windows.to_sample(block.astype(np.int32)))
-    matching = Matching(sheet, method, growth)
-    matching.scan(range(len(block), width), "exact structure", "beginning")
+    Matching(sheet, method, growth).scan(range(len(block), width), "exact structure", "beginning")
     columns, rows = np.divmod(sheet.places, windows.shape[1])
     return np.ascontiguousarray((rows * windows.shape[0] + columns).T)
 

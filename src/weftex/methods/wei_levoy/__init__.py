@@ -136,8 +136,7 @@ class WeiLevoy(WindowedMethod):
         # hundreds of megabytes, over many, so it has a part of them drawn at random.
         full = method.search == "full"
         tree_size, most = (1, 0) if full else (method.tree_size, _TREES_WINDOWS)
-        widths = method.window_width, method.parent_width
-        trees = Trees(samples, *widths, tree_size, most)
+        trees = Trees(samples, method.window_width, method.parent_width, tree_size, most)
         windows = windows_of(exemplar, (0, 0, 0, 0))
         return PixelModel(method, exemplar, Prepared(method, windows, samples, trees), synthesize)
 
