@@ -65,21 +65,17 @@ class Job:
             self._stage_start = now
         self.done, self.total, self.stage = done, total, stage
         if self.wanted and now - self._shown > _PREVIEW_EVERY and not self._stop:
-            self._show(preview, now)
+            pixels = preview()
+            if isinstance(pixels, np.ndarray) and pixels.size:
+                times = -(-max(pixels.shape[:2]) // _PREVIEW)
+                shown = smaller(self.to_show(pixels), times)
+                self.picture = self.picture[0] + 1, (shown, pixels.shape[:2])
+                self.version += 1
+            self._shown = now + (time.perf_counter() - now) / _PREVIEW_SHARE
         if now - self._told > _NEWS_EVERY:
             self._told = now
             self.version += 1
         return not self._stop
-
-    def _show(self, preview: Callable[[], Any], now: float) -> None:
-        pixels = preview()
-        if isinstance(pixels, np.ndarray) and pixels.size:
-            times = -(-max(pixels.shape[:2]) // _PREVIEW)
-            shown = self.to_show(pixels)
-            self.picture = self.picture[0] + 1, (smaller(shown, times), pixels.shape[:2])
-            self.version += 1
-        took = time.perf_counter() - now
-        self._shown = now + took / _PREVIEW_SHARE
 
     def cancel(self) -> None:
         """Stop it at its next step; one that waits never begins."""
@@ -123,14 +119,9 @@ class Job:
         now, left = self._end or time.perf_counter(), None
         if self.state == "running" and self.done and now - self._stage_start > 0.2:
             left = round((now - self._stage_start) * (self.total - self.done) / self.done, 1)
+        names = ("id", "version", "state", "keep", "done", "total", "stage")
         return {
-            "id": self.id,
-            "version": self.version,
-            "state": self.state,
-            "keep": self.keep,
-            "done": self.done,
-            "total": self.total,
-            "stage": self.stage,
+            **{name: getattr(self, name) for name in names},
             "seconds": round(now - self._start, 3) if self._start else 0.0,
             "left": left,
             "ahead": ahead,
