@@ -12,7 +12,7 @@ import threading
 from pathlib import Path
 from typing import Any
 
-from weftex.errors import FileError, InvalidInputError, shown
+from weftex.errors import FileError, InvalidInputError, shown, wrong_value
 from weftex.io.pictures import write_text
 from weftex.recipe import Recipe, checked_material
 from weftex.studio.refusals import Refusal
@@ -52,7 +52,9 @@ class Chains:
             if steps is not None:
                 if len(chains) >= _MOST:
                     raise Refusal(413, f"there are {_MOST} workflows, the limit; remove one")
-                chains[new] = _checked_steps(steps)
+                if not isinstance(steps, list) or not 0 < len(steps) <= _MOST_STEPS:
+                    raise wrong_value("steps", steps, f"1 to {_MOST_STEPS} steps")
+                chains[new] = [_checked_step(step, number) for number, step in enumerate(steps)]
             elif to is not None:
                 chains = {new if k == name else k: chain for k, chain in chains.items()}
             else:
@@ -65,12 +67,6 @@ def _checked_name(name: Any) -> str:
     if not isinstance(name, str) or not 0 < len(name.strip()) <= _LONGEST or not name.isprintable():
         raise InvalidInputError(f"name is {shown(name)}; it must be 1 to {_LONGEST} characters")
     return name.strip()
-
-
-def _checked_steps(steps: Any) -> Chain:
-    if not isinstance(steps, list) or not 0 < len(steps) <= _MOST_STEPS:
-        raise InvalidInputError(f"steps is {shown(steps)}; it must be 1 to {_MOST_STEPS} steps")
-    return [_checked_step(step, number) for number, step in enumerate(steps)]
 
 
 def _checked_step(step: Any, before: int) -> dict[str, Any]:

@@ -54,7 +54,12 @@ class Studio:
             session = Session(self.store, self.memory, old) if known else None
             if session is None or not session.existed:  # nothing of it is left
                 session = Session(self.store, self.memory, secrets.token_urlsafe(32))
-            self._make_room()
+            most = self.limits.sessions
+            if len(self.sessions) >= most:
+                oldest = min(self.sessions.values(), key=lambda session: session.seen)
+                if time.monotonic() - oldest.seen < 60:
+                    raise Refusal(429, f"{most} pages are open; close one of them")
+                self._end(oldest)
             self.sessions[session.id] = session
             self.began.set()
             return session, session.existed
@@ -89,14 +94,6 @@ class Studio:
         self.jobs.end(session)
         self.memory.forget(session.key)
         self.downloads.forget(session.key)
-
-    def _make_room(self) -> None:
-        most = self.limits.sessions
-        if len(self.sessions) >= most:
-            oldest = min(self.sessions.values(), key=lambda session: session.seen)
-            if time.monotonic() - oldest.seen < 60:
-                raise Refusal(429, f"{most} pages are open; close one of them")
-            self._end(oldest)
 
     def mark_used(self) -> None:
         """Mark the folders in use, for servers that share the data folder and remove old ones."""
