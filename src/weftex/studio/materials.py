@@ -160,12 +160,16 @@ def _analysis(loaded: PreparedMaterial) -> dict[str, Any]:
             "tiles": list(found.tiles),
             "text": str(found),
         }
+    needed: dict[str, Any] = {"even_light": _DEGREE} if found.evenness.lit_unevenly else {}
+    if found.lattice is not None and is_tilted(found.lattice):
+        needed["straighten"] = ""
     return more | {
         "scale": found.scale,
         "lattice": _own(exemplar, found.lattice, rated),
         "colors": found.colors,
         "auto": choice.as_dict(),
-        "mending": _mending(loaded.spec, found.evenness.lit_unevenly, found.lattice),
+        # What would help, each with what is to be added to the material's description.
+        "mending": [{"what": k, "spec": {k: v}} for k, v in needed.items() if k not in loaded.spec],
     }
 
 
@@ -186,13 +190,3 @@ def _own(exemplar: Exemplar, lattice: Lattice | None, rated: Rated | None) -> An
         return None
     drawn = draw(exemplar, lattice.vectors, None if rated is None else rated.goodness)
     return {**vars(drawn), "confidence": lattice.confidence}
-
-
-def _mending(
-    spec: Mapping[str, Any], lit_unevenly: bool, lattice: Lattice | None
-) -> list[dict[str, Any]]:
-    """What would help, each with what is to be added to the material's description."""
-    tilted = lattice is not None and is_tilted(lattice)
-    needed: dict[str, Any] = {"even_light": _DEGREE} if lit_unevenly else {}
-    needed |= {"straighten": ""} if tilted else {}
-    return [{"what": one, "spec": {one: needed[one]}} for one in needed if one not in spec]

@@ -113,8 +113,7 @@ def described(made: Result, session: Session) -> dict[str, Any]:
 def _parameters(used: Mapping[str, Any]) -> dict[str, Any]:
     """Return the parameters of a result that are not the defaults of its method."""
     declared = fields(weftex.METHODS[used["method"]]) if "method" in used else ()
-    names = {one.name: one.default for one in declared if one.name in used}
-    return {name: used[name] for name, usual in names.items() if used[name] != usual}
+    return {k.name: used[k.name] for k in declared if used.get(k.name, k.default) != k.default}
 
 
 def picture_of(made: Result, map_name: str | None, drawing: str | None, session: Session) -> Bytes:
