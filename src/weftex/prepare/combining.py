@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 
 from weftex.errors import InvalidInputError, did_you_mean, is_number, shown, size_words, wrong_value
 from weftex.exemplar import Exemplar, Sample, load_exemplar
+from weftex.io.outputs import reversed_map
 from weftex.raster.levels import scale_between
-from weftex.raster.mixing import middle_of, opposite
 
 #: The value of a normal map that is missing.
 FLAT = "flat"
@@ -160,9 +160,7 @@ def _turned(exemplar: Exemplar, names: list[str], key: str) -> Exemplar:
         return exemplar.map(key)
     one = exemplar.map(names[0])
     if one.channels > 1 and {key, names[0]} == {"normal_gl", "normal_dx"}:
-        pixels = one.pixels.copy()
-        pixels[..., 1] = opposite(pixels[..., 1], middle_of(pixels))
-        one = one.changed(pixels=pixels)
+        return one.changed(pixels=reversed_map(one.pixels, key))
     return one
 
 
