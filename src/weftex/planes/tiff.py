@@ -44,20 +44,16 @@ class TiffStore:
     def __init__(self, path: str, layout: Layout) -> None:
         self.path, self.layout = path, layout
         self.levels = layout.levels(self.smallest)
-        self._check_size()
-
-    def _check_size(self) -> None:
-        """Refuse what is larger than tables of tiles should be."""
-        longest = max(self.layout.height, self.layout.width)
+        longest = max(layout.height, layout.width)
         if longest > _MOST_SIDE:
             raise InvalidInputError(
-                f"{self.path}: '.tif' holds at most {_MOST_SIDE} pixels a side, not {longest}"
+                f"{path}: '.tif' holds at most {_MOST_SIDE} pixels a side, not {longest}"
             )
         rows, columns = self._tiles(0)
-        if rows * columns > _MOST_TILES:
+        if rows * columns > _MOST_TILES:  # their tables would be larger than they should be
             raise InvalidInputError(
-                f"{self.path}: '.tif' holds at most {_MOST_TILES} tiles, not {rows * columns} of "
-                f"{self.layout.tile} pixels a side; use a larger --block"
+                f"{path}: '.tif' holds at most {_MOST_TILES} tiles, not {rows * columns} of "
+                f"{layout.tile} pixels a side; use a larger --block"
             )
 
     @property

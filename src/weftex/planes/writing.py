@@ -149,7 +149,13 @@ def write_plane(
     """
     found = done_before(plane, restart=restart, repair=repair)
     if check_disk:
-        _check_free_space(plane, plane.missing(found))
+        need = most_bytes(plane, plane.missing(found))
+        free = shutil.disk_usage(os.path.dirname(os.path.abspath(plane.path))).free
+        if need > free:
+            raise FileError(
+                f"{plane.path}: may take {in_words(need)} more, but {in_words(free)} are free on "
+                "the disk; free some space, or try with --allow-huge"
+            )
     with at_work(plane, restart=restart, repair=repair) as record:
         done = plane.sound(record.done()) if repair else record.done()
         left = plane.missing(done)
@@ -211,17 +217,6 @@ def block_maker(plane: PlaneFile) -> Callable[[tuple[str, Place]], None]:
         plane.make(records[run], place, threads=1)
 
     return make
-
-
-def _check_free_space(plane: PlaneFile, left: int) -> None:
-    """Raise `FileError` unless a number of blocks fit on the disk."""
-    need = most_bytes(plane, left)
-    free = shutil.disk_usage(os.path.dirname(os.path.abspath(plane.path))).free
-    if need > free:
-        raise FileError(
-            f"{plane.path}: may take {in_words(need)} more, but {in_words(free)} are free on the "
-            "disk; free some space, or try with --allow-huge"
-        )
 
 
 def most_bytes(plane: PlaneFile, left: int) -> int:
