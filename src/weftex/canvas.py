@@ -97,9 +97,23 @@ class Canvas:
         wrap = self.wrap
         if not (isinstance(wrap, tuple) and len(wrap) == 2 and {*map(type, wrap)} == {bool}):
             raise wrong_value("wrap", wrap, "two booleans (vertical, horizontal)")
-        self._check_origin()
+        if not isinstance(self.origin, tuple) or len(self.origin) != 2:
+            raise wrong_value("origin", self.origin, "(top, left)")
+        for name, at in zip(("top", "left"), self.origin, strict=True):
+            if type(at) is not int or not -FAR <= at <= FAR:
+                raise wrong_value(name, at, "an integer from -2**40 to 2**40")
+        whole = self.shown is None and self.hole is not None  # no block of a plane
+        if self.origin != (0, 0) and (any(self.wrap) or whole):
+            raise InvalidInputError(
+                "a part of an endless plane neither wraps nor has known pixels; leave origin out"
+            )
         if self.known_from is not None:
-            object.__setattr__(self, "known_from", _place(self.known_from))
+            try:
+                y, x = (operator.index(part) for part in self.known_from)
+            except (TypeError, ValueError):
+                wanted = "(row, column) in the sample"
+                raise wrong_value("known_from", self.known_from, wanted) from None
+            object.__setattr__(self, "known_from", (y, x))
         if self.hole is None and self.known is not None:
             raise InvalidInputError("known pixels need a hole, the mask of the pixels to fill")
         if self.hole is not None:
@@ -114,18 +128,6 @@ class Canvas:
                 raise InvalidInputError(
                     f"{name} is {size_words(value.shape)}, the canvas is {size_words(self.shape)}"
                 )
-
-    def _check_origin(self) -> None:
-        if not isinstance(self.origin, tuple) or len(self.origin) != 2:
-            raise wrong_value("origin", self.origin, "(top, left)")
-        for name, at in zip(("top", "left"), self.origin, strict=True):
-            if type(at) is not int or not -FAR <= at <= FAR:
-                raise wrong_value(name, at, "an integer from -2**40 to 2**40")
-        whole = self.shown is None and self.hole is not None  # no block of a plane
-        if self.origin != (0, 0) and (any(self.wrap) or whole):
-            raise InvalidInputError(
-                "a part of an endless plane neither wraps nor has known pixels; leave origin out"
-            )
 
     @property
     def shape(self) -> tuple[int, int]:
@@ -195,15 +197,6 @@ class Canvas:
                 f"{wanted_shape}; dtype and channels must be equal"
             )
         exemplar.as_guide(self.guide)
-
-
-def _place(value: Any) -> tuple[int, int]:
-    """A row and a column."""
-    try:
-        y, x = (operator.index(part) for part in value)
-        return y, x
-    except (TypeError, ValueError):
-        raise wrong_value("known_from", value, "(row, column) in the sample") from None
 
 
 def _check_kind(what: str, pixels: NDArray[Any], exemplar: Exemplar) -> None:
