@@ -138,13 +138,10 @@ class Recipe:
 
     def changed(self, **fields: Any) -> Self:
         """Return the same but for some fields, as JSON has them."""
-        return type(self).from_json({**self.as_json(), **fields}, local=self._local)
-
-    @property
-    def _local(self) -> bool:
         declared = TASKS[self.task].options
         given = [v is not None for k, v in self.options.items() if declared[k].local]
-        return any("path" in spec for spec in self.materials) or any(given)
+        local = any("path" in spec for spec in self.materials) or any(given)
+        return type(self).from_json({**self.as_json(), **fields}, local=local)
 
     @property
     def pictures(self) -> list[str]:

@@ -33,7 +33,13 @@ def json_of(
     for name, option in TASKS[task].options.items():
         found[name] = value_of(option, given)
     if task == "fuse":
-        found["map"] = _map_of(found["map"], given)
+        fields = {name: value_of(option, given) for name, option in GRADIENT.items()}
+        fields = {name: value for name, value in fields.items() if value is not None}
+        if found["map"] == "gradient":
+            found["map"] = fields
+        elif fields:
+            flag = GRADIENT[next(iter(fields))].flag
+            raise InvalidInputError(f"{flag} has no effect unless --map is gradient")
     specs: list[dict[str, Any]] = [_spec(path, given.get("maps")) for path in paths]
     for name in TASKS[task].material:
         option = MATERIAL[name]
@@ -73,17 +79,6 @@ def _spec(path: str, maps: Any) -> dict[str, Any]:
     if path.startswith("sample:") and maps is None:
         return {"sample": path.removeprefix("sample:")}
     return {"path": path}
-
-
-def _map_of(given: Any, texts: Mapping[str, Any]) -> Any:
-    fields = {name: value_of(option, texts) for name, option in GRADIENT.items()}
-    fields = {name: value for name, value in fields.items() if value is not None}
-    if given == "gradient":
-        return fields
-    if fields:
-        flag = GRADIENT[next(iter(fields))].flag
-        raise InvalidInputError(f"{flag} has no effect unless --map is gradient")
-    return given
 
 
 def path_of(spec: Mapping[str, Any], names: Mapping[str, str]) -> str:
@@ -136,12 +131,21 @@ def command_of(
     words += ["--sample", *paths[1:]] if len(paths) > len(own) else []
     for name, option in TASKS[recipe.task].options.items():
         value = recipe.options[name]
-        if name == "map":
-            words += _map_words(value, names)
+        if name == "map" and isinstance(value, str):
+            words += ["--map", names.get(value, value)]
+        elif name == "map":
+            words += ["--map", "gradient"]
+            for part, given in value.items():
+                words += GRADIENT[part].words(given)
         elif value != option.default:
             words += option.words(renamed(option, value, names))
     words += [*said, *SEED.words(recipe.seed)]
-    lines.append(words + _method_words(recipe))
+    if recipe.method.slug != TASKS[recipe.task].default_method:
+        words += ["--method", recipe.method.slug]
+    for name, value in recipe.parameters.items():
+        text = ",".join(map(str, value)) if isinstance(value, (list, tuple)) else str(value)
+        words.append(f"--{name.replace('_', '-')}={text}")
+    lines.append(words)
     return " && ".join(shlex.join(line) for line in lines)
 
 
@@ -163,23 +167,4 @@ def _material_words(
             return None
         value = asked[0]
         words += option.words(renamed(option, value, names))
-    return words
-
-
-def _map_words(given: Any, names: Mapping[str, str]) -> list[str]:
-    if isinstance(given, str):
-        return ["--map", names.get(given, given)]
-    words = ["--map", "gradient"]
-    for name, value in given.items():
-        words += GRADIENT[name].words(value)
-    return words
-
-
-def _method_words(recipe: Recipe) -> list[str]:
-    """Return the method, if it is not the default, and its parameters."""
-    slug = recipe.method.slug
-    words = [] if slug == TASKS[recipe.task].default_method else ["--method", slug]
-    for name, value in recipe.parameters.items():
-        text = ",".join(map(str, value)) if isinstance(value, (list, tuple)) else str(value)
-        words.append(f"--{name.replace('_', '-')}={text}")
     return words
