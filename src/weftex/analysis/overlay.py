@@ -122,17 +122,11 @@ def _lines_over(levels: Bytes, lattice: Lattice) -> list[tuple[Floats, float]]:
         for axis, side in enumerate(gray.shape)
     )
     y, x = np.mgrid[: gray.shape[0], : gray.shape[1]].astype(np.float64)
-    return [
-        (across, _busiest(x * across[0] + y * across[1], change)) for across in _across(lattice)
-    ]
-
-
-def _across(lattice: Lattice) -> list[Floats]:
-    """For each family of lines, what times (x, y) counts them: rows of the inverse basis."""
     vectors = np.array(lattice.vectors)
-    if len(vectors) == 1:
-        return [vectors[0] / (vectors[0] @ vectors[0])]
-    return list(np.linalg.inv(vectors).T)
+    # What times (x, y) counts the lines of each family: the rows of the inverse basis.
+    one = len(vectors) == 1
+    families = vectors / (vectors[0] @ vectors[0]) if one else np.linalg.inv(vectors).T
+    return [(along, _busiest(x * along[0] + y * along[1], change)) for along in families]
 
 
 def _busiest(place: Floats, change: Floats) -> float:

@@ -256,12 +256,9 @@ def _above_chance(contrasts: Floats, weights: Floats, times: Floats, unsure: flo
     total, weight = parts.sum(axis=1), weights.sum(axis=1)
     at = parts.argmax(axis=1)[:, None]
     out = [(np.take_along_axis(parts, at, 1)[:, 0], np.take_along_axis(weights, at, 1)[:, 0])]
-    for line in (
-        times[:, 1] == 0,
-        times[:, 0] == 0,
-        *(times[:, 0] == k * times[:, 1] for k in (1, -1)),
-    ):
-        out.append((parts[:, line].sum(axis=1), weights[:, line].sum(axis=1)))
+    x, y = times.T
+    lines = (y == 0, x == 0, x == y, x == -y)
+    out += [(parts[:, line].sum(axis=1), weights[:, line].sum(axis=1)) for line in lines]
     least = _mean(contrasts, weights)
     for part, share in out:
         left = weight - share
