@@ -253,7 +253,11 @@ def atlas(
     _check_gutter(gutter, size, exemplar)
     found = 0
     if not vectors and not has_joint_network(exemplar):
-        exemplar, found = _without_landmarks(exemplar, belt_of(size))
+        masks, count = find_landmarks(exemplar, others=False)
+        if count:
+            plain = exemplar.changed(mask=exemplar.usable & ~np.logical_or.reduce(masks))
+            if usable_corners(plain, belt_of(size)).any():  # enough is left for corners
+                exemplar, found = plain, count
     if is_auto(chosen):
         chosen = make_method("graphcut", WHOLE | ({"lattice": vectors} if vectors else {}))
     else:
@@ -307,15 +311,6 @@ def _as_size(given: Any, exemplar: Exemplar) -> tuple[int, int]:
         wanted = f"a number of pixels, {_LEAST} or more, or a height and a width"
         raise wrong_value("tile_size", given, wanted)
     return size
-
-
-def _without_landmarks(exemplar: Exemplar, belt: int) -> tuple[Exemplar, int]:
-    """The sample without its rare landmarks, and their number, if enough is left for corners."""
-    masks, count = find_landmarks(exemplar, others=False)
-    if not count:
-        return exemplar, 0
-    plain = exemplar.changed(mask=exemplar.usable & ~np.logical_or.reduce(masks))
-    return (plain, count) if usable_corners(plain, belt).any() else (exemplar, 0)
 
 
 def _check_gutter(gutter: Any, size: tuple[int, int], exemplar: Exemplar) -> None:

@@ -124,18 +124,14 @@ def usda(
         if role not in _USD:
             continue
         to, kind = _USD[role]
-        if kind != "float":
-            output, stored = "rgb", "float3 outputs:rgb"
-        else:
-            output = "rgba"[place.first]
-            stored = f"float outputs:{output}"
+        output, stored = ("rgba"[place.first], "float") if kind == "float" else ("rgb", "float3")
         path = f"/Root/{material}/{role}.outputs:{output}"
         lines.append(f"            {kind} inputs:{to}.connect = <{path}>\n")
         space = "sRGB" if role in ("color", "emission") else "raw"
         scale, bias = _USD_SCALES.get(role, ((1, 1, 1, 1), (0, 0, 0, 0)))
         textures += Template(_TEXTURE.read_text("utf-8")).substitute(
             role=role, file=place.file, material=material, space=space, scale=scale, bias=bias,
-            stored=stored,
+            stored=f"{stored} outputs:{output}",
         )  # fmt: skip
     return Template(_STAGE.read_text("utf-8")).substitute(
         material=material, points=", ".join(points), low=points[0], high=points[2],
