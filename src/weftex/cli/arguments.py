@@ -124,7 +124,15 @@ def _add_parameters(parser: Parser, argv: list[str], default: str, named: str) -
     found = [*parameters_of(method_class(name), parser.command in ("fill", "tile"))]
     fields = [field.name for field, _ in found]
     if not is_named:
-        _refuse_others(unknown, fields, parser.command)
+        # Methods that have a parameter which the default method lacks are named.
+        kinds = _KINDS.get(parser.command, set())
+        for option in unknown:
+            field_name = option[2:].replace("-", "_")
+            able = [one for one in owners(field_name) if kinds <= METHODS[one].supports]
+            if able and field_name not in fields:
+                raise InvalidInputError(
+                    f"{option} belongs to a method, so name one: --method {' or '.join(able)}"
+                )
     group = parser.add_argument_group(f"method parameters ({name})")
     for field, values in found:
         kind = kind_of(field)
@@ -142,18 +150,6 @@ def _add_parameters(parser: Parser, argv: list[str], default: str, named: str) -
 
 #: What methods must support for a command.
 _KINDS = {"fill": {"known"}, "tile": {"known"}, "fuse": {"known", "many"}}
-
-
-def _refuse_others(options: list[str], own: list[str], command: str) -> None:
-    """Name the methods that have a parameter which the default method lacks."""
-    for option in options:
-        name = option[2:].replace("-", "_")
-        kinds = _KINDS.get(command, set())
-        able = [one for one in owners(name) if kinds <= METHODS[one].supports]
-        if able and name not in own:
-            raise InvalidInputError(
-                f"{option} belongs to a method, so name one: --method {' or '.join(able)}"
-            )
 
 
 def check_numbers(args: argparse.Namespace) -> None:

@@ -13,7 +13,6 @@ from weftex import Exemplar
 from weftex.io.formats import FORMATS
 from weftex.io.pictures import Picture
 from weftex.io.png import png_bytes
-from weftex.raster.levels import to_stored
 from weftex.studio.refusals import Refusal
 
 Bytes = NDArray[np.uint8]
@@ -73,7 +72,8 @@ def on_screen(like: Exemplar, pixels: NDArray[Any]) -> Bytes:
         levels = ((colors.astype(np.uint32) + 128) // 257).astype(np.uint8)
     elif colors.dtype.kind == "f" and like.role.kind == "color":
         light = np.clip(colors.astype(np.float64), 0, 1)
-        levels = np.rint(255 * to_stored(light)).astype(np.uint8)
+        curve = np.where(light < 0.0031308, light * 12.92, 1.055 * light ** (1 / 2.4) - 0.055)
+        levels = np.rint(255 * curve).astype(np.uint8)  # sRGB, IEC 61966-2-1
     else:
         levels = like.as_matching(pixels)[..., : colors.shape[2]]
     if not alpha:
