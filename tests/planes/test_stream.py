@@ -11,7 +11,7 @@ import pytest
 import weftex
 from commands import listing
 from families import noise, refused
-from weftex.errors import CancelledError, FileError, InvalidInputError
+from weftex.errors import CancelledError, FileError
 from weftex.planes import check, open_plane, stream
 from weftex.planes.definition import Definition, define
 from weftex.planes.plane_file import PlaneFile
@@ -172,7 +172,6 @@ def test_arguments_that_are_none(sample, tmp_path):
     ]:
         how = {"size": 100} | HOW | change
         refused(why, stream, sample, tmp_path / "p.tif", **how)
-    strained = HOW | {"method": weftex.BestTile(lattice=(12, 0, 0, 12))}
-    with pytest.raises(InvalidInputError, match="stretched by .* fits"):
-        stream(sample, tmp_path / "p.tif", 67, tileable=True, **strained)
+    strained = HOW | {"method": weftex.BestTile(lattice=(12, 0, 0, 12)), "tileable": True}
+    refused("stretched by .* fits", stream, sample, tmp_path / "p.tif", 67, **strained)
     assert not list(tmp_path.iterdir())
