@@ -7,6 +7,7 @@ import pytest
 from PIL import Image
 
 import weftex
+from families import refused
 from weftex.cli import main
 from weftex.io.pictures import read_image
 from weftex.prepare.combining import combined
@@ -146,34 +147,31 @@ def test_maps_and_saved_results(tmp_path):
 
 
 def test_what_does_not_fit_is_refused():
-    def refused(match, *args, error=weftex.InvalidInputError, **more):
-        with pytest.raises(error, match=match):
-            weftex.fuse(*args, **more)
-
-    refused("1 sample to fuse", [A], HALVES)
+    refused("1 sample to fuse", weftex.fuse, [A], HALVES)
     other = r"sample 2 \(array 2\) is uint16 with 3 channels, sample 1 \(array 1\) is uint8 with 3"
-    refused(other, [A, B.astype(np.uint16)], HALVES)
-    refused("is uint8 with 2 channels", [A, weftex.Exemplar(B[..., :2], alpha=False)], HALVES)
-    refused("with 3 channels and alpha", [A, np.dstack([B, B[..., 0]])], HALVES)
+    refused(other, weftex.fuse, [A, B.astype(np.uint16)], HALVES)
+    two = weftex.Exemplar(B[..., :2], alpha=False)
+    refused("is uint8 with 2 channels", weftex.fuse, [A, two], HALVES)
+    refused("with 3 channels and alpha", weftex.fuse, [A, np.dstack([B, B[..., 0]])], HALVES)
     for single in (A, "sample:pebbles", None):
-        refused("give a list of two or more samples", single, HALVES)
-    refused("boundary is 'soft'.*merged", [A, B], HALVES, boundary="soft")
+        refused("give a list of two or more samples", weftex.fuse, single, HALVES)
+    refused("boundary is 'soft'.*merged", weftex.fuse, [A, B], HALVES, boundary="soft")
     for wide in (0, 1, -4, 3.5, True):
-        refused(f"belt_width is {wide}", [A, B], HALVES, belt_width=wide)
-    refused("belt_width is 81; it must be at most 80", [A, B], HALVES, belt_width=81)
-    refused("the label map is 80x70, the size 50x60", [A, B], HALVES, (60, 50))
-    refused("needs the size", [A, B], "gradient")
-    refused("a gradient has no colors", [A, B], "gradient", 50, colors=[0, 1])
-    refused("mixed is 3", [A, B], HALVES, mixed=3)
-    refused("two numbers of samples", [A, B], HALVES, mixed={2: 1})
-    refused("two numbers of samples", [A, B], HALVES, mixed={2: (0, 2)})
-    refused("colors of the samples beside", [A, B], HALVES + 5, mixed={2: (0, 1)})
+        refused(f"belt_width is {wide}", weftex.fuse, [A, B], HALVES, belt_width=wide)
+    refused("belt_width is 81; it must be at most 80", weftex.fuse, [A, B], HALVES, belt_width=81)
+    refused("the label map is 80x70, the size 50x60", weftex.fuse, [A, B], HALVES, (60, 50))
+    refused("needs the size", weftex.fuse, [A, B], "gradient")
+    refused("a gradient has no colors", weftex.fuse, [A, B], "gradient", 50, colors=[0, 1])
+    refused("mixed is 3", weftex.fuse, [A, B], HALVES, mixed=3)
+    refused("two numbers of samples", weftex.fuse, [A, B], HALVES, mixed={2: 1})
+    refused("two numbers of samples", weftex.fuse, [A, B], HALVES, mixed={2: (0, 2)})
+    refused("colors of the samples beside", weftex.fuse, [A, B], HALVES + 5, mixed={2: (0, 1)})
     for method in ("quilting", "patch-sampling", "near-regular"):
         refused(
-            "several samples in one picture; .*refinement", [A, B], HALVES, method=method,
-            error=weftex.UnsupportedError,
+            "several samples in one picture; .*refinement", weftex.fuse, [A, B], HALVES,
+            method=method, error=weftex.UnsupportedError,
         )  # fmt: skip
-    refused("nowhere.png", [A, B], "nowhere.png", error=weftex.FileError)
+    refused("nowhere.png", weftex.fuse, [A, B], "nowhere.png", error=weftex.FileError)
 
 
 def test_progress_can_cancel():
