@@ -83,9 +83,8 @@ def test_output_folder(tmp_path):
     fails(tmp_path / "pipe.png", "cannot be overwritten", check)
     fails("sample:bricks", "samples cannot be overwritten", check)
     fails("sample:new.png", "samples cannot be overwritten", check)
-    for call in (lambda p: io.write_image(p, noise((3, 3))),):
-        fails(tmp_path / "no" / "a.png", "does not exist", call)
-        fails(tmp_path / "dir.png", "is a folder", call)
+    fails(tmp_path / "no" / "a.png", "does not exist", lambda p: io.write_image(p, noise((3, 3))))
+    fails(tmp_path / "dir.png", "is a folder", lambda p: io.write_image(p, noise((3, 3))))
     check(tmp_path / "new.png")
     assert files_in(tmp_path) == ["dir.png", "file", "pipe.png"]
 
