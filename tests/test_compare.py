@@ -56,8 +56,7 @@ def test_the_page_needs_nothing_but_itself(found, tmp_path):
     over = sum(len(entry.assessment.flags) for entry in found.entries)
     assert over > 0 and found.html().count('class="number over"') == over
     assert not re.search(r'(src|href)="(?!data:|#)', found.html())
-    with pytest.raises(FileError):
-        found.save(tmp_path / "c.png")
+    refused("c.png", found.save, tmp_path / "c.png", error=FileError)
 
 
 def test_a_method_that_cannot_says_why():

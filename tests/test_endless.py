@@ -196,8 +196,7 @@ def test_two_threads_make_a_block_once_and_errors_go_to_both():
             pass
         gate.set()
         assert both[0].result() is both[1].result() and len(made) == 1
-    with pytest.raises(ZeroDivisionError):
-        cache.get("b", lambda: np.zeros(1 // 0))
+    refused("by zero", cache.get, "b", lambda: np.zeros(1 // 0), error=ZeroDivisionError)
     assert cache.get("b", lambda: np.ones(3)).sum() == 3  # is tried again
     for k in range(30):
         cache.get(k, lambda: np.zeros(20))

@@ -58,8 +58,7 @@ def test_fit_takes_what_synthesize_takes(method, tmp_path):
     for sample in (pixels, str(tmp_path / "a.png"), tmp_path / "a.png"):
         assert np.array_equal(method_of(method).fit(sample).sample(24, seed=1).image, expected)
     for wrong in (None, 7, "nowhere.png", [[1, 2], [3]], {}, object()):
-        with pytest.raises(weftex.WeftexError):
-            method_of(method).fit(wrong)
+        refused("sample|nowhere", method_of(method).fit, wrong, error=weftex.WeftexError)
 
 
 @pytest.mark.parametrize("shape", [(3, 64, 64), (1, 40, 50), (4, 3, 33), (2, 9, 100)])

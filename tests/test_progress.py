@@ -68,8 +68,7 @@ def test_each_method_can_be_cancelled(method, way):
         return len(calls) < 3
 
     model = method_of(method, way).fit(weftex.Exemplar(SAMPLE))
-    with pytest.raises(CancelledError):
-        model.sample((60, 50), seed=1, progress=callback)
+    refused("cancelled", model.sample, (60, 50), seed=1, progress=callback, error=CancelledError)
     assert len(calls) == 3
 
 

@@ -7,7 +7,6 @@ import pytest
 
 import weftex
 from families import noise, refused
-from weftex.errors import InvalidInputError
 
 SAMPLE = noise((40, 44, 3))
 
@@ -82,5 +81,4 @@ def test_the_pixels_of_a_sample_are_kept_once():
 
 
 def test_auto_is_not_among_the_methods():
-    with pytest.raises(InvalidInputError, match="is not a method, it chooses one"):
-        weftex.METHODS["auto"]
+    refused("is not a method, it chooses one", weftex.METHODS.__getitem__, "auto")

@@ -12,13 +12,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import weftex
+from families import refused
 from materials import wall
 from weftex.analysis.autocorrelations import Field, find_peaks
 from weftex.analysis.correlation import correlate
 from weftex.analysis.lattice import Lattice, find_lattice, rate_lattices
 from weftex.analysis.overlay import draw_lattice
 from weftex.analysis.pairs import ALPHA, rate, reduced, tile_shares
-from weftex.errors import InvalidInputError
 from weftex.exemplar import Exemplar
 from weftex.reference.lattice import goodness, identifiers
 from weftex.tasks.auto.findings import look
@@ -265,8 +265,7 @@ def test_bases_of_one_lattice(numbers, times):
     ],
 )
 def test_no_lattices(vectors, message):
-    with pytest.raises(InvalidInputError, match=message):
-        Lattice(vectors)
+    refused(message, Lattice, vectors)
 
 
 @pytest.mark.parametrize("channels", [(), (1,), (2,), (3,), (4,), (7,)])

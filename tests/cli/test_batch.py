@@ -13,7 +13,7 @@ import pytest
 
 import weftex
 from commands import fails, weft_run
-from families import noise
+from families import noise, refused
 from picture_files import oiio_write
 from processes import children_of, have_ended, hear_interrupts, weftex_process
 from weftex.errors import WeftexError
@@ -239,13 +239,10 @@ def test_whatever_ends_it_leaves_no_process(here, samples, number, code):
 def test_a_job_whose_process_is_killed_fails_alone():
     with Workers(Mortal) as workers:
         assert workers.do(20) == 40
-        with pytest.raises(WeftexError, match="its process was killed"):
-            workers.do(0)
-        with pytest.raises(ZeroDivisionError):
-            workers.do("1/0")
+        refused("its process was killed", workers.do, 0, error=WeftexError)
+        refused("division by zero", workers.do, "1/0", error=ZeroDivisionError)
         assert workers.do(21) == 42
-    with pytest.raises(WeftexError, match="was ended"):
-        workers.do(1)
+    refused("was ended", workers.do, 1, error=WeftexError)
 
 
 class Mortal:

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import weftex
-from families import noise
+from families import noise, refused
 
 
 def model_of(pixels, **parameters):
@@ -35,15 +35,13 @@ def test_it_wraps(tileable):
             step = np.moveaxis(step, axis, 0).mean(axis=1)
             steps.append(step[-1] >= step.min())
     assert all(steps)
-    with pytest.raises(weftex.InvalidInputError, match="fits"):
-        model.sample((30, 24), tileable=True)
+    refused("fits", model.sample, (30, 24), tileable=True)
 
 
 def test_without_a_lattice_it_is_refused():
     stripes = np.repeat(np.uint8([40, 200]), 4)[:, None] * np.ones((1, 60), np.uint8)
     for pixels in (noise((40, 50)), np.tile(stripes, (8, 1))):
-        with pytest.raises(weftex.InvalidInputError, match="has no lattice"):
-            model_of(pixels)
+        refused("has no lattice", model_of, pixels)
 
 
 def test_borders_are_as_wide_as_there_is_room_for():

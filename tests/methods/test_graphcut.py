@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import weftex
-from families import canvas_of, noise
+from families import canvas_of, noise, refused
 from weftex.methods.graphcut import GraphCut
 from weftex.methods.graphcut.cutting import WorstSeams
 from weftex.methods.graphcut.placement import chances_of, drawn_places
@@ -145,8 +145,7 @@ def test_pieces_keep_to_a_lattice():
     assert strayed.max() <= 31.05 / 16
     with pytest.raises(weftex.WeftexError, match="less than two cells"):
         GraphCut(placement="entire", lattice=(200, 0, 0, 200)).fit(exemplar)
-    with pytest.raises(weftex.WeftexError, match="lattice"):
-        GraphCut(lattice=(20, 0, 0, 20))
+    refused("lattice", GraphCut, lattice=(20, 0, 0, 20), error=weftex.WeftexError)
 
 
 def test_the_least_reach_of_tones_there_is(rng):

@@ -7,6 +7,7 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
 import weftex
+from families import refused
 from twins.seams import path_by_exhaustion
 from weftex import reference
 from weftex.canvas import Canvas
@@ -85,7 +86,5 @@ def test_sizes_that_do_not_fit_are_refused():
         reference.patch_based_sampling(SAMPLE, 40, 16, 9)
     with pytest.raises(InvalidInputError, match="size is 40; tileable sides must be"):
         reference.patch_based_sampling(SAMPLE, 40, 16, 4, tileable=True)
-    with pytest.raises(InvalidInputError, match="overlap is 16; it must be from 1 to 15"):
-        reference.image_quilting(SAMPLE, 40, 16, 16)
-    with pytest.raises(InvalidInputError, match="block is 47; it must be from 1 to 46"):
-        reference.image_quilting(SAMPLE, 40, 47, 16)
+    refused("overlap is 16; it must be from 1 to 15", reference.image_quilting, SAMPLE, 40, 16, 16)
+    refused("block is 47; it must be from 1 to 46", reference.image_quilting, SAMPLE, 40, 47, 16)

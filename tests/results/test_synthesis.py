@@ -133,8 +133,7 @@ def test_maps_come_along():
     assert np.array_equal(result.maps["roughness"], result.render(values))
     assert np.array_equal(result.maps["height"], result.render(values, role="height"))
     assert make().maps == {}
-    with pytest.raises(KeyError, match="normal"):
-        result.maps["normal"]
+    refused("normal", result.maps.__getitem__, "normal", error=KeyError)
 
 
 def test_results_can_be_pickled():

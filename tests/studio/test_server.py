@@ -14,6 +14,7 @@ import numpy as np
 import pytest
 from pages import Page, Process
 
+from families import refused
 from weftex.cli import main
 from weftex.io.pictures import write_image
 from weftex.studio import server
@@ -75,8 +76,7 @@ def test_its_socket_is_of_this_machine_alone():
     with server.listen(None) as one, server.listen(None) as two:
         assert one.getsockname()[0] == two.getsockname()[0] == "127.0.0.1"
         assert one.getsockname()[1] != two.getsockname()[1]
-        with pytest.raises(OSError, match="cannot listen at 127.0.0.1:"):
-            server.listen(one.getsockname()[1])
+        refused("cannot listen at 127.0.0.1:", server.listen, one.getsockname()[1], error=OSError)
 
 
 def test_only_the_address_is_said(monkeypatch, tmp_path, capsys):
@@ -198,21 +198,18 @@ def test_the_oldest_work_that_nobody_uses_gives_way(tmp_path):
     found = Store(tmp_path, Limits(stored_bytes=300))
     found.reserve(150)
     assert ({one.name for one in found.sessions()}, found.bytes) == ({names[2]}, 250)
-    with pytest.raises(Refusal, match="remove earlier work"):
-        found.reserve(51)
+    refused("remove earlier work", found.reserve, 51, error=Refusal)
 
 
 def test_pages_that_are_open_are_bounded(tmp_path):
     studio = Studio(tmp_path, Limits(sessions=2))
     one, two = (studio.open_session(None)[0] for _ in range(2))
-    with pytest.raises(Refusal, match="2 pages are open; close one of them"):
-        studio.open_session(None)
+    refused("2 pages are open; close one of them", studio.open_session, None, error=Refusal)
     one.seen -= 100  # a tab that was closed long ago
     one.remember("made", 4, "result")
     three, resumed = studio.open_session(None)
     assert (one.recall("result"), resumed) == (None, False)
-    with pytest.raises(Refusal):
-        studio.session(one.id)
+    refused("page", studio.session, one.id, error=Refusal)
     assert studio.open_session(two.id) == (two, True)
     assert studio.session(three.id) is three
     studio.close()

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from weftex.errors import InvalidInputError
+from families import refused
 from weftex.label_maps import Gradient
 
 
@@ -72,5 +72,4 @@ def test_small_maps_are_covered(size, radii):
     ],
 )
 def test_bad_values_are_named(given, match):
-    with pytest.raises(InvalidInputError, match=match):
-        Gradient(**given)
+    refused(match, Gradient, **given)
