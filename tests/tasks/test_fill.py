@@ -251,6 +251,42 @@ def test_holes_far_apart_have_boxes_of_their_own(rng, wrap):
     assert mask.any() and np.array_equal(seen, mask)  # each pixel is near one of them only
 
 
+@pytest.mark.parametrize("overlap", [0, 5])
+def test_holes_all_over_a_large_photo_are_filled_each_from_nearby(monkeypatch, overlap):
+    photo = weftex.load_exemplar("sample:pebbles").pixels
+    photo = np.concatenate([photo, photo[:, ::-1]], axis=1)
+    hole = box(photo.shape[:2], (100, 30, 130, 60))
+    mask = hole | box(hole.shape, (0, 240, 12, 260), (150, 360, 192, 384))
+    limits = {"_LARGE": 200**2, "_SQUARE": 64, "_MARGIN": 40, "_LEAST_REACH": 24}
+    for name, value in limits.items():
+        monkeypatch.setattr(f"weftex.tasks.fill.{name}", value)
+    result = weftex.fill(photo, mask, overlap=overlap, seed=1)
+    part = np.s_[28 - overlap :, : 132 + overlap]
+    alone = weftex.fill(photo[part], hole[part], overlap=overlap, seed=1)
+    assert np.array_equal(result.source[part], alone.source + (28 - overlap, 0))
+    cut = result.canvas.hole
+    assert np.array_equal(result.image[~cut], photo[~cut]) and cut[mask].all()
+    assert (cut == mask).all() == (not overlap)
+    away = result.source[cut] - np.argwhere(cut)
+    assert abs(away).max() < 40 + 32 + 40 + 2 * overlap
+    assert not mask[tuple(result.source[cut].T)].any()
+
+
+@pytest.mark.parametrize("overlap", [0, 5])
+def test_a_large_hole_has_the_sources_of_a_smaller_copy(monkeypatch, overlap):
+    photo = weftex.load_exemplar("sample:pebbles").pixels[:187, :191]
+    mask = box(photo.shape[:2], (131, 70, 187, 131))
+    monkeypatch.setattr("weftex.tasks.fill._LARGE_HOLE", 40**2)
+    result = weftex.fill(photo, mask, overlap=overlap, seed=1)
+    cut = result.canvas.hole
+    assert np.array_equal(result.image[~cut], photo[~cut]) and cut[mask].all()
+    assert not mask[tuple(result.source[cut].T)].any()
+    whole = result.source[:186, :190].reshape(93, 2, 95, 2, 2)
+    inside = cut[:186, :190].reshape(93, 2, 95, 2).all(axis=(1, 3))
+    steps = (whole - whole[:, :1, :, :1])[inside.nonzero()[0], :, inside.nonzero()[1]]
+    assert (steps == [[[0, 0], [0, 1]], [[1, 0], [1, 1]]]).all() and inside.sum() > 700
+
+
 @pytest.mark.parametrize("method", ["patch-sampling", "quilting", "graphcut"])
 def test_an_overlap_cuts_where_photo_and_filling_differ_least(method):
     photo = weftex.load_exemplar("sample:tiles").pixels[:200, :240]

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from weftex.raster.arrays import Floats, Mask
 
 Kind = TypeVar("Kind", bound=np.generic)
+AROUND = 32  #: pixels around a hole that are matched with it, or half as many as it is wide
 Hole = list[tuple[int, int]]  #: Its rows and columns: the first, and one after the last.
 
 
@@ -117,7 +118,7 @@ def smaller_masks(places: NDArray[np.bool_], count: int) -> list[NDArray[np.uint
     return copies
 
 
-def holes_in(mask: Mask, wrap: tuple[bool, bool], apart: int) -> list[Hole]:
+def holes_in(mask: Mask, wrap: tuple[bool, bool], apart: int = AROUND) -> list[Hole]:
     """Return boxes around all that is marked, more than `apart` pixels from each other.
 
     Along an axis that wraps around a box has the entire side.

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from itertools import pairwise
 from typing import Any
 
@@ -51,6 +52,19 @@ class PixelSynthesis(Synthesis):
         """Return this result of a rearranged sample as one of the sample itself, made `by`."""
         about = {"exemplar": exemplar, "provenance": self.provenance | by}
         return self._again(self.canvas, index.ravel()[self.index], **about)
+
+    def enlarged(self, canvas: Canvas, exemplar: Exemplar, step: int) -> PixelSynthesis:
+        """Return this filling of a copy of a photo, smaller by whole `step`s, for the photo."""
+        assert canvas.hole is not None and self.canvas.hole is not None
+        sides = zip(canvas.shape, self.shape, strict=True)
+        cells = [np.minimum(np.arange(n) // step, count - 1) for n, count in sides]
+        y, x = (np.minimum(np.arange(len(cell)) - cell * step, step - 1) for cell in cells)
+        places = np.ix_(*cells)
+        down, along = np.divmod(self.index[places], self.sample_shape[1])
+        index = (down * step + y[:, None]) * exemplar.shape[1] + along * step + x
+        hole = canvas.hole & self.canvas.hole[places]
+        index = np.where(hole, index, -1).astype(np.int32)
+        return self._again(replace(canvas, hole=hole), index, exemplar=exemplar)
 
     def _again(self, canvas: Canvas, index: NDArray[np.int32], **changes: Any) -> PixelSynthesis:
         names = (*ABOUT, "exemplar", "threads")

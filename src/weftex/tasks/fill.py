@@ -2,28 +2,34 @@
 
 from __future__ import annotations
 
+import math
 import os
 from contextlib import suppress
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from itertools import starmap
+from operator import itemgetter
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from weftex.analysis.relief import means
 from weftex.canvas import Canvas, as_canvas
 from weftex.errors import InvalidInputError, is_whole, shown, size_words
 from weftex.exemplar import Exemplar, load_exemplar
 from weftex.naming import is_auto, make_method, method_for_task
 from weftex.prepare.combining import paired
-from weftex.progress import listening
+from weftex.progress import Progress, listening
 from weftex.random import seed_number
 from weftex.raster.arrays import as_array
-from weftex.raster.boxes import cell_sums
+from weftex.raster.boxes import AROUND, cell_sums, holes_in
 from weftex.raster.masks import grown
 from weftex.registry import AUTO, FOR_HOLES
 from weftex.results.pixels import PixelSynthesis
 from weftex.seams.boundary import cut_around
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from numpy.typing import NDArray
 
     from weftex.exemplar import Sample
@@ -41,6 +47,10 @@ _LEAST_REACH = 256
 #: Usable pixels around the holes that patches are taken from. More make it slower, and what is
 #: further away looks less like the place.
 _NEIGHBORHOOD = 2**20
+_LARGE = 5 * 2**18  # pixels around all holes from which on they are filled in groups
+_SQUARE = 512  # pixels a side; holes whose middles are in the same square are one group
+_MARGIN = 1024  # pixels around a group that sources are looked for in
+_LARGE_HOLE = 2**18  # pixels of a group of holes from which on a smaller copy is filled
 _CELL = 16  # pixels a side; the neighborhood grows by whole cells
 
 
@@ -60,8 +70,9 @@ def fill(
 ) -> Synthesis:
     """Fill the holes of a photo; without `overlap`, every other pixel stays exactly as it is.
 
-    Patches come from `sample`, or from the million pixels of the photo nearest to the holes. The
-    maps of a map set are matched and filled together: see `Synthesis.maps`.
+    Patches come from `sample`, or from the million pixels of the photo nearest to the holes ("auto"
+    fills holes that are far apart each by itself). The maps of a map set are matched and filled
+    together: see `Synthesis.maps`.
 
     Parameters
     ----------
@@ -151,44 +162,140 @@ def fill(
             f"the mask{' and the overlap cover' if overlap else ' covers'} all of {photo.name}; "
             "no pixels are left to copy from; give another image (--sample)"
         )
-    usable = ~hole & source.usable if inside else source.usable
-    region = Region(hole, wrap, usable if inside else None, max(_LEAST_REACH, chosen.hole_reach))
-    if inside:
-        usable = region.crop(usable) & region.near
-    cropped = Exemplar(
-        region.crop(photo.pixels, blank=masked),
-        maps={key: region.crop(photo.aligned(key), blank=masked) for key in photo.maps},
-        weights=photo.weights,
-        alpha=photo.alpha,
-    )
-    # On bytes, which distances are taken on anyway, the maps have a say about known pixels too.
-    features = cropped.matching() if inside else source.matching_of(cropped)
-    supply = Exemplar(
-        features if inside else source.matching(),
-        mask=usable,
-        tileable=source.tileable and (region.whole or not inside),
-        alpha=False,
-        name=source.name,
-    )
-    missing, anew = region.crop(hole), region.crop(masked)
-    cropped_canvas = Canvas(*cropped.shape, region.wrap, features, missing, canvas.known_from)
-    own = np.arange(missing.size, dtype=np.int32).reshape(missing.shape)
-
-    def filled(by: Method, given: frozenset[str] | None, supply: Exemplar = supply) -> Synthesis:
-        fitted, begun = supply, cropped_canvas
-        if overlap and inside and by.cuts_known:
-            # The method cuts between the photo and its patches itself, by all that is there.
-            border = region.near & region.crop(hole & ~masked & source.usable)
-            fitted = supply.changed(mask=supply.usable | border)
-            begun = replace(begun, shown=np.where(anew, np.int32(-1), own))
-        model = by.for_hole(missing, supply.usable, given).fit(fitted)
-        return model.sample(begun, seed=seed, threads=threads, progress=progress)
-
     # What was given stays; a method that is an object was given with all its values.
     given = frozenset(parameters) if isinstance(method, str) or is_auto(method) else None
+    filling = _Filling(chosen, by_auto and inside, given, int(overlap), seed, threads, progress)
     with listening(progress):
+        result = filling.of(photo, source, masked, canvas)
+    if overlap:
+        result.provenance["overlap"] = int(overlap)
+    result.match_tone = by_auto if match_tone is None else match_tone
+    return result
+
+
+@dataclass(frozen=True)
+class _Filling:
+    """How holes are filled: in groups, from a smaller copy, or all at once."""
+
+    chosen: Method
+    by_auto: bool  # with what suits the photo around the holes, where it can
+    given: frozenset[str] | None  # parameters that stay
+    overlap: int
+    seed: int
+    threads: int | None
+    progress: ProgressCallback | None
+
+    def of(
+        self, photo: Exemplar, source: Exemplar, masked: NDArray[np.bool_], canvas: Canvas
+    ) -> Synthesis:
+        """Fill the hole of the canvas: `masked` anew, the rest only where that fits better."""
+        if self.by_auto:
+            with suppress(InvalidInputError):  # too few pixels are left for a part
+                groups = _groups_of(_hole(canvas), canvas.wrap)
+                if len(groups) > 1:
+                    return self._by_groups(photo, masked, canvas, groups)
+        return self._group(photo, source, masked, canvas)
+
+    def _by_groups(
+        self,
+        photo: Exemplar,
+        masked: NDArray[np.bool_],
+        canvas: Canvas,
+        groups: list[NDArray[np.int_]],
+    ) -> Synthesis:
+        """Fill each group of holes from its own part of the photo."""
+        hole, index = _hole(canvas), np.full(canvas.shape, -1, np.int32)
+        left, cut = hole.copy(), np.zeros_like(hole)
+        canvas = replace(canvas, hole=cut)
+        whole = PixelSynthesis(canvas, index, exemplar=photo, known_from=canvas.known_from)
+        steps = Progress(self.progress, len(groups), "holes", whole.render)
+        by, told = replace(self, progress=steps.within()), []
+        for boxes in groups:
+            first, last = boxes[..., 0], boxes[..., 1]
+            reach = np.maximum((last - first) // 2, AROUND)
+            low, high = (first - reach).min(axis=0).clip(0), (last + reach).max(axis=0)
+            corner = (low - _MARGIN).clip(0).tolist()
+            crop = itemgetter(tuple(map(slice, corner, high + _MARGIN)))
+            marked, matched = np.zeros_like(hole), np.zeros_like(hole)
+            for box in boxes:
+                marked[tuple(starmap(slice, box))] = True
+            matched[tuple(map(slice, low, high))] = True
+            own, missing = crop(left & marked), crop(hole & matched)
+            crop(left)[own] = False
+            usable = crop(photo.usable) & (missing | ~crop(hole))
+            part = _cropped(photo, crop).changed(mask=usable)
+            around = Canvas(*part.shape, canvas.wrap, part.pixels, missing, (0, 0))
+            made = by._group(part, part, crop(masked) & missing, around)
+            if not isinstance(made, PixelSynthesis):
+                raise InvalidInputError("too few pixels are left around a group of holes")
+            found = made.moved(made.canvas, photo, to=(0, 0), source_to=corner).arrays()["index"]
+            crop(index)[own], crop(cut)[own] = found[own], _hole(made.canvas)[own]
+            told.append(made.provenance)
+            steps.advance(1)
+        whole.provenance = {
+            k: v for k, v in told[0].items() if all(v == one.get(k) for one in told)
+        }
+        whole.provenance["reason"] = "; ".join(dict.fromkeys(one["reason"] for one in told))
+        return whole
+
+    def _group(
+        self, photo: Exemplar, source: Exemplar, masked: NDArray[np.bool_], canvas: Canvas
+    ) -> Synthesis:
+        """Fill holes that are near each other, large ones with the sources of a smaller copy."""
+        hole = _hole(canvas)
+        step = math.ceil(math.sqrt(hole.sum() / _LARGE_HOLE))
+        if self.by_auto and step > 1 and not any(canvas.wrap):
+            usable = means(photo.usable & ~hole, step) == 1
+            missing, anew = (means(mask, step) > 0 for mask in (hole, masked))
+            levels = np.moveaxis(_cropped(photo, np.array, masked).matching(), 2, 0)
+            pixels = np.rint(np.moveaxis(means(levels, step), 0, 2)).astype(np.uint8)
+            small = Exemplar(pixels, mask=usable | missing, alpha=False)
+            whole = Canvas(*small.shape, canvas.wrap, small.pixels, missing, (0, 0))
+            by = replace(self, overlap=-(-self.overlap // step))
+            with suppress(InvalidInputError):  # too few pixels are left of it
+                made = by._at_once(small, small, anew, whole)
+                if isinstance(made, PixelSynthesis):
+                    return made.enlarged(canvas, photo, step)
+        return self._at_once(photo, source, masked, canvas)
+
+    def _at_once(
+        self, photo: Exemplar, source: Exemplar, masked: NDArray[np.bool_], canvas: Canvas
+    ) -> Synthesis:
+        """Fill holes from the million usable pixels nearest to them, or from another source."""
+        hole, inside = _hole(canvas), source is photo
+        usable = ~hole & source.usable if inside else source.usable
+        reach = max(_LEAST_REACH, self.chosen.hole_reach)
+        region = Region(hole, canvas.wrap, usable if inside else None, reach)
+        if inside:
+            usable = region.crop(usable) & region.near
+        cropped = _cropped(photo, region.crop, masked)
+        # On bytes, which distances are taken on anyway, the maps have a say about known pixels too.
+        features = cropped.matching() if inside else source.matching_of(cropped)
+        supply = Exemplar(
+            features if inside else source.matching(),
+            mask=usable,
+            tileable=source.tileable and (region.whole or not inside),
+            alpha=False,
+            name=source.name,
+        )
+        missing, anew = region.crop(hole), region.crop(masked)
+        cropped_canvas = Canvas(*cropped.shape, region.wrap, features, missing, canvas.known_from)
+        own = np.arange(missing.size, dtype=np.int32).reshape(missing.shape)
+
+        def filled(
+            by: Method, given: frozenset[str] | None, supply: Exemplar = supply
+        ) -> Synthesis:
+            fitted, begun = supply, cropped_canvas
+            if self.overlap and inside and by.cuts_known:
+                # The method cuts between the photo and its patches itself, by all that is there.
+                border = region.near & region.crop(hole & ~masked & source.usable)
+                fitted = supply.changed(mask=supply.usable | border)
+                begun = replace(begun, shown=np.where(anew, np.int32(-1), own))
+            model = by.for_hole(missing, supply.usable, given).fit(fitted)
+            return model.sample(begun, seed=self.seed, threads=self.threads, progress=self.progress)
+
         made = None
-        if by_auto and inside:
+        if self.by_auto:
             from weftex.prepare.landmarks import landmarks_shown_again
             from weftex.tasks.auto.rule import WHOLE, choose_for_hole
 
@@ -203,18 +310,56 @@ def fill(
             if made is not None:
                 made.provenance["reason"] = choice.reason
         if made is None:
-            made = filled(chosen, given)
-    if overlap:
-        if isinstance(made, PixelSynthesis) and made.canvas.shown is not None:
-            cut = missing & (made.index != own)
-        else:
-            cut = cut_around(features, made.image.reshape(features.shape), missing, anew)
-        canvas = replace(canvas, hole=region.put(cut, hole.shape))
-        made.provenance["overlap"] = int(overlap)
-    source_to = region.corner if inside else (0, 0)
-    result = made.moved(canvas, source, to=region.corner, source_to=source_to)
-    result.match_tone = by_auto if match_tone is None else match_tone
-    return result
+            made = filled(self.chosen, self.given)
+        if self.overlap:
+            if isinstance(made, PixelSynthesis) and made.canvas.shown is not None:
+                cut = missing & (made.index != own)
+            else:
+                cut = cut_around(features, made.image.reshape(features.shape), missing, anew)
+            canvas = replace(canvas, hole=region.put(cut, hole.shape))
+        source_to = region.corner if inside else (0, 0)
+        return made.moved(canvas, source, to=region.corner, source_to=source_to)
+
+
+def _groups_of(hole: NDArray[np.bool_], wrap: tuple[bool, bool]) -> list[NDArray[np.int_]]:
+    """Return boxes around holes, (n, 2, 2) for each group; one group if all are near."""
+    holes = np.array(holes_in(hole, wrap))
+    spans = holes[..., 1].max(axis=0) - holes[..., 0].min(axis=0) + 2 * _LEAST_REACH
+    if spans.prod() <= _LARGE:
+        return [holes]
+    squares = holes.sum(axis=2) // 2 // _SQUARE
+    _, numbers = np.unique(squares, axis=0, return_inverse=True)
+    return [holes[numbers == number] for number in range(numbers.max() + 1)]
+
+
+def _cropped(
+    photo: Exemplar,
+    crop: Callable[[NDArray[Any]], NDArray[Any]],
+    blank: NDArray[np.bool_] | None = None,
+) -> Exemplar:
+    """Return a part of a photo and its maps; `blank` pixels get the value of another pixel."""
+    empty = None if blank is None else crop(blank)
+
+    def part_of(pixels: NDArray[Any]) -> NDArray[Any]:
+        part = crop(pixels)
+        # What marks a hole, such as white, must not stretch the range of values.
+        if empty is not None and not empty.all():
+            part[empty] = part[np.unravel_index(int(empty.argmin()), empty.shape)]
+        return part
+
+    return Exemplar(
+        part_of(photo.pixels),
+        maps={key: part_of(photo.aligned(key)) for key in photo.maps},
+        weights=photo.weights,
+        alpha=photo.alpha,
+        name=photo.name,
+    )
+
+
+def _hole(canvas: Canvas) -> NDArray[np.bool_]:
+    """Return the hole of a canvas that has one."""
+    assert canvas.hole is not None
+    return canvas.hole
 
 
 def hole_of(mask: Mask | Picture | None, photo: Exemplar) -> NDArray[np.bool_]:
@@ -327,14 +472,9 @@ class Region:
         whole[self._rows[:, None], self._columns] = part
         return whole
 
-    def crop(self, pixels: NDArray[Any], blank: NDArray[np.bool_] | None = None) -> NDArray[Any]:
-        """Return the region of an array; `blank` pixels get the value of another pixel."""
+    def crop(self, pixels: NDArray[Any]) -> NDArray[Any]:
+        """Return the region of an array."""
         part: NDArray[Any] = pixels[self._rows[:, None], self._columns]
-        if blank is not None:
-            # What marks a hole, such as white, must not stretch the range of values.
-            empty = self.crop(blank)
-            if not empty.all():
-                part[empty] = part[np.unravel_index(int(empty.argmin()), empty.shape)]
         return part
 
 

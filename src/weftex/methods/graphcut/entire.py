@@ -23,11 +23,10 @@ from weftex.methods.graphcut.sample import (
 )
 from weftex.methods.pixels import Growth
 from weftex.raster.arrays import Bytes, Floats, Mask, fast_size, stacked
-from weftex.raster.boxes import Hole, holes_in, nearest_hole, smaller_masks
+from weftex.raster.boxes import AROUND, Hole, holes_in, nearest_hole, smaller_masks
 from weftex.repeats.salience import SaliencePenalty
 from weftex.search.fft_mismatch import Spectra, overlap_mismatch
 
-_AROUND = 32  # pixels around a hole that are matched, or half as many as it is wide
 _DRIFT = 16  # in photos a tile lies up to 1/16 of its shorter side off the lattice
 _MOST = 4.0  # pixels, at most
 _LEAST = 0.75  # pixels, so that there is a whole one at each multiple of the vectors
@@ -191,7 +190,7 @@ class EntirePatchMatching:
         for at, reach, n, (low, high, wraps) in zip(
             pixel, reaches, self.canvas.shape, limits, strict=True
         ):
-            around = max((high - low) // 2, _AROUND)
+            around = max((high - low) // 2, AROUND)
             around *= self._rows is None or self.canvas.hole is not None  # none of other rows
             low, high = max(low - around, 0), min(high + around, n)
             first, last = (at - reach, at + reach) if wraps else (low, high)
@@ -261,5 +260,5 @@ def holes_of(growth: Growth) -> list[Hole]:
     canvas, missing = growth.canvas, growth.done == 0
     if canvas.shown is not None and canvas.hole is not None:
         missing |= canvas.hole
-    found = holes_in(missing, canvas.wrap, _AROUND) if canvas.hole is not None else []
+    found = holes_in(missing, canvas.wrap) if canvas.hole is not None else []
     return found or [[(0, n) for n in canvas.shape]]

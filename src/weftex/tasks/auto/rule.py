@@ -39,7 +39,7 @@ _TURNED = 2**22  # the same for rotated copies, which take 60 % more time
 _FEW_COLORS = 32  # drawings and labels, which must not be blended
 #: Pixels of a sample, a hole, or around any hole, up to which the entire sample is always placed.
 _SMALL = 2**18
-_AROUND = 5 * 2**18  # pixels around such a hole, up to which it is, too; more can take minutes
+_AROUND = 2**22  # pixels around such a hole, up to which it is, too; more can take minutes
 #: Keep features whole: place the entire sample where it fits best, and cut around obstacles.
 WHOLE = {"placement": "entire"}
 
