@@ -15,20 +15,20 @@ TESTS = Path(__file__).parent
 READ = ("methods", "repeats", "search", "seams")
 #: Lower a ceiling when the code has become smaller; a feature that needs room removes something.
 CEILINGS = {
-    "lines of Python in src": 43_254,
-    "of these code": 29_603,
+    "lines of Python in src": 43_229,
+    "of these code": 29_602,
     "modules": 258,
     "kernel classes": 23,
     "names that several kernel classes have": 0,
-    "lines of tests": 23_992,
+    "lines of tests": 23_984,
     "quilting: files to read": 11,
-    "quilting: lines to read": 2_466,
+    "quilting: lines to read": 2_458,
     "graphcut: files to read": 18,
-    "graphcut: lines to read": 3_537,
+    "graphcut: lines to read": 3_530,
     "efros-leung: files to read": 8,
-    "efros-leung: lines to read": 1_165,
+    "efros-leung: lines to read": 1_164,
     "near-regular: files to read": 9,
-    "near-regular: lines to read": 1_583,
+    "near-regular: lines to read": 1_578,
 }
 
 
