@@ -257,9 +257,8 @@ def test_holes_all_over_a_large_photo_are_filled_each_from_nearby(monkeypatch, o
     photo = np.concatenate([photo, photo[:, ::-1]], axis=1)
     hole = box(photo.shape[:2], (100, 30, 130, 60))
     mask = hole | box(hole.shape, (0, 240, 12, 260), (150, 360, 192, 384))
-    limits = {"_LARGE": 200**2, "_SQUARE": 64, "_MARGIN": 40, "_LEAST_REACH": 24}
-    for name, value in limits.items():
-        monkeypatch.setattr(f"weftex.tasks.fill.{name}", value)
+    for name, value in (("LARGE", 200**2), ("SQUARE", 64), ("MARGIN", 40), ("LEAST_REACH", 24)):
+        monkeypatch.setattr(f"weftex.tasks.fill._{name}", value)
     result = weftex.fill(photo, mask, overlap=overlap, seed=1)
     part = np.s_[28 - overlap :, : 132 + overlap]
     alone = weftex.fill(photo[part], hole[part], overlap=overlap, seed=1)
