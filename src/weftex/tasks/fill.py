@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from weftex.analysis.relief import means
+from weftex.analysis.relief import means, smaller_copy
 from weftex.canvas import Canvas, as_canvas
 from weftex.errors import InvalidInputError, is_whole, shown, size_words
 from weftex.exemplar import Exemplar, load_exemplar
@@ -245,11 +245,11 @@ class _Filling:
         hole = _hole(canvas)
         step = math.ceil(math.sqrt(hole.sum() / _LARGE_HOLE))
         if self.by_auto and step > 1 and not any(canvas.wrap):
+            largest = -(-max(photo.shape) // step)
+            small, step = smaller_copy(_cropped(photo, np.array, masked), largest)
             usable = means(photo.usable & ~hole, step) == 1
             missing, anew = (means(mask, step) > 0 for mask in (hole, masked))
-            levels = np.moveaxis(_cropped(photo, np.array, masked).matching(), 2, 0)
-            pixels = np.rint(np.moveaxis(means(levels, step), 0, 2)).astype(np.uint8)
-            small = Exemplar(pixels, mask=usable | missing, alpha=False)
+            small = small.changed(mask=usable | missing)
             whole = Canvas(*small.shape, canvas.wrap, small.pixels, missing, (0, 0))
             by = replace(self, overlap=-(-self.overlap // step))
             with suppress(InvalidInputError):  # too few pixels are left of it
