@@ -225,15 +225,15 @@ def fused_cases(threads: int) -> Iterator[Case]:
             ),
         )  # fmt: skip
     yield (
-        "refinement/fused/three/8 bit",
+        "auto/fused/three/8 bit",
         lambda: digest(weftex.fuse(materials, three.astype(np.uint8), seed=5, threads=threads)),
     )
     yield (
-        "refinement/fused/tileable/8 bit",
+        "auto/fused/tileable/8 bit",
         lambda: digest(weftex.fuse(materials[:2], waves, seed=5, tileable="y", threads=threads)),
     )
     yield (
-        "refinement/fused/gradient/8 bit",
+        "auto/fused/gradient/8 bit",
         lambda: digest(
             weftex.fuse(materials[:2], "gradient", size=(160, 100), seed=5, threads=threads)
         ),

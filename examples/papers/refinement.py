@@ -112,7 +112,7 @@ def fig6(folder: Path, suffix: str) -> None:
     shown = painted(np.array([(160, 60, 50), (70, 90, 160)]), labels)
     for pair in some((("leaves", "pebbles"), ("stone_wall", "leaves"))):
         samples = [load(name, 192) for name in pair]
-        made = weftex.fuse(samples, labels, seed=1).image
+        made = weftex.fuse(samples, labels, seed=1, method="refinement").image
         rows.append([*(("sample", s) for s in samples), ("map", shown), ("output", made)])
     sheet(folder / f"fig6_refinement{suffix}", rows)
 
@@ -192,12 +192,12 @@ def fig11(folder: Path, suffix: str) -> None:
     """Two materials by a map of circles, and three by a painted map."""
     side = sized(400)
     two = [load("pebbles"), load("leaves")]
-    slope = weftex.fuse(two, "gradient", size=side, seed=1).image
+    slope = weftex.fuse(two, "gradient", size=side, seed=1, method="refinement").image
     three = [*two, load("stone_wall")]
     y, x = np.indices((side, side)) / side
     labels = np.where(y > 0.7 + 0.06 * np.sin(8 * x), 2, (y + x > 0.8).astype(int))
     colors = painted(np.array([(70, 90, 160), (160, 60, 50), (90, 120, 60)]), labels)
-    made = weftex.fuse(three, labels, seed=1).image
+    made = weftex.fuse(three, labels, seed=1, method="refinement").image
     rows = [
         [*(("sample", sample) for sample in two), ("circles", slope)],
         [*(("sample", sample) for sample in three), ("map", colors), ("output", made)],

@@ -56,11 +56,11 @@ def test_regions_are_of_their_samples(tileable):
 
 @pytest.mark.parametrize("boundary", ["cut", "merged"])
 def test_the_boundary_is_merged_and_not_straight(boundary):
+    rough = [np.random.default_rng(s).integers(0, 256, A.shape, np.uint8) for s in (0, 1)]
     result = weftex.fuse(
-        [A, B], HALVES, seed=1, boundary=boundary, iterations=4, window_width=21, belt_width=20
+        rough, HALVES, seed=1, boundary=boundary, iterations=4, window_width=21, belt_width=20
     )
-    made = which(result, 2)
-    first = (made == 0).sum(axis=1)
+    first = (which(result, 2) == 0).sum(axis=1)
     reach = 10 + 5 * (boundary == "merged")  # the paper's belt lies along the cut
     assert first.min() > 40 - reach and first.max() < 40 + reach
     assert len(np.unique(first)) > 4
@@ -140,9 +140,8 @@ def test_maps_and_saved_results(tmp_path):
     assert list(result.maps) == ["level"]
     assert np.array_equal(result.maps["level"], result.image[..., 0])
     result.save(tmp_path / "f.npz")
-    again = weftex.Synthesis.load(
-        tmp_path / "f.npz", combined([weftex.Exemplar(A), weftex.Exemplar(B)])
-    )
+    stacked = combined([weftex.Exemplar(A), weftex.Exemplar(B)])
+    again = weftex.Synthesis.load(tmp_path / "f.npz", stacked)
     assert np.array_equal(again.image, result.image)
 
 
@@ -167,16 +166,14 @@ def test_what_does_not_fit_is_refused():
     refused("two numbers of samples", weftex.fuse, [A, B], HALVES, mixed={2: (0, 2)})
     refused("colors of the samples beside", weftex.fuse, [A, B], HALVES + 5, mixed={2: (0, 1)})
     for method in ("quilting", "patch-sampling", "near-regular"):
-        refused(
-            "several samples in one picture; .*refinement", weftex.fuse, [A, B], HALVES,
-            method=method, error=weftex.UnsupportedError,
-        )  # fmt: skip
+        how = {"method": method, "error": weftex.UnsupportedError}
+        refused("several samples in one picture; .*refinement", weftex.fuse, [A, B], HALVES, **how)
     refused("nowhere.png", weftex.fuse, [A, B], "nowhere.png", error=weftex.FileError)
 
 
 def test_progress_can_cancel():
-    with pytest.raises(weftex.CancelledError):
-        weftex.fuse([A, B], HALVES, seed=1, progress=lambda *_: False, **FAST)
+    how = {"progress": lambda *_: False, "error": weftex.CancelledError, **FAST}
+    refused("cancel", weftex.fuse, [A, B], HALVES, **how)
 
 
 def test_the_command(tmp_path, capsys):
@@ -201,3 +198,16 @@ def test_the_command(tmp_path, capsys):
     stacked = combined([weftex.Exemplar(p[..., 0].copy(), role=ROLES["height"]) for p in (A, B)])
     joined = expected.render(stacked)  # heights join without cliffs
     assert np.array_equal(read_image(tmp_path / "height.png").pixels, joined)
+
+
+def test_each_material_is_made_by_what_suits_it():
+    """Bricks on their lattice, as by `synth`; tones are joined within a material alone."""
+    bricks = weftex.read_image("sample:bricks").pixels
+    flat = np.full((40, 40, 3), 128, np.uint8)
+    result = weftex.fuse([bricks, flat], HALVES, seed=1, tileable=True)
+    assert "lattice of 126.2 x 41.8 px" in result.provenance["reason"]
+    (note,) = result.provenance["warnings"]
+    assert "array 1: the lattice has to be stretched" in note and "--fit" not in note
+    row, column = np.moveaxis(result.source, -1, 0)
+    changed = (result.image != result.exemplar.pixels[row, column]).any(axis=2)
+    assert changed[row < 256].any() and not changed[row >= 256].any()

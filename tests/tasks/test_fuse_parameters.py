@@ -12,8 +12,8 @@ from weftex.registry import METHODS, supporting
 SAMPLES = [
     weftex.load_exemplar(f"sample:{name}").pixels[99:147, 60:108] for name in ("pebbles", "leaves")
 ]
-Y, X = np.indices((26, 36))
-MAPS = np.array([X >= 18, (Y - 13) ** 2 + (X - 18) ** 2 < 70], int)
+Y, X = np.indices((34, 44))
+MAPS = np.array([X >= 22, (Y - 17) ** 2 + (X - 22) ** 2 < 120], int)
 ABLE = [slug for slug in METHODS if slug in supporting("many") and slug in supporting("known")]
 #: The parameters beside which each other one is tried.
 SETTINGS = [

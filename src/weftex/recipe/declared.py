@@ -25,7 +25,7 @@ from weftex.recipe.options import (
     Kind,
     Option,
 )
-from weftex.registry import AUTO, FOR_HOLES, FOR_TILES
+from weftex.registry import AUTO, FOR_FUSION, FOR_HOLES, FOR_TILES
 
 _PREPARATION, _QUALITY, _SETS = "preparation of the sample", "quality", "map sets"
 
@@ -215,13 +215,13 @@ TASKS = {
                    "a belt along the seam is filled from both", "cut", choices=("cut", "merged"),
                    metavar="cut|merged", heading=_QUALITY),
             Option("belt_width", WHOLE, "width of the belt around a boundary, in which it may move",
-                   low=2, unit="px", default_text="about three times the largest features",
+                   low=2, unit="px", default_text="about that of the largest features",
                    metavar="PX", heading=_QUALITY),
             Option("missing", LEVELS, "values for missing maps: 0 to 1, or 'flat' for normals",
                    default_text="omit such maps", metavar="NAME=VALUE,...",
                    heading=_SETS),
         ),
-        (), 2, 1000, "refinement", "refinement",
+        (), 2, 1000, AUTO, FOR_FUSION,
     ),
 }  # fmt: skip
 

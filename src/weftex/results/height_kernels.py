@@ -12,7 +12,7 @@ def difference(one, other):
     return cython.cast(cython.double, one) - cython.cast(cython.double, other)
 
 
-def led(sample, coordinates, shares, v, u, axis, way, slope):
+def led(sample, coordinates, shares, part, v, u, axis, way, slope):
     """Add the slopes from a pixel's sources (way 1) or to them (-1); return the sum of shares."""
     sure: cython.double = 0
     for k in range(shares.shape[2]):
@@ -22,7 +22,7 @@ def led(sample, coordinates, shares, v, u, axis, way, slope):
         x = coordinates[v, u, k, 1]
         b = y + way if axis == 0 else y
         a = x if axis == 0 else x + way
-        if b < 0 or a < 0 or b >= sample.shape[0] or a >= sample.shape[1]:
+        if b < 0 or a < 0 or b >= sample.shape[0] or a >= sample.shape[1] or part[b] != part[y]:
             continue
         for c in range(sample.shape[2]):
             slope[c] += way * shares[v, u, k] * difference(sample[b, a, c], sample[y, x, c])
@@ -40,12 +40,13 @@ def compare_slopes(
     around: cython.bint,
     scale: cython.int,
     slope: cython.double[::1],
+    part: cython.const[cython.int][::1],
 ):
     """For each edge, add g - h' to the pixel it leads to and subtract it from the other one.
 
     `total` is (channels, rows[+1], columns), `made` (rows[+1], columns, channels), `coordinates`
     and `shares` are the layers of `made`, `scale` times as fine as the output. With `around` the
-    last column is followed by the first.
+    last column is followed by the first. Rows of the sample with different `part` are not compared.
     """
     with cython.nogil:
         for v in range(rows):
@@ -68,12 +69,13 @@ def compare_slopes(
                         and (off == 0 or off == scale or off == -scale)
                     ):
                         continue
+                    if part[coordinates[v, u, 0, 0]] != part[coordinates[b, a, 0, 0]]:
+                        continue
                     for c in range(slope.shape[0]):
                         slope[c] = 0
-                    sure = led(sample, coordinates, shares, v, u, axis, 1, cython.address(slope[0]))
-                    sure += led(
-                        sample, coordinates, shares, b, a, axis, -1, cython.address(slope[0])
-                    )
+                    to = cython.address(slope[0])
+                    sure = led(sample, coordinates, shares, part, v, u, axis, 1, to)
+                    sure += led(sample, coordinates, shares, part, b, a, axis, -1, to)
                     if sure <= 0:
                         continue
                     for c in range(slope.shape[0]):

@@ -41,6 +41,7 @@ class PastedPieces(NamedTuple):
     wrap: tuple[bool, bool]
     scale: int
     threads: int
+    tops: tuple[int, ...] = ()  # rows of the sample on which others begin, whose steps stay
 
 
 def reach_of(given: Exemplar, tones: float, hole: NDArray[np.bool_] | None) -> float:
@@ -90,7 +91,7 @@ def join_steps(laid: PastedPieces, given: Exemplar, reach: float, window: Window
     )
 
     def join(corner: tuple[int, int]) -> None:
-        steps, lines = _divergence(laid, source, corner, side, margin)
+        steps, lines, own = _divergence(laid, source, corner, side, margin)
         ends = [
             (max(at, start), min(at + side, start + n))
             for at, start, n in zip(corner, window[:2], window[2:], strict=True)
@@ -104,9 +105,13 @@ def join_steps(laid: PastedPieces, given: Exemplar, reach: float, window: Window
         )
         # A channel at a time, as new memory is slow.
         spread = _spreading((len(lines[0]), len(lines[1])), reach * laid.scale)
+        own = own.take(lines[0], 0).take(lines[1], 1)
+        parts = [own == part for part in np.unique(own)] if laid.tops else [np.array(True)]
         for one, k in ((steps[k], slice(k, k + 1)) for k in range(len(steps))):
-            shifts = spread(one.take(lines[0], 0).take(lines[1], 1), *inside)
-            kernels.add_shifts(result[here][..., k], shifts[None], least[k], most[k], _GRAIN)
+            one = one.take(lines[0], 0).take(lines[1], 1)
+            for part in parts:
+                shifts = spread(one * part, *inside) * (part[inside] if part.ndim else 1)
+                kernels.add_shifts(result[here][..., k], shifts[None], least[k], most[k], _GRAIN)
 
     with thread_map(min(laid.threads, len(rows) * len(columns))) as map_:
         for _ in map_(join, product(rows, columns)):
@@ -156,10 +161,11 @@ def _lines(first: int, side: int, n: int, wraps: bool, margin: int, scale: int) 
 
 def _divergence(
     laid: PastedPieces, sample: NDArray[Any], corner: tuple[int, int], side: int, margin: int
-) -> tuple[Floats, list[NDArray[np.int64]]]:
+) -> tuple[Floats, list[NDArray[np.int64]], NDArray[np.int32]]:
     """Return the sum of g - h' over the edges into each pixel minus the edges out of it (C, H, W).
 
-    Also returns the rows and columns of it that are the block and its margin.
+    Also returns the rows and columns of it that are the block and its margin, and the number of
+    the sample that each pixel is of.
     """
     rows, columns = (
         _lines(first, side, n, wraps, margin, laid.scale)
@@ -180,10 +186,12 @@ def _divergence(
     steps = np.zeros((made.shape[2], *made.shape[:2]))
     zeros = np.zeros(made.shape[2])
     size = height, columns.around, laid.scale
-    kernels.compare_slopes(steps, made, sample, coordinates, shares, *size, zeros)
+    tops = np.multiply(laid.tops, laid.scale)
+    part = np.searchsorted(tops, np.arange(len(sample)), side="right").astype(np.int32)
+    kernels.compare_slopes(steps, made, sample, coordinates, shares, *size, zeros, part)
     if rows.around:
         steps[:, 0] += steps[:, height]
-    return steps, [rows.inside, columns.inside]
+    return steps, [rows.inside, columns.inside], part[coordinates[:height, :, 0, 0]]
 
 
 def _as_one(pieces: list[list[NDArray[Any]]]) -> NDArray[Any]:

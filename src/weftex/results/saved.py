@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, fields
 from typing import Any
 
@@ -35,6 +35,7 @@ class Facts:
     is_window: bool
     turn: str | None
     copy_shape: tuple[int, int] | None
+    tops: tuple[int, ...] = ()
 
     def __post_init__(self) -> None:
         for name in ("shape", "sample_shape"):
@@ -47,6 +48,8 @@ class Facts:
         switches = (*self.wrap, self.match_tone, self.is_window)
         if [*map(type, switches)] != [bool] * 4 or not isinstance(self.provenance, dict):
             raise DamageError("its description has other types")
+        if not all(type(top) is int and 0 < top < self.sample_shape[0] for top in self.tops):
+            raise DamageError("its samples are not of its picture of them")
         if type(self.tone_reach) is not float or not 0 <= self.tone_reach <= MOST_REACH:
             raise DamageError("its reach of tones is invalid")
         if self.turn is not None and gap_of(self.sample_shape, self.turn, self.copy_shape) != 1:
@@ -101,6 +104,12 @@ def arrays_of(types: Mapping[str, type], arrays: Mapping[str, NDArray[Any]]) -> 
     if any(array.dtype != types[name] for name, array in own.items()):
         raise DamageError("its arrays have other types")
     return own
+
+
+def in_common(told: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
+    """Return what the provenances of all parts of a result say, and all their reasons."""
+    same = {k: v for k, v in told[0].items() if all(v == one.get(k) for one in told)}
+    return same | {"reason": "; ".join(dict.fromkeys(one["reason"] for one in told))}
 
 
 def _whole(pair: Any) -> bool:

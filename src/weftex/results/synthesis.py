@@ -51,6 +51,9 @@ class Synthesis(Displayable, SourceMap):
         Filled holes, images of few colors, normals and colors with alpha are not changed.
     turn, copy_shape : str or None, (int, int) or None
         The copies that `prepare.turned` added to the sample; height and width of one copy.
+    tops : tuple of int
+        Rows where the second and further samples of a fused result begin; tones are not spread
+        from one to another.
     is_window : bool
         The result is a part of an endless plane, where tone steps are not spread.
     threads : int
@@ -71,6 +74,7 @@ class Synthesis(Displayable, SourceMap):
         is_window: bool = False,
         turn: str | None = None,
         copy_shape: tuple[int, int] | None = None,
+        tops: tuple[int, ...] = (),
         threads: int = 1,
     ) -> None:
         if isinstance(exemplar, Exemplar):
@@ -78,7 +82,7 @@ class Synthesis(Displayable, SourceMap):
             turn, copy_shape = exemplar.turn or turn, exemplar.copy_shape or copy_shape
         assert sample_shape is not None
         self.canvas, self.sample_shape, self.known_from = canvas, sample_shape, known_from
-        self.turn, self.copy_shape = turn, copy_shape
+        self.turn, self.copy_shape, self.tops = turn, copy_shape, tops
         self.exemplar, self.threads = exemplar, threads
         self.provenance, self.tone_reach = provenance or {}, tone_reach
         self._picture, self.match_tone, self.is_window = picture, match_tone, is_window
@@ -213,7 +217,8 @@ class Synthesis(Displayable, SourceMap):
         window = top, left, height, width
         if hole is None or base is None:
             layers, wrap = self._pictured_layers, self.canvas.wrap
-            laid = PastedPieces(lay, layers, self.shape, wrap, scale, self.threads)
+            tops = () if given.role.kind == "height" else self.tops
+            laid = PastedPieces(lay, layers, self.shape, wrap, scale, self.threads, tops)
             out = join_steps(laid, given, reach, window)
         else:
             out = lay(window)

@@ -25,6 +25,7 @@ from weftex.raster.boxes import AROUND, cell_sums, holes_in
 from weftex.raster.masks import grown
 from weftex.registry import AUTO, FOR_HOLES
 from weftex.results.pixels import PixelSynthesis
+from weftex.results.saved import in_common
 from weftex.seams.boundary import cut_around
 
 if TYPE_CHECKING:
@@ -232,10 +233,7 @@ class _Filling:
             crop(index)[own], crop(cut)[own] = found[own], _hole(made.canvas)[own]
             told.append(made.provenance)
             steps.advance(1)
-        whole.provenance = {
-            k: v for k, v in told[0].items() if all(v == one.get(k) for one in told)
-        }
-        whole.provenance["reason"] = "; ".join(dict.fromkeys(one["reason"] for one in told))
+        whole.provenance = in_common(told)
         return whole
 
     def _group(

@@ -15,15 +15,15 @@ from weftex.errors import InvalidInputError, did_you_mean, is_whole, shown, size
 from weftex.exemplar import Exemplar, Sample, load_exemplar
 from weftex.label_maps import Gradient, labels_of, map_picture
 from weftex.method import Method
-from weftex.naming import make_method, method_for_task
+from weftex.naming import is_auto, make_method, method_for_task
 from weftex.prepare.combining import combined, of_one_kind, paired
 from weftex.progress import ProgressCallback, listening
 from weftex.random import Seed, seed_number
+from weftex.registry import AUTO, FOR_FUSION
 from weftex.results.pixels import PixelSynthesis
+from weftex.results.saved import in_common
 from weftex.tasks.fusion import Fusion, Material
 
-#: The method for fusion; what "auto" stands for here.
-DEFAULT = "refinement"
 #: How boundaries are made.
 BOUNDARIES = ("cut", "merged")
 
@@ -38,7 +38,7 @@ def fuse(
     missing: Mapping[str, float | str] | None = None,
     boundary: str = "cut",
     belt_width: int | None = None,
-    method: str | Method = DEFAULT,
+    method: str | Method = AUTO,
     seed: Seed = None,
     tileable: bool | str = False,
     threads: int | None = None,
@@ -74,9 +74,11 @@ def fuse(
         materials, as in the paper. It is half as wide as the larger of their windows.
     belt_width : int, optional
         Width in pixels of the belt in which a boundary may move, half of it on each side of the
-        painted line. By default 1.5 times the larger window of its materials; less where narrow.
+        painted line. By default half the larger window of its materials; less where narrow.
     method : str or Method
-        A method that can fuse, by its name in `weftex.METHODS` or with its parameters.
+        "auto": each material is made by the method that suits its sample (see `Auto`), what shows
+        two by `refinement`; with parameters, all is. Or a method that can fuse, by its name in
+        `weftex.METHODS` or with its parameters.
     seed : int, numpy Generator or None
         The same seed gives the same bytes, with any number of threads.
     tileable : bool or {"x", "y"}
@@ -118,7 +120,8 @@ def fuse(
             f"boundary is {shown(boundary)}{did_you_mean(str(boundary), BOUNDARIES)}"
         )
     of_belts: dict[str, Any] = {}
-    chosen = method_for_task("fuse", DEFAULT, method, {})
+    by_auto = is_auto(method) and not parameters
+    chosen = method_for_task("fuse", FOR_FUSION, method, {})
     if boundary == "merged":
         chosen, of_belts = split_parameters(chosen, parameters, as_canvas(1, tileable))
     else:
@@ -146,13 +149,20 @@ def fuse(
     half = None if belt_width is None else belt_width // 2
     belts = belt_method if boundary == "merged" else None
     how = {"threads": threads, "progress": progress}
-    fusion = Fusion(whole, exemplars, widths, chosen, canvas, number, half, belts, how)
+    fusion = Fusion(whole, exemplars, widths, chosen, by_auto, canvas, number, half, belts, how)
     about = {"seed": number, "samples": [e.name for e in exemplars], "boundary": boundary}
-    about |= {"warnings": notes} if notes else {}
     with listening(progress):
         index = fusion.run(labels, materials)
+    notes += [note for one in fusion.told for note in one.pop("warnings")]
+    used = in_common(fusion.told) if fusion.told else chosen.describe() | of_belts
+    about |= {"warnings": notes} if notes else {}
     return PixelSynthesis(
-        canvas, index, exemplar=whole, provenance=chosen.describe() | of_belts | about
+        canvas,
+        index,
+        exemplar=whole,
+        provenance=used | about,
+        tone_reach=max((one.get("tone_reach", 0.0) for one in fusion.told), default=0.0),
+        tops=tuple(np.cumsum([e.shape[0] for e in exemplars[:-1]]).tolist()),
     )
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -12,21 +12,21 @@ from numpy.typing import NDArray
 
 from weftex.canvas import Canvas
 from weftex.exemplar import Exemplar
-from weftex.method import Method
+from weftex.method import Method, Model
 from weftex.random import draw
 from weftex.raster.arrays import Floats, Ints, Mask
 from weftex.raster.masks import grown, squared_distance_to
-from weftex.results.pixels import PixelSynthesis
+from weftex.results.synthesis import Synthesis
 from weftex.seams.boundary import HELD, UNIT, cheapest_boundary
 from weftex.seams.merge import islands
+from weftex.tasks.auto import Auto, AutoModel
 
 #: A sample, or two that are mixed, by their numbers.
 Material = tuple[int, ...]
 
 #: Half the width of a belt, in windows of the coarser of its materials.
-BELT = 0.75
-_PULL = 1.5  # weight of the cost near the edges of a belt, relative to that of steps
-_WANDER = 8.0  # amplitude of the noise that bends boundaries, in half widths of the belt
+BELT = 0.25
+_PULL = 6.0  # weight of the cost near the edges of a belt, relative to that of steps
 _DEPTH = 1.5  # a belt reaches into a region of so many times its own depth; others get less
 _OPEN = 0.05  # the cost at an edge is 1 / _OPEN times that in the middle
 
@@ -43,11 +43,13 @@ class Fusion:
     exemplars: Sequence[Exemplar]
     window_widths: Sequence[int]  # twice each sample's scale, in pixels
     method: Method
+    by_auto: bool  # each material by what suits it; `method` is for those of two samples
     canvas: Canvas
     seed: int
     reach: int | None  # half the width of all belts; by default by the materials' scales
     belt_method: Callable[[int], Method] | None
     options: dict[str, Any]  # `threads` and `progress`
+    told: list[dict[str, Any]] = field(default_factory=list)  # provenances of what "auto" made
 
     def run(self, labels: NDArray[np.int32], materials: Sequence[Material]) -> NDArray[np.int32]:
         """Return the source in the stacked samples of each pixel, for labels (H, W)."""
@@ -88,7 +90,16 @@ class Fusion:
             exemplar, index = self.exemplars[material[0]], self._stacked_index(material[0])
         else:
             exemplar, index = self._merged_sample(*material)
-        layer[area] = self._synthesize(exemplar, index, canvas, self._number(material))
+        by_auto = self.by_auto and len(material) == 1
+        # The stacked samples have no turned copies.
+        model = AutoModel(Auto(), exemplar, upright=True) if by_auto else self.method.fit(exemplar)
+        made = self._sampled(model, canvas, self._number(material))
+        layer[area] = index[tuple(np.moveaxis(made.source, -1, 0))]
+        if by_auto:
+            notes = made.provenance.get("warnings", ())  # `fuse` has no --fit
+            fit = " (--fit uses the nearest)"
+            notes = [f"{exemplar.name}: {note.removesuffix(fit)}" for note in notes]
+            self.told.append(made.provenance | {"warnings": notes})
         return layer
 
     def _settle(
@@ -105,10 +116,8 @@ class Fusion:
         wrap = wraps[0] and own.shape[0] == shape[0], wraps[1] and own.shape[1] == shape[1]
         free = ((own == a) | (own == b)) & (layers[a][area] >= 0) & (layers[b][area] >= 0)
         across, half = meeting.across(a, b, area)
-        seed = int(draw(self.seed, "boundary", a, b))
-        inside, astray = 1 - np.minimum(np.abs(across), 1), hills(across, half, wrap, seed)
-        side = across + _WANDER * inside * astray
-        pull = np.rint(_PULL * UNIT / (half * (inside + _OPEN)) * side)
+        inside = 1 - np.minimum(np.abs(across), 1)
+        pull = np.rint(_PULL * UNIT / (half * (inside + _OPEN)) * across)
         leaning = np.where(np.abs(across) < 1, pull, np.sign(across) * HELD).astype(np.int32)
         flat = self.whole.matching().reshape(-1, self.whole.matching().shape[2])
         shown = [flat[np.maximum(layers[k][area], 0)] for k in (a, b)]
@@ -137,8 +146,8 @@ class Fusion:
                 continue
             exemplar, own = self._merged_sample(*pair)
             canvas = Canvas(*self.canvas.shape, self.canvas.wrap, known=flat[index], hole=belt)
-            number, method = self._number((a, b)), belt_method(width)
-            index = np.where(belt, self._synthesize(exemplar, own, canvas, number, method), index)
+            made = self._sampled(belt_method(width).fit(exemplar), canvas, self._number((a, b)))
+            index[belt] = own[tuple(np.moveaxis(made.source[belt], -1, 0))]
         return index
 
     def _stacked_index(self, number: int) -> NDArray[np.int32]:
@@ -174,22 +183,9 @@ class Fusion:
         """Return a different number for each material, for random draws."""
         return material[0] if len(material) == 1 else (1 << 16) + material[0] * 4096 + material[1]
 
-    def _synthesize(
-        self,
-        exemplar: Exemplar,
-        index: NDArray[np.int32],
-        canvas: Canvas,
-        number: int,
-        method: Method | None = None,
-    ) -> NDArray[np.int32]:
-        """Return the source in the stacked samples of each pixel of a canvas.
-
-        `index` (h, w) has that of each pixel of the exemplar.
-        """
-        seed = int(draw(self.seed, "region", number))
-        result = (method or self.method).fit(exemplar).sample(canvas, seed=seed, **self.options)
-        assert isinstance(result, PixelSynthesis)
-        return index.ravel()[result.index]
+    def _sampled(self, model: Model, canvas: Canvas, number: int) -> Synthesis:
+        """Return the output of a model, with a seed of its own for each number."""
+        return model.sample(canvas, seed=int(draw(self.seed, "region", number)), **self.options)
 
 
 class Meetings:
@@ -257,42 +253,3 @@ def _around(
         low, high = int(taken[0]) - far, int(taken[-1]) + far + 1
         spans.append(slice(0, side) if wraps else slice(max(0, low), min(side, high)))
     return spans[0], spans[1]
-
-
-def hills(across: Floats, half: Floats, wrap: tuple[bool, ...], seed: int) -> Floats:
-    """Return the noise that bends a boundary: hills as wide as `half` its belt, of either sign.
-
-    Narrow belts have hills of their own, or they would be led aside as a whole. What all have in
-    common is taken off: around a small region lie few, which would make it larger or smaller.
-    """
-    astray = np.zeros(across.shape)
-    for width in np.unique(half):
-        here = half == width
-        astray[here] = wander(across.shape, max(1, round(width)), wrap, seed)[here]
-    # A sum of integers is the same on every machine.
-    heights = np.rint(astray[np.abs(across) < 1] * 2**20).astype(np.int64)
-    return astray - int(heights.sum()) / (max(1, len(heights)) * 2**20)
-
-
-def wander(shape: tuple[int, ...], cell: int, wrap: tuple[bool, ...], seed: int) -> Floats:
-    """Return smooth noise from -1 to 1 with periods of about `cell` pixels and half of that."""
-    result = np.zeros(shape)
-    for octave, weight in enumerate((2 / 3, 1 / 3)):
-        size = max(2, cell >> octave)
-        whole, part = [], []
-        for n, wraps in zip(shape, wrap, strict=True):
-            count = max(1, round(n / size))
-            at = np.arange(n) * (count / n if wraps else 1 / size)
-            low = at.astype(np.int64)
-            whole.append([low % count, (low + 1) % count] if wraps else [low, low + 1])
-            smooth = at - low
-            part.append(smooth * smooth * (3 - 2 * smooth))
-        total = np.zeros(shape)
-        for i, j in np.ndindex(2, 2):
-            bits = draw(seed, "hill", octave, whole[0][i][:, None], whole[1][j][None])
-            height = (bits >> np.uint64(40)).astype(np.float64) / 2**23 - 1
-            v = part[0] if i else 1 - part[0]
-            u = part[1] if j else 1 - part[1]
-            total += height * v[:, None] * u
-        result += weight * total
-    return result

@@ -20,7 +20,8 @@ def run(argv: list[str]) -> None:
     if name is None:
         print(_LINE.format("NAME", "METHOD", *_ABILITIES))
         for slug, cls in ((AUTO, method_class(AUTO)), *METHODS.items()):
-            able = ("yes" if kind in cls.supports else "no" for kind in _ABILITIES.values())
+            kinds = _ABILITIES.values()
+            able = ("yes" if slug == AUTO or kind in cls.supports else "no" for kind in kinds)
             print(_LINE.format(slug, cls.title, *able))
         print(
             "\nAll methods make larger and tileable images. 'weftex methods NAME' lists parameters."

@@ -118,7 +118,7 @@ def run_fuse(argv: list[str]) -> None:
     parser = Parser("fuse", run_fuse.__doc__)
     text = "two or more images, folders of maps, or sample:NAME"
     parser.add_argument("materials", metavar="SAMPLE", nargs="+", help=text)
-    args, recipe = _parsed(parser, argv, "refinement")
+    args, recipe = _parsed(parser, argv, "chosen for each sample")
     _do(recipe, args)
 
 

@@ -49,7 +49,7 @@ export function said(text) {
     const found = pattern.exec(text);
     if (found) return translation.replace(/\{(\d)\}/g, (_, k) => said(found[Number(k) + 1]));
   }
-  return text;
+  return text.includes("; ") ? text.split("; ").map(said).join("; ") : text;
 }
 
 /** Whether a key has words. */

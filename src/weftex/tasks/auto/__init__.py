@@ -69,16 +69,18 @@ class Auto(Method):
 
 
 class AutoModel(Model):
-    """A sample; `sample` chooses the method for each canvas."""
+    """A sample; `sample` chooses the method for each canvas, `upright` without turned copies."""
 
-    def __init__(self, method: Auto, exemplar: Exemplar) -> None:
+    def __init__(self, method: Auto, exemplar: Exemplar, *, upright: bool = False) -> None:
         self.method, self.exemplar, self._effort = method, exemplar, method.effort
+        self._upright = upright
         self._models: dict[str, Model] = {}
 
     @cached_property
     def findings(self) -> Findings:
         """The analysis of the sample."""
-        return look(self.exemplar)
+        found = look(self.exemplar)
+        return replace(found, sidedness=(1.0, 1.0)) if self._upright else found
 
     @cached_property
     def _exactly(self) -> Findings:
