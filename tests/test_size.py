@@ -15,7 +15,7 @@ TESTS = Path(__file__).parent
 READ = ("methods", "repeats", "search", "seams")
 #: Lower a ceiling when the code has become smaller; a feature that needs room removes something.
 CEILINGS = {
-    "lines of Python in src": 43_229,
+    "lines of Python in src": 43_225,
     "of these code": 29_602,
     "modules": 258,
     "kernel classes": 23,

@@ -23,7 +23,7 @@ __all__ = ["AUTO", "FOR_HOLES", "FOR_TILES", "METHODS", "method_class"]
 AUTO = "auto"
 #: For holes with parameters or a sample of their own, or few pixels around; for tileable photos.
 FOR_HOLES, FOR_TILES = "patch-sampling", "graphcut"
-#: For regions of two mixed materials, and to fuse with parameters.
+#: To fuse with parameters, and for regions of two mixed materials.
 FOR_FUSION = "refinement"
 
 _GROUP = "weftex.methods"

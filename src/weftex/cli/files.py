@@ -150,8 +150,9 @@ def report(args: argparse.Namespace, result: Synthesis, what: str, took: float, 
     why += f"best of: {used['best_of']['told']}\n" if "best_of" in used else ""
     hole = result.canvas.hole
     area = result.shape[0] * result.shape[1] if hole is None else int(hole.sum())
+    by = used.get("method", "several methods")
     return why + (
-        f"{what} {args.output} with {used['method']}{_looked_at(result)}, seed {used['seed']}, "
+        f"{what} {args.output} with {by}{_looked_at(result)}, seed {used['seed']}, "
         f"in {took:.2f} s ({area / took / 1e6:.3g} megapixels/s)"
     )
 

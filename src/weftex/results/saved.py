@@ -109,7 +109,8 @@ def arrays_of(types: Mapping[str, type], arrays: Mapping[str, NDArray[Any]]) -> 
 def in_common(told: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
     """Return what the provenances of all parts of a result say, and all their reasons."""
     same = {k: v for k, v in told[0].items() if all(v == one.get(k) for one in told)}
-    return same | {"reason": "; ".join(dict.fromkeys(one["reason"] for one in told))}
+    reasons = dict.fromkeys(one["reason"] for one in told if "reason" in one)
+    return same | ({"reason": "; ".join(reasons)} if reasons else {})
 
 
 def _whole(pair: Any) -> bool:

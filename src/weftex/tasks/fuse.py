@@ -76,9 +76,9 @@ def fuse(
         Width in pixels of the belt in which a boundary may move, half of it on each side of the
         painted line. By default half the larger window of its materials; less where narrow.
     method : str or Method
-        "auto": each material is made by the method that suits its sample (see `Auto`), what shows
-        two by `refinement`; with parameters, all is. Or a method that can fuse, by its name in
-        `weftex.METHODS` or with its parameters.
+        "auto": each material is made by the method that suits its sample (see `Auto`); mixed
+        regions, and samples below 32 px, by `refinement`, as all is if `parameters` are given. Or
+        a method that can fuse, by its name in `weftex.METHODS` or with its parameters.
     seed : int, numpy Generator or None
         The same seed gives the same bytes, with any number of threads.
     tileable : bool or {"x", "y"}

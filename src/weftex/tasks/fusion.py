@@ -20,6 +20,7 @@ from weftex.results.synthesis import Synthesis
 from weftex.seams.boundary import HELD, UNIT, cheapest_boundary
 from weftex.seams.merge import islands
 from weftex.tasks.auto import Auto, AutoModel
+from weftex.tasks.auto.findings import SMALLEST_ANALYZED
 
 #: A sample, or two that are mixed, by their numbers.
 Material = tuple[int, ...]
@@ -43,13 +44,13 @@ class Fusion:
     exemplars: Sequence[Exemplar]
     window_widths: Sequence[int]  # twice each sample's scale, in pixels
     method: Method
-    by_auto: bool  # each material by what suits it; `method` is for those of two samples
+    by_auto: bool  # what suits each sample; `method` is for those of two, and tiny ones
     canvas: Canvas
     seed: int
     reach: int | None  # half the width of all belts; by default by the materials' scales
     belt_method: Callable[[int], Method] | None
     options: dict[str, Any]  # `threads` and `progress`
-    told: list[dict[str, Any]] = field(default_factory=list)  # provenances of what "auto" made
+    told: list[dict[str, Any]] = field(default_factory=list)  # provenances, if `by_auto`
 
     def run(self, labels: NDArray[np.int32], materials: Sequence[Material]) -> NDArray[np.int32]:
         """Return the source in the stacked samples of each pixel, for labels (H, W)."""
@@ -90,12 +91,12 @@ class Fusion:
             exemplar, index = self.exemplars[material[0]], self._stacked_index(material[0])
         else:
             exemplar, index = self._merged_sample(*material)
-        by_auto = self.by_auto and len(material) == 1
+        by_auto = self.by_auto and len(material) == 1 and min(exemplar.shape) >= SMALLEST_ANALYZED
         # The stacked samples have no turned copies.
         model = AutoModel(Auto(), exemplar, upright=True) if by_auto else self.method.fit(exemplar)
         made = self._sampled(model, canvas, self._number(material))
         layer[area] = index[tuple(np.moveaxis(made.source, -1, 0))]
-        if by_auto:
+        if self.by_auto:
             notes = made.provenance.get("warnings", ())  # `fuse` has no --fit
             fit = " (--fit uses the nearest)"
             notes = [f"{exemplar.name}: {note.removesuffix(fit)}" for note in notes]

@@ -8,7 +8,7 @@ from weftex.io.pictures import is_folder, sample_names
 from weftex.registry import AUTO, METHODS, method_class
 
 #: Headings of what not every method does, and the kinds of canvas that it takes.
-_ABILITIES = {"FILLS HOLES": "known", "FOLLOWS A GUIDE": "guide", "FUSES SAMPLES": "many"}
+_KINDS = {"FILLS HOLES": "known", "FOLLOWS A GUIDE": "guide", "FUSES SAMPLES": "many"}
 _LINE = "{:16}{:37}{:13}{:17}{}"
 
 
@@ -18,10 +18,9 @@ def run(argv: list[str]) -> None:
     parser.add_argument("method", metavar="NAME", nargs="?", help="method whose parameters to list")
     name = parser.parse(argv).method
     if name is None:
-        print(_LINE.format("NAME", "METHOD", *_ABILITIES))
+        print(_LINE.format("NAME", "METHOD", *_KINDS))
         for slug, cls in ((AUTO, method_class(AUTO)), *METHODS.items()):
-            kinds = _ABILITIES.values()
-            able = ("yes" if slug == AUTO or kind in cls.supports else "no" for kind in kinds)
+            able = ("yes" if slug == AUTO or k in cls.supports else "no" for k in _KINDS.values())
             print(_LINE.format(slug, cls.title, *able))
         print(
             "\nAll methods make larger and tileable images. 'weftex methods NAME' lists parameters."
