@@ -17,7 +17,7 @@ from weftex.errors import InvalidInputError, did_you_mean, wrong_value
 if TYPE_CHECKING:
     from importlib.metadata import EntryPoint
 
-__all__ = ["AUTO", "FOR_HOLES", "FOR_TILES", "METHODS", "method_class"]
+__all__ = ["AUTO", "FOR_FUSION", "FOR_HOLES", "FOR_TILES", "METHODS", "method_class"]
 
 #: The slug of the method that chooses one for the sample; it is not listed in `METHODS`.
 AUTO = "auto"

@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from weftex.exemplar import Exemplar
-from weftex.raster.arrays import Floats
+from weftex.raster.arrays import Floats, Mask
 from weftex.raster.mixing import Kind
 from weftex.results import height_kernels as kernels
 from weftex.results.sources import Window
@@ -91,7 +91,7 @@ def join_steps(laid: PastedPieces, given: Exemplar, reach: float, window: Window
     )
 
     def join(corner: tuple[int, int]) -> None:
-        steps, lines, own = _divergence(laid, source, corner, side, margin)
+        steps, lines, samples = _divergence(laid, source, corner, side, margin)
         ends = [
             (max(at, start), min(at + side, start + n))
             for at, start, n in zip(corner, window[:2], window[2:], strict=True)
@@ -105,13 +105,12 @@ def join_steps(laid: PastedPieces, given: Exemplar, reach: float, window: Window
         )
         # A channel at a time, as new memory is slow.
         spread = _spreading((len(lines[0]), len(lines[1])), reach * laid.scale)
-        own = own.take(lines[0], 0).take(lines[1], 1)
-        parts = [own == part for part in np.unique(own)] if laid.tops else [np.array(True)]
+        masks = [mask.take(lines[0], 0).take(lines[1], 1) for mask in samples]
         for one, k in ((steps[k], slice(k, k + 1)) for k in range(len(steps))):
             one = one.take(lines[0], 0).take(lines[1], 1)
-            for part in parts:
-                shifts = spread(one * part, *inside) * (part[inside] if part.ndim else 1)
-                kernels.add_shifts(result[here][..., k], shifts[None], least[k], most[k], _GRAIN)
+            each = [spread(one * mask, *inside) * mask[inside] for mask in masks]
+            shifts = np.sum(each, axis=0) if masks else spread(one, *inside)
+            kernels.add_shifts(result[here][..., k], shifts[None], least[k], most[k], _GRAIN)
 
     with thread_map(min(laid.threads, len(rows) * len(columns))) as map_:
         for _ in map_(join, product(rows, columns)):
@@ -161,11 +160,11 @@ def _lines(first: int, side: int, n: int, wraps: bool, margin: int, scale: int) 
 
 def _divergence(
     laid: PastedPieces, sample: NDArray[Any], corner: tuple[int, int], side: int, margin: int
-) -> tuple[Floats, list[NDArray[np.int64]], NDArray[np.int32]]:
+) -> tuple[Floats, list[NDArray[np.int64]], list[Mask]]:
     """Return the sum of g - h' over the edges into each pixel minus the edges out of it (C, H, W).
 
-    Also returns the rows and columns of it that are the block and its margin, and the number of
-    the sample that each pixel is of.
+    Also returns the rows and columns of it that are the block and its margin, and the pixels of
+    each sample if there are several.
     """
     rows, columns = (
         _lines(first, side, n, wraps, margin, laid.scale)
@@ -184,14 +183,15 @@ def _divergence(
             np.concatenate([a, a[:1]]) for a in (made, coordinates, shares)
         )
     steps = np.zeros((made.shape[2], *made.shape[:2]))
-    zeros = np.zeros(made.shape[2])
-    size = height, columns.around, laid.scale
+    about = height, columns.around, laid.scale, np.zeros(made.shape[2])
     tops = np.multiply(laid.tops, laid.scale)
     part = np.searchsorted(tops, np.arange(len(sample)), side="right").astype(np.int32)
-    kernels.compare_slopes(steps, made, sample, coordinates, shares, *size, zeros, part)
+    kernels.compare_slopes(steps, made, sample, coordinates, shares, *about, part)
     if rows.around:
         steps[:, 0] += steps[:, height]
-    return steps, [rows.inside, columns.inside], part[coordinates[:height, :, 0, 0]]
+    own = part[coordinates[:height, :, 0, 0]] if laid.tops else part[:0]
+    masks = (own == number for number in range(len(laid.tops) + 1))
+    return steps, [rows.inside, columns.inside], [mask for mask in masks if mask.any()]
 
 
 def _as_one(pieces: list[list[NDArray[Any]]]) -> NDArray[Any]:
