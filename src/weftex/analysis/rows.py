@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from weftex.analysis.canvas_lattice import MOST_STRETCHED, CanvasLattice
+from weftex.analysis.relief import LOOK
 from weftex.canvas import MAX_PIXELS, Canvas
 from weftex.random import draw
 from weftex.raster.arrays import Bytes, Floats, Ints
@@ -73,8 +74,7 @@ def find_colored_rows(pixels: Bytes, vectors: tuple[float, ...]) -> ColoredRows 
     x, y = abs(vectors[0]), abs(vectors[1])
     if min(x, y) > _SLANT * max(x, y):
         return None
-    axis = 0 if y > x else 1
-    period = round(max(x, y))
+    axis, period = (0 if y > x else 1), round(max(x, y))
     rest = np.moveaxis(pixels.astype(np.int64) - mean_tiles(pixels, vectors), axis, 0)
     # Colors of boxes as long as rows are high, or half the sample, and half as high.
     high, period = max(1, period // 2), min(period, rest.shape[1] // 2)
@@ -85,9 +85,8 @@ def find_colored_rows(pixels: Bytes, vectors: tuple[float, ...]) -> ColoredRows 
     first = np.arange(len(parts) - high + 1)
     parts = sums_along(parts, 0, first, first + high)
     whole = parts.sum(axis=(0, 1)) ** 2
-    number = parts.shape[0] * count
     rows = (parts.sum(axis=1) ** 2).sum(axis=0) * len(parts) - whole
-    total = (parts**2).sum(axis=(0, 1)) * number - whole
+    total = (parts**2).sum(axis=(0, 1)) * len(parts) * count - whole
     if total.sum() > 0 and _SHARE[1] * int(rows.sum()) >= _SHARE[0] * int(total.sum()):
         return ColoredRows(axis, max(x, y), _first_joint(pixels, max(x, y), axis))
     return None
@@ -126,48 +125,52 @@ class RowMap(NamedTuple):
     axis: int  # across the rows: 0 where they lie, 1 where they stand
     wraps: bool  # whether the last row leads to the first
     bands: list[Band]
+    unit: int  # pixels, see `unit_of`
 
     def band(self, pixel: tuple[int, int]) -> Band:
         """The band of lines that a pixel of the output lies in."""
         return next(band for band in self.bands if pixel[self.axis] < band[1])
 
     def sources(self, pixel: tuple[int, int], off: int) -> slice:
-        """The lines of the sample that the pixel may show, if it lies `off` its own at most."""
+        """The lines of the sample that the pixel may show, up to `off` units off its own."""
         start, _, source = self.band(pixel)
-        line = source + pixel[self.axis] - start
+        line, off = source + pixel[self.axis] - start, off * self.unit
         return slice(max(line - off, 0), line + off + 1)
 
     def limits(self, pixel: tuple[int, int], over: int) -> tuple[int, int, bool]:
-        """The lines up to `over` beyond the pixel's band, and whether these are all and wrap."""
+        """The lines up to `over` units beyond a pixel's band, and whether they are all and wrap."""
         (start, end, _), size = self.band(pixel), self.bands[-1][1]
-        start, end = start - over, end + over
+        start, end = start - over * self.unit, end + over * self.unit
         if not self.wraps:
             return max(start, 0), min(end, size), False
-        # No patch covers more than two thirds of what wraps.
-        return (start, end, False) if end - start <= 2 * size // 3 else (0, size, True)
+        # No patch covers more than seven eighths of what wraps, see `size_on`.
+        return (start, end, False) if end - start <= 7 * size // 8 else (0, size, True)
 
 
 class Boards:
     """The rows of a sample uint8 (H, W, K), from joint to joint, that lie across an axis."""
 
     def __init__(self, pixels: Bytes, axis: int) -> None:
+        self.axis, height, unit = axis, pixels.shape[axis], unit_of(pixels)
         lines = np.ascontiguousarray(np.moveaxis(pixels, 2, 0)).swapaxes(1, axis + 1)
-        self.axis, height, one, two = axis, pixels.shape[axis], lines[:, 1:], lines[:, :-1]
-        self._tones = lines.sum(axis=2, dtype=np.int64).T
-        steps = (np.maximum(one, two) - np.minimum(one, two)).sum(axis=2, dtype=np.int64).T
+        tones, at = lines.sum(axis=2, dtype=np.int64).T, np.arange(height - unit + 1)
+        self.unit, self._tones = unit, centered_sums(tones, unit // 2, (0,)).astype(np.int64)
         # Steps in tone around each line: what the whole line has in common, and all.
-        both = np.pad([abs(np.diff(self._tones, axis=0)), steps], ((0, 0), (1, 1), (0, 0)))
-        common, every = centered_sums(both.sum(axis=2), _WIDE, (1,))
-        least, found = _STEP * np.sort(common)[-_HIGHEST:].mean(), list[int]()
+        blocks = lines[:, :, lines.shape[2] % unit :].reshape(len(lines), height, -1, unit)
+        means = sums_along(blocks.sum(axis=3, dtype=np.int64), 1, at, at + unit)
+        steps = means[:, unit:] - means[:, :-unit]
+        parts = [abs(steps.sum(axis=2)).T, abs(steps).sum(axis=2).T]
+        both = np.pad(parts, ((0, 0), (unit, unit), (0, 0)))
+        common, every = centered_sums(both.sum(axis=2), _WIDE * unit, (1,))
+        least, found = _STEP * np.sort(common)[-_HIGHEST * unit :].mean(), list[int]()
         for k in np.argsort(-common, kind="stable").tolist():
             if common[k] >= least and all(abs(k - one) * _MOST >= height for one in found):
                 found.append(k)
-        found = [k for k in found if _BORDER <= k <= height - _BORDER]
+        found = [k for k in found if _BORDER * unit <= k <= height - _BORDER * unit]
         self._steps, self.edges = both[1, 1:], np.array([0, *sorted(found), height])
         #: The share of the steps at joints that all columns have.
-        self.through = 0.0
-        if len(found) > 1:
-            self.through = float(common[found].sum() / max(every[found].sum(), 1))
+        share = common[found].sum() / max(every[found].sum(), 1)
+        self.through = float(share) if len(found) > 1 else 0.0
 
     def _jumps(self) -> tuple[Floats, Ints]:
         """Return the costs of showing row b after the joint a, and by how much b is shifted.
@@ -175,14 +178,15 @@ class Boards:
         The tones of lines, less slow changes, and their steps are compared around both joints.
         """
         height, tones = len(self._tones), self._tones
-        slow, count = (centered_sums(a, _NEAR, (0,)) for a in (tones, np.ones_like(tones)))
+        near, most = _NEAR * self.unit, _ALIGNED * self.unit
+        slow, count = (centered_sums(a, near, (0,)) for a in (tones, np.ones_like(tones)))
         looks = np.concatenate([tones - (slow // count).astype(np.int64), self._steps], axis=1)
-        away, shifts = np.arange(-_NEAR, _NEAR), np.arange(-_ALIGNED, _ALIGNED + 1)
+        away, shifts = np.arange(-near, near, self.unit), np.arange(-most, most + 1)
         starts = self.edges[:, None] + shifts
         first, second = self.edges[:, None, None, None] + away, starts[..., None] + away
         known = (np.minimum(first, second) >= 0) & (np.maximum(first, second) < height)
         first, second = (np.clip(one, 0, height - 1) for one in (first, second))
-        weights = known * (2 * _NEAR - abs(2 * away + 1))
+        weights = known * (2 * near - abs(2 * away + self.unit))
         apart = (np.square(looks[first] - looks[second]).sum(axis=-1) * weights).sum(axis=-1)
         usual = np.square(looks - looks.sum(axis=0) // height).sum() / height
         cost = apart / np.maximum(weights.sum(axis=-1), 1) / max(usual, 1)
@@ -215,7 +219,7 @@ class Boards:
         off = strain * size if canvas.wrap[self.axis] else None
         drawn = draw(seed, "rows", *np.ogrid[:_TRIES, :_STEPS, :count]) >> np.uint64(32)
         found = [x for one in drawn.astype(np.int64) for x in self._maps(size, off, one, *jumps)]
-        return RowMap(self.axis, off is not None, min(found)[1]) if found else None
+        return RowMap(self.axis, off is not None, min(found)[1], self.unit) if found else None
 
     def _maps(
         self, size: int, off: float | None, drawn: Ints, costs: Floats, shifts: Ints
@@ -236,7 +240,7 @@ class Boards:
         if off is not None:
             row = int((own + _DRAWN * (drawn[0] / 2**32)).argmin())
             source = edges[row]
-        first, most = row, size if off is None else size + off + _ALIGNED + 1
+        first, most = row, size if off is None else size + off + _ALIGNED * self.unit + 1
         while (end := y + edges[row + 1] - source) < most:
             bands.append((y, end, source))
             shown.append((row, y))
@@ -262,6 +266,12 @@ class Boards:
             yield total / (len(bands) + 1), [*bands, (y, size, source)]
 
 
+def unit_of(pixels: Bytes) -> int:
+    """Return how many times larger than what `auto` analyzes a sample is; lengths here grow so."""
+    height, width = pixels.shape[:2]
+    return int(max(1, min(-(-max(height, width) // LOOK), min(height, width) // (2 * _NEAR))))
+
+
 def find_boards(pixels: Bytes, even: bool = False) -> Boards | None:
     """Find rows whose joints run through a sample uint8 (H, W, K); clearly, if they are `even`."""
     found = max((Boards(pixels, axis) for axis in (0, 1)), key=lambda one: one.through)
@@ -280,5 +290,5 @@ def rows_around(
         parts = np.compress(whole, pixels, axis=1 - axis)
         through.append(Boards(parts, axis).through if 2 * whole.sum() >= len(whole) else 0.0)
     axis = through.index(max(through))
-    found = RowMap(axis, False, [(0, MAX_PIXELS, canvas.known_from[axis])])
+    found = RowMap(axis, False, [(0, MAX_PIXELS, canvas.known_from[axis])], unit_of(pixels))
     return found if min(through) < _THROUGH[0] and max(through) >= _THROUGH[even] else None

@@ -197,9 +197,8 @@ def lattice_kept(sample: View, result: View, lattice: Lattice | None) -> float |
         return None
     parts = [_contrast(half, lattice, sample.shape) for half in halves]
     steady = [part for part in parts if part is not None]
-    if not steady or np.mean(steady) < _STEADY * own:
-        return None
-    return max(0.0, made / own)
+    kept = bool(steady) and np.mean(steady) >= _STEADY * own
+    return max(0.0, made / own) if kept else None
 
 
 def _contrast(view: View, lattice: Lattice, sample: tuple[int, int]) -> float | None:

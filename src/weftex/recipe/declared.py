@@ -117,7 +117,7 @@ FIT = Option(
 LANDMARKS = Option(
     "landmarks", TEXT, "conspicuous features of the sample, such as its only red leaf: keep "
     "repeats them, thin makes them rare, remove replaces them; auto "
-    "thins them from 4 times the sample's area on; no effect on samples with a lattice", "auto",
+    "thins them from 1.25 times the sample's area on; no effect on samples with a lattice", "auto",
     choices=("auto", "keep", "thin", "remove"), metavar="auto|keep|thin|remove", heading=_QUALITY,
 )  # fmt: skip
 

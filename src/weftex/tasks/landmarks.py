@@ -81,20 +81,18 @@ def thinned(model: Model, canvas: Canvas) -> PlainSample | None:
     landmarks may be joints there, and where its method mixes patches.
     """
     assert isinstance(model, AutoModel)
-    findings = model.findings
-    choice = model.choose(canvas)
+    findings, choice = model.findings, model.choose(canvas)
     # What looks the same from all sides is ground, such as leaves: no landmark is part of a whole.
     most = _COARSE if choice.parameters.get("orientations") == "all" else _FINE
     small = findings.scale <= most * min(findings.shape)
-    if findings.lattice or findings.rows or not small or choice.method != "graphcut":
+    keeps = findings.lattice or findings.rows or not small or choice.method != "graphcut"
+    if keeps or has_joint_network(model.exemplar):
         return None
-    if has_joint_network(model.exemplar):
-        return None
-    times = math.prod(canvas.shape) // math.prod(findings.shape)
-    because = f"the features are small and the output has {times} times the sample's area"
+    times = round(math.prod(canvas.shape) / math.prod(findings.shape), 1)
     # In smaller outputs the others may be what the material consists of.
     masks, rare = find_landmarks(model.exemplar, others=times >= _MANY)
     fillings = _fillings(model.exemplar, masks, _FILLINGS) if masks else []
+    because = f"the features are small and the output has {times:g} times the sample's area"
     because = f"landmarks are thinned, because {because}"
     plain = PlainSample(model.exemplar, masks, rare, fillings, findings, True, because)
     return plain if fillings else None
@@ -268,8 +266,7 @@ class PlainSample:
                 index[pixels] = there[number, source]
             about = {name: getattr(made, name) for name in (*ABOUT, "threads")}
             made = PixelSynthesis(made.canvas, index, exemplar=picture, **about)
-        counts = {"found": len(self.masks), "rare": self.rare, "shown": count}
-        made.provenance["landmarks"] = counts
+        made.provenance["landmarks"] = {"found": len(self.masks), "rare": self.rare, "shown": count}
         if self.because:
             made.provenance["reason"] = f"{made.provenance['reason']}; {self.because}"
         return made

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from weftex.quality.score import Rating
 
 _MOST_TRIES = 1000  # outputs of which the best is kept
-_REPEATED = 4  # sample areas of an output from which `auto` thins landmarks
+_REPEATED = 1.25  # sample areas of an output from which `auto` thins landmarks
 
 
 def synthesize(
@@ -75,7 +75,7 @@ def synthesize(
     landmarks : {"auto", "keep", "thin", "remove"}
         What to do with landmarks, small salient regions that reveal repeats: keep them, show each
         only at places far apart, or remove them. With "auto", the method `Auto` thins them if
-        features are small and the output has at least 4 times the sample's area; below 8 times,
+        features are small and the output has at least 1.25 times the sample's area; below 8 times,
         only rare ones. All other methods keep them. Samples with a lattice or rows are not changed.
     threads : int, optional
         Maximum number of threads; one for each processor by default.
@@ -193,9 +193,7 @@ def _like(guide: NDArray[Any], exemplar: Exemplar) -> NDArray[Any]:
 
 def _guide(picture: Sample) -> NDArray[Any]:
     """Pixels; labels in whole numbers of any type as they are."""
-    if isinstance(picture, np.ndarray):
-        return picture
-    return load_exemplar(picture).pixels
+    return picture if isinstance(picture, np.ndarray) else load_exemplar(picture).pixels
 
 
 def _best_of(

@@ -83,11 +83,10 @@ class EntirePatchMatching:
         self._on_canvas = Level(growth.pixels, growth.done)
         self._holes = np.array(holes_of(growth))
         self._lattice = self._rows = None
-        plain = self.canvas.shown is None and not growth.done.any()
-        if placement == "rows" and plain and sample.boards is not None:
-            self._rows = sample.boards.row_map(self.canvas, growth.seed)
-        if placement == "rows" and self.canvas.known_from is not None:
+        if placement == "rows":
             self._rows = rows_around(sample.windows.pixels, sample.windows.usable, self.canvas)
+            if self.canvas.shown is None and not growth.done.any() and sample.boards is not None:
+                self._rows = sample.boards.row_map(self.canvas, growth.seed)
         if lattice:
             self._lattice = CanvasLattice(lattice, self.canvas, VISIBLE_STRAIN)
             shortest = min(np.hypot(*vector) for vector in given_lattice(lattice).reduced().vectors)

@@ -116,7 +116,7 @@ def chances_of(costs: Floats, allowed: Mask, spread: float) -> Ints:
 def size_on(canvas: Canvas, patch_shape: tuple[int, int]) -> tuple[int, int]:
     """The size of patches on a canvas; along a wrapped axis they leave something to join."""
     height, width = (
-        min(side, max(1, 2 * n // 3) if wraps else n)
+        min(side, max(1, 7 * n // 8) if wraps else n)
         for side, n, wraps in zip(patch_shape, canvas.shape, canvas.wrap, strict=True)
     )
     return height, width

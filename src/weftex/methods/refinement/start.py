@@ -167,9 +167,7 @@ def fitted_starts(method: Any, exemplar: Exemplar) -> dict[str, Model]:
 def _by_lattice(exemplar: Exemplar) -> list[str]:
     """Near-regular synthesis with the sample's lattice, if that is sure."""
     lattice = sure_lattice(exemplar)
-    if lattice is None:
-        return []
-    return [text_of(METHODS["near-regular"](lattice=tuple(lattice)))]
+    return [] if lattice is None else [text_of(METHODS["near-regular"](lattice=tuple(lattice)))]
 
 
 def starts_for(prepared: Prepared, canvas: Canvas) -> list[str]:

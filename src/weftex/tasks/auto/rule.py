@@ -189,11 +189,10 @@ def choose_for_hole(exemplar: Exemplar, canvas: Canvas) -> Choice:
     few = canvas.hole is None or int(canvas.hole.sum()) <= _SMALL
     pixels, lattice = math.prod(exemplar.shape), None
     whole = dict(WHOLE) if pixels <= (_AROUND if few else _SMALL) else {}
-    if min(exemplar.shape) >= SMALLEST_ANALYZED and canvas.known_from is not None:
+    if canvas.known_from is not None:
         small, step = smaller_copy(exemplar, LOOK)
-        if min(small.shape) >= SMALLEST_ANALYZED:
-            found = find_lattice(small)
-            lattice = found if found and may_place(found, small.shape) else None
+        found = find_lattice(small) if min(small.shape) >= SMALLEST_ANALYZED else None
+        lattice = found if found and may_place(found, small.shape) else None
     if lattice is None or len(lattice.vectors) == 1:
         even, levels = lattice is not None, exemplar.matching()
         if rows_around(levels, exemplar.usable, canvas, even) is not None:
