@@ -126,7 +126,7 @@ def test_what_cannot_be_turned_is_refused():
 
 def test_auto_turns_what_has_no_way_up_and_all_else_goes_on(tmp_path):
     """Reports, figures and replay take the sample as it was."""
-    made = weftex.synthesize("sample:leaves", 300, seed=3)
+    made = weftex.synthesize("sample:leaves", 300, seed=3, landmarks="keep")
     assert made.provenance["orientations"] == "all"
     assert "the same from all sides" in made.provenance["reason"]
     names = ("method", "placement", "orientations", "seed")

@@ -46,8 +46,8 @@ def test_auto_makes_any_tileable_size(name, size):
     assert made.shape == size
     fitted = weftex.synthesize(DRAWN[name], size, fit=True, **how)
     said = [one for one in made.provenance.get("warnings", ()) if "stretched by" in one]
-    assert said
-    assert f"{fitted.shape[1]}x{fitted.shape[0]}" in said[0]
+    assert bool(said) == (name != "ribs")  # a map of rows has nearly any size
+    assert not said or f"{fitted.shape[1]}x{fitted.shape[0]}" in said[0]
     assert "strained" not in str(fitted.provenance.get("warnings"))
 
 
