@@ -21,6 +21,7 @@ __all__ = ["Canvas", "as_canvas"]
 MAX_PIXELS = 2**30
 #: How far from its own origin a window of an endless plane may begin, in pixels.
 FAR = 2**40
+MOST_WRAPPED = 7 / 8  # of a wrapped axis that one patch covers; the rest joins its ends
 _WHITE = {"uint8": 255, "uint16": 65535}  # 1 in floating point
 #: Canvas kinds that a method may declare in `supports`, in words for messages.
 CANVAS_KINDS = {

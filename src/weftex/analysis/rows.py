@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from weftex.analysis.canvas_lattice import MOST_STRETCHED, CanvasLattice
 from weftex.analysis.relief import LOOK
-from weftex.canvas import MAX_PIXELS, Canvas
+from weftex.canvas import MAX_PIXELS, MOST_WRAPPED, Canvas
 from weftex.random import draw
 from weftex.raster.arrays import Bytes, Floats, Ints
 from weftex.raster.boxes import centered_sums, sums_along
@@ -143,8 +143,7 @@ class RowMap(NamedTuple):
         start, end = start - over * self.unit, end + over * self.unit
         if not self.wraps:
             return max(start, 0), min(end, size), False
-        # No patch covers more than seven eighths of what wraps, see `size_on`.
-        return (start, end, False) if end - start <= 7 * size // 8 else (0, size, True)
+        return (start, end, False) if end - start <= MOST_WRAPPED * size else (0, size, True)
 
 
 class Boards:

@@ -7,7 +7,7 @@ from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
-from weftex.canvas import Canvas
+from weftex.canvas import MOST_WRAPPED, Canvas
 from weftex.methods.graphcut.sample import Level
 from weftex.random import draw
 from weftex.raster.arrays import Floats, Ints, Mask
@@ -116,7 +116,7 @@ def chances_of(costs: Floats, allowed: Mask, spread: float) -> Ints:
 def size_on(canvas: Canvas, patch_shape: tuple[int, int]) -> tuple[int, int]:
     """The size of patches on a canvas; along a wrapped axis they leave something to join."""
     height, width = (
-        min(side, max(1, 7 * n // 8) if wraps else n)
+        min(side, max(1, int(MOST_WRAPPED * n)) if wraps else n)
         for side, n, wraps in zip(patch_shape, canvas.shape, canvas.wrap, strict=True)
     )
     return height, width
