@@ -325,7 +325,7 @@ def cut_and_paste(
         if not more:
             return
         canvas.penalty = None  # only seams count now
-        seams = WorstSeams(canvas, growth.canvas, np.minimum(placement.size, hole))
+        seams = WorstSeams(canvas, growth.canvas, np.minimum(placement.size, hole).tolist())
         progress = growth.progress(more, "repairs")
         for number in range(pasted, pasted + more):
             worst = seams.worst()
