@@ -32,8 +32,8 @@ bands = [band.mean(axis=0) for band in np.array_split(colors, 64)]
 guide = np.rint(np.array(bands)[np.rint(shape * 63).astype(int)]).astype(np.uint8)
 weftex.write_image(folder / "guide.png", guide)
 
-for method in ("ashikhmin", "refinement"):
-    for weight in (0.1, 0.3, 1.0):
+for method, weights in (("ashikhmin", (0.1, 0.3, 1.0)), ("graphcut", (1.0, 2.0, 8.0))):
+    for weight in weights:
         result = weftex.synthesize(
             sample, guide.shape[:2], method=method, guide=guide, guide_weight=weight, seed=7
         )
@@ -50,9 +50,7 @@ for axis in (0, 1):
 orange = (around > 75).astype(np.uint8)
 y, x = np.indices((4 * size // 5, 6 * size // 5)) / size
 wave = (np.abs(y - 0.4 - 0.1875 * np.sin(8 * x)) < 0.09375).astype(np.uint8)
-result = weftex.synthesize(
-    sample, wave.shape, method="refinement", guide=wave, sample_guide=orange, seed=3
-)
+result = weftex.synthesize(sample, wave.shape, guide=wave, sample_guide=orange, seed=3)
 weftex.write_image(folder / "orange.png", 255 * orange)
 weftex.write_image(folder / "wave.png", 255 * wave)
 weftex.write_image(folder / "leaves_by_numbers.png", result.image)

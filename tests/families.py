@@ -78,6 +78,7 @@ TRIALS = {
         window="patch_size",
         largest=120,
         plain={"tone_reach": 0.0},
+        unguided=("entire", "random"),
     ),
     "efros-leung": Trial("pixel", {"window_width": 5}, largest=40, real=({"window_width": 9},)),
     "wei-levoy": Trial(
@@ -110,7 +111,6 @@ TRIALS = {
             "wide": {"init": "seeds", "window_width": 7},
             "nearest": {"search": "nearest"},
         },
-        unguided=("nearest",),
         largest=60,
         real=({}, {"init": "seeds"}),
     ),

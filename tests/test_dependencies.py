@@ -31,6 +31,7 @@ LEVELS = [
     ["endless"],
     ["quality", "prepare"],
     ["analysis"],
+    ["guides"],
     ["repeats"],
     ["search", "seams"],
     ["results"],

@@ -82,9 +82,9 @@ def levels_parameter(default_text: str, high: int) -> Any:
     return parameter(None, text, low=1, high=high, default_text=default_text)
 
 
-def guide_parameter(help: str) -> Any:
+def guide_parameter(help: str, default: float = 0.3) -> Any:
     """Declare the weight of the guide against what is made."""
-    return parameter(0.3, help, low=0.01, high=100.0, needs_canvas="guide")
+    return parameter(default, help, low=0.01, high=100.0, needs_canvas="guide")
 
 
 def check_value(field: dataclasses.Field[Any], value: Any) -> None:

@@ -17,9 +17,6 @@ from weftex.errors import InvalidInputError, did_you_mean, is_number, shown, wro
 
 __all__ = ["COLOR", "ROLES", "Role", "is_preview", "role_of", "words_of"]
 
-#: What the values of a map are, which decides how they are blended: light, vectors, a surface,
-#: names without an order, or plain numbers.
-KINDS = ("color", "normal", "height", "labels", "data")
 #: A channel that nothing is stored in.
 UNUSED = "unused"
 
@@ -33,7 +30,7 @@ class Role:
     name : str
         Its key in `Exemplar.maps`.
     kind : str
-        One of `KINDS`.
+        "color", "normal", "height", "labels" or "data"; decides how values are blended.
     files : tuple of str
         What files call it: words in small letters.
     channels : tuple of str

@@ -1,13 +1,17 @@
 """Graph cut: each cut costs what SciPy's maximum flow says, with old seams (sections 3 and 3.1)."""
 
+import dataclasses
+
 import numpy as np
 import pytest
 
 import weftex
 from random_cases import random_canvas, random_cases, random_exemplar
 from weftex.methods.graphcut.cutting import CutCanvas
+from weftex.methods.graphcut.sample import CutSample
 from weftex.reference.graphcut import NEW, OLD, Graph
 from weftex.repeats.salience import SaliencePenalty
+from weftex.search.windows import windows_of
 
 
 def seam_cost(exemplar, gradients, step, label, pixel, other, other_pixel):
@@ -62,7 +66,14 @@ def test_each_cut_is_a_minimum_cut(rng, placement, monkeypatch):
     gradients = bool(rng.integers(2))
     kind = {"placement": placement, "halvings": 0, "candidates": 2}
     kind |= {"refinements": float(rng.choice([0, 0.5])), "tolerance": 0.1}
+    guide = None
     if placement == "subpatch":
+        if rng.integers(2):  # labels that are asked for
+            own = rng.integers(0, 3, exemplar.shape, np.uint8)
+            own[-1, :3], guide = (0, 1, 2), rng.integers(0, 3, canvas.shape, np.uint8)
+            exemplar = exemplar.changed(guide=own)
+            canvas = dataclasses.replace(canvas, guide=guide)
+            usual = CutSample(exemplar, windows_of(exemplar, (0, 0, 0, 0)), gradients, 0).usual_cost
         kind |= {"patch_size": int(rng.integers(5, 12)), "boundary_width": 2}
     method = weftex.GraphCut(seam_cost="gradient" if gradients else "difference", **kind)
     compared = []
@@ -75,6 +86,10 @@ def test_each_cut_is_a_minimum_cut(rng, placement, monkeypatch):
         fixed = done & ~canvas.hole if canvas.hole is not None else np.zeros(shape, bool)
         covered = whole(self, patch)
         new, price, sample = {}, {}, exemplar.shape
+
+        def label(source, p):
+            return divmod(int(source[p]), sample[1]) if source[p] >= 0 else None
+
         for v, u in np.ndindex(patch.height, patch.width):
             place = (patch.source_top + v) % sample[0], (patch.source_left + u) % sample[1]
             p = (patch.top + v) % shape[0], (patch.left + u) % shape[1]
@@ -82,9 +97,10 @@ def test_each_cut_is_a_minimum_cut(rng, placement, monkeypatch):
                 new[p], price[p] = place, 0
                 if self.penalty is not None:
                     price[p] = int(prices[-1][v // self.penalty.cell, u // self.penalty.cell])
-
-        def label(source, p):
-            return divmod(int(source[p]), sample[1]) if source[p] >= 0 else None
+                if guide is not None:
+                    shown = label(before, p)
+                    wrong = [at and exemplar.guide[at] != guide[p] for at in (place, shown)]
+                    price[p] += round(2 * usual) * (bool(wrong[0]) - bool(wrong[1]))
 
         def cost(step, p, q, old_p, old_q):
             """What it costs that p, and q, are old or not."""

@@ -128,6 +128,19 @@ def test_refinements_end_when_nothing_is_mended(side):
     assert np.array_equal(*(m.fit(exemplar).sample((30, 40), seed=1).image for m in both))
 
 
+def test_labels_are_followed():
+    """A sample of two materials, and a map that asks for much of one and a piece of the other."""
+    y, x = np.indices((60, 90))
+    own = x > 60 + 4 * np.sin(y / 5)
+    pixels = np.where(own, 200, 60) + noise((60, 90)) // 8
+    exemplar = weftex.Exemplar(pixels.astype(np.uint8), guide=own)
+    y, x = np.indices((48, 64))
+    wanted = (y - 24) ** 2 + (x - 24) ** 2 > 200
+    canvas = weftex.Canvas(48, 64, guide=wanted)
+    image = GraphCut(tone_reach=0.0).fit(exemplar).sample(canvas, seed=1).image
+    assert ((image > 150) == wanted).mean() > 0.97
+
+
 # Lattices
 
 

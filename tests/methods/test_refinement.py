@@ -1,7 +1,5 @@
 """Iterative refinement: byte by byte its slow twin, the start, the sweeps, and when they stop."""
 
-import dataclasses
-import functools
 import pickle
 
 import numpy as np
@@ -10,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import weftex
-from families import canvas_of, noise, refused, with_guides
+from families import canvas_of, noise, refused
 from twins import refinement as reference
 from weftex.analysis.scale import structure_scale
 from weftex.canvas import Canvas
@@ -27,9 +25,7 @@ def check_twin(method, exemplar, canvas, seed):
     for name in starts_for(prepared, canvas)[:1]:
         hole = canvas.hole
         other = prepared.starts[name] if hole is None else hole_start(name, hole, exemplar)
-        bare = "guide" not in other.method.supports
-        follow = dataclasses.replace(canvas, guide=None) if bare else canvas
-        start = other.sample(follow, seed=seed).source
+        start = other.sample(canvas, seed=seed).source
     expected = reference.refinement(model.method, exemplar, canvas, seed, start)
     source = result.source
     if canvas.hole is not None:
@@ -64,13 +60,8 @@ def test_it_is_the_slow_twin(data):
     parameters = {"init": draw(st.sampled_from(starts))}
     if parameters["init"] == "seeds":
         parameters |= {"matches": draw(st.integers(1, 5)), "seed_density": draw(st.just(0.5))}
-    if draw(st.booleans()):
-        more["guide"] = noise((*size, channels), seed=5)
-        if draw(st.booleans()):
-            exemplar, more["guide"] = with_guides(exemplar, size, rng)
-        parameters["guide_weight"] = draw(st.sampled_from([0.01, 0.3, 3.0]))
     parameters |= {"similar": draw(st.integers(0, 2)), "evenness": draw(st.just(2.0))}
-    if parameters["init"] != "seeds" and "guide" not in more and draw(st.booleans()):
+    if parameters["init"] != "seeds" and draw(st.booleans()):
         parameters["joints"] = draw(st.sampled_from([2, 4, 6]))
     method = weftex.Refinement(
         window_width=draw(st.sampled_from([1, 3, 5])) if mask is None else 3,
@@ -94,20 +85,6 @@ def test_levels_are_the_slow_twins(kind, tileable, init):
     canvas = canvas_of(kind, pixels, (13, 15))
     model = method.fit(exemplar)
     assert len(model.prepared.levels) == 2
-    check_twin(method, exemplar, canvas, 5)
-
-
-@pytest.mark.parametrize("tileable", [False, True])
-def test_guides_of_levels_are_the_slow_twins(tileable):
-    pixels = weftex.load_exemplar("sample:pebbles").pixels[20:68, 10:59].copy()
-    exemplar = weftex.Exemplar(pixels, tileable=tileable)
-    canvas = canvas_of("guide", pixels, (9, 10))
-    init = "auto"
-    if tileable:
-        init, (y, x) = "quilting", np.indices((48, 49))
-        exemplar = exemplar.changed(guide=(y + x > 50).astype(int) + (x > 30))
-        canvas = Canvas(9, 10, (True, False), guide=np.indices((9, 10))[1] // 4)
-    method = weftex.Refinement(window_width=13, iterations=1, similar=0, init=init)
     check_twin(method, exemplar, canvas, 5)
 
 
@@ -136,13 +113,6 @@ def test_the_window_is_twice_the_scale():
     assert weftex.Refinement(search="nearest").fit(grain).method.window_width < 29
 
 
-def test_what_follows_no_guide_is_refused():
-    pixels = noise((40, 40))
-    refined = functools.partial(weftex.synthesize, pixels, 40, method="refinement")
-    refused("search is 'nearest', which follows no guide", refined, guide=pixels, search="nearest")
-    refused("no effect without a guide", refined, guide_weight=2.0)
-
-
 @pytest.mark.parametrize("init", ["quilting", "graphcut"])
 def test_only_joints_are_refined(init):
     """Patches stay, and pictures of a pattern are the pattern."""
@@ -156,8 +126,6 @@ def test_only_joints_are_refined(init):
     assert same[~reference.seam_belts(start.source, 5, (False, False), made.exemplar)].all()
     assert not same[seams].all() and same.mean() > 0.2
     refused("joints has no effect unless init is", weftex.Refinement, init="seeds", joints=10)
-    with pytest.raises(weftex.InvalidInputError, match="give joints or a guide, not both"):
-        weftex.synthesize(pixels, 72, method=method, guide=pixels)
 
 
 @pytest.mark.parametrize("wrap", [(False, False), (True, True)])
@@ -165,20 +133,6 @@ def test_joints_of_levels_are_the_slow_twins(wrap):
     pixels = weftex.load_exemplar("sample:pebbles").pixels[20:68, 10:59, :1].copy()
     method = weftex.Refinement(window_width=13, iterations=1, similar=0, joints=6)
     check_twin(method, weftex.Exemplar(pixels, tileable=wrap[0]), Canvas(23, 25, wrap), 5)
-
-
-def test_labels_are_followed():
-    """A sample of two materials, and a map that asks for much of one and a piece of the other."""
-    y, x = np.indices((60, 90))
-    own = x > 70 + 4 * np.sin(y / 5)
-    pixels = np.where(own, 200, 60) + noise((60, 90)) // 8
-    exemplar = weftex.Exemplar(pixels.astype(np.uint8), guide=own)
-    y, x = np.indices((48, 64))
-    wanted = (y - 24) ** 2 + (x - 24) ** 2 > 200
-    for init in ("auto", "ashikhmin", "quilting"):
-        model = weftex.Refinement(window_width=15, init=init).fit(exemplar)
-        image = model.sample(Canvas(48, 64, guide=wanted), seed=1).image
-        assert ((image > 150) == wanted).mean() > 0.97
 
 
 def curve_of(**parameters):

@@ -62,9 +62,7 @@ def test_a_start_that_was_asked_for_is_not_replaced(tiles):
         model.sample(Canvas(96, 60, (True, True)), seed=1)
 
 
-def test_guides_and_the_papers_search_take_seeds_all_the_same(tiles, model):
-    made = model.sample(Canvas(40, 40, guide=noise((40, 40, 1))), seed=1)
-    assert made.provenance["init"] == "seeds"
+def test_the_papers_search_takes_seeds(tiles):
     assert weftex.Refinement(search="nearest").resolved(tiles).init == "seeds"
 
 
@@ -161,17 +159,6 @@ def test_more_matches_than_there_are_tiles_are_all():
         for matches in (25, 10**9, 5)
     ]
     assert sources[0] == sources[1] != sources[2]
-
-
-def test_a_guide_takes_the_parameters_of_seeds_where_these_are_named():
-    pixels = weftex.load_exemplar("sample:pebbles").pixels[:48, :48].copy()
-
-    def made(**how):
-        method = weftex.Refinement(iterations=2, **how)
-        guide = pixels[::-1].copy()
-        return weftex.synthesize(pixels, 48, method=method, guide=guide, seed=1).source.tolist()
-
-    assert made() == made(init="seeds") != made(init="seeds", matches=40)
 
 
 @pytest.mark.parametrize("init", ["auto", "quilting"])

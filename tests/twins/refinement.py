@@ -7,7 +7,6 @@ import math
 
 import numpy as np
 
-from twins.guides import guides
 from twins.pyramids import coarser, coarser_mask, pyramid, stacked
 from twins.randomness import random_bits
 from twins.seed_points import seed_points
@@ -22,7 +21,7 @@ class RefinedLevel:
     def __init__(self, pixels, mask, tileable, number, reach, side):
         self.pixels, self.mask, self.tileable = pixels, mask, tileable
         self.shape, self.number, self.reach, self.side = mask.shape, number, reach, side
-        self.similar, self.guide = {}, None
+        self.similar = {}
         self.rows, self.columns = self._steps(mask.shape[0]), self._steps(mask.shape[1])
         there = self.rows[:, None, :, None], self.columns[None, :, None, :]
         self.centers = [tuple(at) for at in np.argwhere(mask[there].all(axis=(2, 3))).tolist()]
@@ -129,16 +128,6 @@ def refinement(method, exemplar, canvas, seed, start=None):
         if sum(at not in levels[-1].center_set for at in shown) <= 0.15 * len(shown):
             break
         levels, stack = levels[:-1], stack[:-1]
-    guide = guides(exemplar, canvas)
-    if guide[0] is not None:
-        weight = max(1, round(256 * method.guide_weight * picture.shape[2] / guide[0].shape[2]))
-        shown, own = (np.asarray(g, np.uint8) for g in guide)
-        for level in levels:
-            level.guide = shown.astype(int), None, weight
-            shown = coarser(shown, canvas.wrap)
-        for level in levels:
-            shown, _, weight = level.guide
-            level.guide = shown, stacked(own, level.number, tiles).astype(int), weight
     below = None
     for level, (picture, known) in list(zip(levels, stack, strict=True))[::-1]:
         coarsest, rows = below is None, by_rows(level.centers)
@@ -148,10 +137,9 @@ def refinement(method, exemplar, canvas, seed, start=None):
         if seeds:
             scale = method.seed_scale or structure_scale(exemplar).scale
             spacing = max(1, round(scale / method.seed_density / step))
-            plain = level.guide and (level.guide[0], level.guide[1][::step, ::step], weight)
             points = seed_points(
                 level.pixels[::step, ::step], level.mask[::step, ::step], known.shape, canvas.wrap,
-                spacing, method.matches, seed, plain,
+                spacing, method.matches, seed,
             )  # fmt: skip
             for (y, x), (v, u) in points.items():
                 source[y][x] = nearest_center(rows, v * step, u * step)
@@ -183,9 +171,7 @@ def refinement(method, exemplar, canvas, seed, start=None):
         for y, x in np.argwhere(done & ~known):
             usage[level.cell(source[y][x])] = usage.get(level.cell(source[y][x]), 0) + 1
         above = len(levels) - 1 - levels.index(level)
-        settled = bool(done.all()) and (
-            above > 0 or not ((cyclic and method.joints is None) or level.guide)
-        )
+        settled = bool(done.all()) and (above > 0 or not cyclic or method.joints is not None)
         for turn in range(rounds):
             before, there = picture.copy(), done.copy()
             for line in turned_lines(~known, turn, cyclic):
@@ -243,29 +229,11 @@ def _settle(level, picture, done, source, y, x, place):
     source[y][x], done[y, x], picture[y, x] = place, True, level.pixels[place]
 
 
-def _asked(level, unknown):
-    """In 1/256, how often each center is to be used, for what the guide shows there."""
-    shown, own, _ = level.guide
-    there, wanted = {}, {}
-    for at in level.centers:
-        kind = tuple(own[at] // 64)
-        there[kind] = there.get(kind, 0) + 1
-    for at in zip(*np.nonzero(unknown), strict=True):
-        kind = tuple(shown[at] // 64)
-        wanted[kind] = wanted.get(kind, 0) + 1
-    kinds = {at: tuple(own[at] // 64) for at in level.centers}
-    least = max(256 // 4**level.number, 1)
-    return {at: max(least, 256 * wanted.get(k, 0) // there[k]) for at, k in kinds.items()}
-
-
 def _room(level, unknown):
     """How often the sources of each square of the sample are to be used."""
     wanted, count, room = int(unknown.sum()), len(level.centers), {}
-    asked = _asked(level, unknown) if level.guide else {}
     for place in level.centers:
-        room[level.cell(place)] = room.get(level.cell(place), 0) + asked.get(place, 1)
-    if level.guide:
-        return {cell: 2 * n // 256 for cell, n in room.items()}
+        room[level.cell(place)] = room.get(level.cell(place), 0) + 1
     wanted = max(wanted, count // 4**level.number)
     return {cell: 2 * n * wanted // count for cell, n in room.items()}
 
@@ -309,13 +277,6 @@ def _sweep(
         for k, place in enumerate(places):
             more = 512 if k >= near else 256
             costs[k] *= factors[level.cell(place)] * more // 256
-        if level.guide:
-            shown, theirs, heavy = level.guide
-            every = known_steps(np.ones_like(done), (y, x), level.reach, canvas.wrap)
-            every = np.append(every, [(0, 0)], axis=0)
-            away = theirs[level.around(places, every)] - steps_away(shown, y, x, every)
-            apart = (away**2).sum(axis=(1, 2)).tolist()
-            costs = [cost + heavy * more for cost, more in zip(costs, apart, strict=True)]
         best = places[costs.index(min(costs))]
         if own is not None:
             usage[level.cell(own)] = usage.get(level.cell(own), 0) - 1

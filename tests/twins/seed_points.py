@@ -15,11 +15,8 @@ def grid_points(length, wraps, spacing):
     return [i * length // count for i in range(count)]
 
 
-def seed_points(pixels, mask, shape, wrap, spacing, matches, seed, guide=None):
-    """Stochastic tiling with unit tiles (Fig. 5): {(y, x) of the output: (y, x) of the sample}.
-
-    `guide` is that of the canvas, that of the sample, and its weight in 1/256.
-    """
+def seed_points(pixels, mask, shape, wrap, spacing, matches, seed):
+    """Stochastic tiling with unit tiles (Fig. 5): {(y, x) of the output: (y, x) of the sample}."""
     usable = [tuple(at) for at in np.argwhere(mask).tolist()]
     top, left = min(y for y, _ in usable), min(x for _, x in usable)
     tiles = []
@@ -38,16 +35,10 @@ def seed_points(pixels, mask, shape, wrap, spacing, matches, seed, guide=None):
         slot = [(v % len(rows) if wrap[0] else v, u) for v, u in slot]
         slot = [(v, u % len(columns) if wrap[1] else u) for v, u in slot]
         there = [k for k in range(4) if slot[k] in points]
-        bound = [([*rows, shape[0] - 1][v], [*columns, shape[1] - 1][u]) for v, u in slot]
         unlike = [
             sum(((pixels[tile[k]].astype(int) - pixels[points[slot[k]]]) ** 2).sum() for k in there)
             for tile in tiles
         ]
-        if guide is not None:
-            shown, own, weight = guide
-            for n, tile in enumerate(tiles):
-                apart = sum(((shown[bound[k]] - own[tile[k]]) ** 2).sum() for k in range(4))
-                unlike[n] = 256 * unlike[n] + weight * apart
         ranked = sorted(range(len(tiles)), key=lambda n: unlike[n])
         ranked = ranked[:matches] if there else [n for n in ranked if unlike[n] == min(unlike)]
         tile = tiles[ranked[bits % len(ranked)]]

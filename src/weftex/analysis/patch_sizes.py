@@ -7,10 +7,14 @@ import numpy as np
 from weftex.analysis.relief import LOOK, smaller_copy
 from weftex.analysis.scale import structure_scale
 from weftex.canvas import Canvas
+from weftex.errors import InvalidInputError
 from weftex.exemplar import Exemplar
 from weftex.raster.arrays import Mask
 from weftex.raster.boxes import whole_windows
 
+#: Side of a patch of graph cut, of the sample's shorter side.
+PATCH_SHARE = 0.45
+_THIN = 4  # pixels a side; smaller patches are shares of both sides, not squares
 #: A patch is a share of the sample's shorter side, but of no more than so many times the scale of
 #: its structure: patches of large samples would copy crowds.
 _SCALES = 36
@@ -33,6 +37,51 @@ def patch_size_of(exemplar: Exemplar, share: float) -> int:
         scale = structure_scale(small).scale * step
         side = min(side, max(_SMALL, round(_SCALES * scale)))
     return max(1, round(share * side))
+
+
+def check_boundary(side: int, boundary: int) -> None:
+    """Refuse a boundary that takes half of a patch."""
+    if boundary > (side - 1) // 2:
+        raise InvalidInputError(
+            f"boundary_width is {boundary}; it must be less than half of the patch, at most "
+            f"{(side - 1) // 2}"
+        )
+
+
+def patch_shape_for(exemplar: Exemplar, given: int | None) -> tuple[int, int]:
+    """A square of the given side, or of the default one made smaller until it fits.
+
+    Squares of one pixel would take as many cuts as the canvas has pixels, so patches of a thin
+    sample are a share of either side.
+    """
+    height, width = exemplar.shape
+    if given is not None:
+        if given > min(height, width):
+            raise InvalidInputError(
+                f"patch_size is {given}; {exemplar.name} is {width}x{height}, so it may be "
+                f"at most {min(height, width)}"
+            )
+        if not _fits(exemplar, given, given):
+            raise InvalidInputError(
+                f"patch_size is {given}; no patch that large lies on usable pixels of "
+                f"{exemplar.name}, make it smaller"
+            )
+        return given, given
+    side = patch_size_of(exemplar, PATCH_SHARE)
+    while not _fits(exemplar, side, side):
+        side = side * 3 // 4
+    if side < _THIN:
+        rows, columns = (max(1, round(PATCH_SHARE * n)) for n in exemplar.shape)
+        if _fits(exemplar, rows, columns):
+            return rows, columns
+    return side, side
+
+
+def _fits(exemplar: Exemplar, rows: int, columns: int) -> bool:
+    usable = exemplar.usable
+    if exemplar.tileable:
+        usable = np.pad(usable, ((0, rows - 1), (0, columns - 1)), mode="wrap")
+    return bool(whole_windows(usable, (0, rows - 1, 0, columns - 1)).any())
 
 
 def patch_size_on(canvas: Canvas, share: float) -> int:

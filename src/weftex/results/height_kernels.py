@@ -22,7 +22,9 @@ def led(sample, coordinates, shares, part, v, u, axis, way, slope):
         x = coordinates[v, u, k, 1]
         b = y + way if axis == 0 else y
         a = x if axis == 0 else x + way
-        if b < 0 or a < 0 or b >= sample.shape[0] or a >= sample.shape[1] or part[b] != part[y]:
+        if b < 0 or a < 0 or b >= sample.shape[0] or a >= sample.shape[1]:
+            continue
+        if part[b, a] != part[y, x]:
             continue
         for c in range(sample.shape[2]):
             slope[c] += way * shares[v, u, k] * difference(sample[b, a, c], sample[y, x, c])
@@ -40,13 +42,13 @@ def compare_slopes(
     around: cython.bint,
     scale: cython.int,
     slope: cython.double[::1],
-    part: cython.const[cython.int][::1],
+    part: cython.const[cython.ushort][:, :],
 ):
     """For each edge, add g - h' to the pixel it leads to and subtract it from the other one.
 
     `total` is (channels, rows[+1], columns), `made` (rows[+1], columns, channels), `coordinates`
     and `shares` are the layers of `made`, `scale` times as fine as the output. With `around` the
-    last column is followed by the first. Rows of the sample with different `part` are not compared.
+    last column is followed by the first. Pixels of another `part` are not compared.
     """
     with cython.nogil:
         for v in range(rows):
@@ -69,7 +71,9 @@ def compare_slopes(
                         and (off == 0 or off == scale or off == -scale)
                     ):
                         continue
-                    if part[coordinates[v, u, 0, 0]] != part[coordinates[b, a, 0, 0]]:
+                    here = cython.address(coordinates[v, u, 0, 0])
+                    there = cython.address(coordinates[b, a, 0, 0])
+                    if part[here[0], here[1]] != part[there[0], there[1]]:
                         continue
                     for c in range(slope.shape[0]):
                         slope[c] = 0

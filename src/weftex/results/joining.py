@@ -41,7 +41,7 @@ class PastedPieces(NamedTuple):
     wrap: tuple[bool, bool]
     scale: int
     threads: int
-    tops: tuple[int, ...] = ()  # rows of the sample on which others begin, whose steps stay
+    parts: NDArray[np.uint16] | None = None  # of the sample (H, W), between which steps stay
 
 
 def reach_of(given: Exemplar, tones: float, hole: NDArray[np.bool_] | None) -> float:
@@ -164,7 +164,7 @@ def _divergence(
     """Return the sum of g - h' over the edges into each pixel minus the edges out of it (C, H, W).
 
     Also returns the rows and columns of it that are the block and its margin, and the pixels of
-    each sample if there are several.
+    each part of the sample if there are several.
     """
     rows, columns = (
         _lines(first, side, n, wraps, margin, laid.scale)
@@ -184,13 +184,15 @@ def _divergence(
         )
     steps = np.zeros((made.shape[2], *made.shape[:2]))
     about = height, columns.around, laid.scale, np.zeros(made.shape[2])
-    tops = np.multiply(laid.tops, laid.scale)
-    part = np.searchsorted(tops, np.arange(len(sample)), side="right").astype(np.int32)
+    part = np.broadcast_to(np.uint16(0), sample.shape[:2]) if laid.parts is None else laid.parts
+    if laid.parts is not None and laid.scale > 1:
+        part = part.repeat(laid.scale, 0).repeat(laid.scale, 1)
     kernels.compare_slopes(steps, made, sample, coordinates, shares, *about, part)
     if rows.around:
         steps[:, 0] += steps[:, height]
-    own = part[coordinates[:height, :, 0, 0]] if laid.tops else part[:0]
-    masks = (own == number for number in range(len(laid.tops) + 1))
+    places = coordinates[:height, :, 0].transpose(2, 0, 1)
+    own = part[:0] if laid.parts is None else part[tuple(places)]
+    masks = (own == number for number in range(int(own.max(initial=0)) + 1))
     return steps, [rows.inside, columns.inside], [mask for mask in masks if mask.any()]
 
 

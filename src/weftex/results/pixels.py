@@ -23,6 +23,7 @@ class PixelSynthesis(Synthesis):
     """A result with one source per pixel: `index` (H, W) is y * width + x, -1 for a known pixel."""
 
     ARRAYS = {"index": np.int32}  # noqa: RUF012
+    OPTIONAL = {"parts": np.uint16}  # noqa: RUF012
 
     def __init__(self, canvas: Canvas, index: NDArray[np.int32], **about: Any) -> None:
         super().__init__(canvas, **about)
@@ -67,7 +68,7 @@ class PixelSynthesis(Synthesis):
         return self._again(replace(canvas, hole=hole), index, exemplar=exemplar)
 
     def _again(self, canvas: Canvas, index: NDArray[np.int32], **changes: Any) -> PixelSynthesis:
-        names = (*ABOUT, "exemplar", "threads")
+        names = (*ABOUT, "exemplar", "threads", "parts")
         about: dict[str, Any] = {name: getattr(self, name) for name in names}
         return PixelSynthesis(canvas, index, **about | changes)
 
@@ -114,6 +115,8 @@ class PixelSynthesis(Synthesis):
         least = 0 if canvas.hole is None else -1  # only known pixels come from nowhere
         if ((index < least) | (index >= sample[0] * sample[1])).any():
             raise DamageError("its sources lie outside")
+        if arrays.get("parts", np.empty(sample)).shape != sample:
+            raise DamageError("its materials do not fit its sample")
 
 
 def rearranged(exemplar: Exemplar, index: NDArray[np.int32], **parts: Any) -> Exemplar:

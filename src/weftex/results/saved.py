@@ -35,7 +35,6 @@ class Facts:
     is_window: bool
     turn: str | None
     copy_shape: tuple[int, int] | None
-    tops: tuple[int, ...] = ()
 
     def __post_init__(self) -> None:
         for name in ("shape", "sample_shape"):
@@ -48,8 +47,6 @@ class Facts:
         switches = (*self.wrap, self.match_tone, self.is_window)
         if [*map(type, switches)] != [bool] * 4 or not isinstance(self.provenance, dict):
             raise DamageError("its description has other types")
-        if not all(type(top) is int and 0 < top < self.sample_shape[0] for top in self.tops):
-            raise DamageError("its samples begin outside their image")
         if type(self.tone_reach) is not float or not 0 <= self.tone_reach <= MOST_REACH:
             raise DamageError("its reach of tones is invalid")
         if self.turn is not None and gap_of(self.sample_shape, self.turn, self.copy_shape) != 1:

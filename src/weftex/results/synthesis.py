@@ -51,9 +51,8 @@ class Synthesis(Displayable, SourceMap):
         Filled holes, images of few colors, normals and colors with alpha are not changed.
     turn, copy_shape : str or None, (int, int) or None
         The copies that `prepare.turned` added to the sample; height and width of one copy.
-    tops : tuple of int
-        Rows where the second and further samples of a fused result begin; tones are not spread
-        from one to another.
+    parts : uint16 array, optional
+        The number of each sample pixel's material (H, W); tones are not spread between materials.
     is_window : bool
         The result is a part of an endless plane, where tone steps are not spread.
     threads : int
@@ -74,7 +73,7 @@ class Synthesis(Displayable, SourceMap):
         is_window: bool = False,
         turn: str | None = None,
         copy_shape: tuple[int, int] | None = None,
-        tops: tuple[int, ...] = (),
+        parts: NDArray[np.uint16] | None = None,
         threads: int = 1,
     ) -> None:
         if isinstance(exemplar, Exemplar):
@@ -82,7 +81,7 @@ class Synthesis(Displayable, SourceMap):
             turn, copy_shape = exemplar.turn or turn, exemplar.copy_shape or copy_shape
         assert sample_shape is not None
         self.canvas, self.sample_shape, self.known_from = canvas, sample_shape, known_from
-        self.turn, self.copy_shape, self.tops = turn, copy_shape, tops
+        self.turn, self.copy_shape, self.parts = turn, copy_shape, parts
         self.exemplar, self.threads = exemplar, threads
         self.provenance, self.tone_reach = provenance or {}, tone_reach
         self._picture, self.match_tone, self.is_window = picture, match_tone, is_window
@@ -217,8 +216,8 @@ class Synthesis(Displayable, SourceMap):
         window = top, left, height, width
         if hole is None or base is None:
             layers, wrap = self._pictured_layers, self.canvas.wrap
-            tops = () if given.role.kind == "height" else self.tops
-            laid = PastedPieces(lay, layers, self.shape, wrap, scale, self.threads, tops)
+            parts = None if given.role.kind == "height" else self.parts
+            laid = PastedPieces(lay, layers, self.shape, wrap, scale, self.threads, parts)
             out = join_steps(laid, given, reach, window)
         else:
             out = lay(window)

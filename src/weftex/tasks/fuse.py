@@ -156,13 +156,14 @@ def fuse(
     notes += [note for one in fusion.told for note in one.pop("warnings")]
     used = in_common(fusion.told) if fusion.told else chosen.describe() | of_belts
     about |= {"warnings": notes} if notes else {}
+    part = np.arange(len(exemplars), dtype=np.uint16).repeat([e.shape[0] for e in exemplars])
     return PixelSynthesis(
         canvas,
         index,
         exemplar=whole,
         provenance=used | about,
         tone_reach=max((one.get("tone_reach", 0.0) for one in fusion.told), default=0.0),
-        tops=tuple(np.cumsum([e.shape[0] for e in exemplars[:-1]]).tolist()),
+        parts=np.broadcast_to(part[:, None], whole.shape),
     )
 
 

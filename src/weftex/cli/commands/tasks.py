@@ -31,7 +31,7 @@ def run_synth(argv: list[str]) -> None:
       weftex synth brick.png -o part.png --window 10000,-500,512,512 --seed 7    endless texture
       weftex synth brick.png -o wall.tif --size 100000x100000 --workers 4
       weftex synth moss.png -o face.png --method ashikhmin --guide face.png
-      weftex synth a.png -o new.png --method refinement --sample-guide painted.png --guide b.png
+      weftex synth a.png -o new.png --sample-guide painted.png --guide b.png
     """
     parser = Parser("synth", run_synth.__doc__)
     text = "image, folder of maps, or sample:NAME; several must show the same material"

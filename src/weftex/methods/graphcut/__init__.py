@@ -8,21 +8,22 @@ from typing import Any, ClassVar, Self
 
 import numpy as np
 
+from weftex.analysis import patch_sizes
 from weftex.analysis.canvas_lattice import check_lattice, fitted_sample, given_lattice
-from weftex.analysis.patch_sizes import HOLE_PATCHES, patch_size_for, patch_size_on
 from weftex.canvas import Canvas
 from weftex.endless.grid import Sizes
 from weftex.errors import InvalidInputError
 from weftex.exemplar import Exemplar
 from weftex.exemplar.turns import turned
+from weftex.guides import Guiding, materials
 from weftex.method import Method
 from weftex.methods.graphcut.cutting import CutCanvas, WorstSeams
 from weftex.methods.graphcut.entire import EntirePatchMatching, holes_of
 from weftex.methods.graphcut.placement import Patch, Placement, draw_offsets
-from weftex.methods.graphcut.sample import PATCH_SHARE, CutSample, check_boundary, patch_shape_for
+from weftex.methods.graphcut.sample import CutSample
 from weftex.methods.graphcut.subpatch import SubPatchMatching
 from weftex.methods.pixels import Growth, PixelModel
-from weftex.parameters import length_parameter, parameter
+from weftex.parameters import guide_parameter, length_parameter, parameter
 from weftex.progress import ProgressCallback
 from weftex.raster.arrays import Mask
 from weftex.repeats import Repetition
@@ -34,6 +35,7 @@ from weftex.threads import quick_map
 _LARGE = 2**15  # pixels of a patch whose candidates are cut in threads; a larger hole has fewer
 _PATCHES = 2  # in a row between two belts of a plane
 _TURNS = {"half-turns": "half", "all": "8"}  # orientations, as `turned` names them
+_GUIDED, _LEAST_GUIDED = 0.15, 48  # side of a patch that follows a guide: a share, pixels
 _IDLE = 4  # refinements that improve nothing, for each patch that covered the canvas, end it
 
 
@@ -59,7 +61,7 @@ class GraphCut(Method):
         "V. Kwatra, A. Schödl, I. Essa, G. Turk, A. Bobick: Graphcut textures: image and video "
         "synthesis using graph cuts. ACM Transactions on Graphics 22(3), 2003"
     )
-    supports: ClassVar[frozenset[str]] = frozenset({"wrap", "known"})
+    supports: ClassVar[frozenset[str]] = frozenset({"wrap", "known", "guide"})
     cuts_known: ClassVar[bool] = True
 
     placement: str = parameter(
@@ -71,7 +73,7 @@ class GraphCut(Method):
         "side of the square patches; larger keeps larger features whole",
         "0.45 x the sample's shorter side; a smaller share above 512 px",
         low=1,
-        hole_text=HOLE_PATCHES,
+        hole_text=patch_sizes.HOLE_PATCHES,
         needs=("placement", ("subpatch",)),
         control="size",
     )
@@ -134,6 +136,9 @@ class GraphCut(Method):
         idle_canvas="known",
         control="softness",
     )
+    guide_weight: float = guide_parameter(
+        "weight of the guide against the image so far; higher follows the guide more closely", 2.0
+    )
     lattice: tuple[float, ...] | None = length_parameter(
         "shift only by multiples of the lattice vectors x1,y1,x2,y2; for rows P apart: 0,P,1,0",
         "any shift",
@@ -150,7 +155,13 @@ class GraphCut(Method):
     def __post_init__(self) -> None:
         super().__post_init__()
         if self.patch_size is not None and self.boundary_width is not None:
-            check_boundary(self.patch_size, self.boundary_width)
+            patch_sizes.check_boundary(self.patch_size, self.boundary_width)
+
+    def require(self, canvas: Canvas) -> None:
+        """See `Method.require`."""
+        super().require(canvas)
+        if canvas.guide is not None and self.placement != "subpatch":
+            raise InvalidInputError(f"a guide needs placement 'subpatch', not {self.placement!r}")
 
     @property
     def hole_reach(self) -> int:
@@ -165,7 +176,7 @@ class GraphCut(Method):
             )
         best: dict[str, Any] = {}
         if self.placement == "subpatch":
-            best = {"patch_size": patch_size_for(hole, usable, 1)}
+            best = {"patch_size": patch_sizes.patch_size_for(hole, usable, 1)}
         elif self.lattice is not None or self.placement == "rows":
             best = {"candidates": 96}  # finer cuts and refinements break its joints
         elif self.placement == "entire":
@@ -190,13 +201,13 @@ class GraphCut(Method):
         """Height and width of patches: squares, but for thin samples; or the entire sample."""
         if self.placement != "subpatch":
             return exemplar.shape
-        return patch_shape_for(exemplar, self.patch_size)
+        return patch_sizes.patch_shape_for(exemplar, self.patch_size)
 
     def for_patches(self, shape: tuple[int, int]) -> Self:
         """Return this method for sub-patches of a shape, with the boundary that suits them."""
         side = max(shape)
         boundary = _given(self.boundary_width, side // 3)
-        check_boundary(side, boundary)
+        patch_sizes.check_boundary(side, boundary)
         square = side if shape[0] == shape[1] else None
         return replace(self, patch_size=square, boundary_width=boundary)
 
@@ -233,9 +244,18 @@ class GraphCutModel(PixelModel):
         Patches take no larger share of it than of the sample, unless their size was given.
         """
         method, shape, given = self.method, self.patch_shape, self.given
+        if canvas.guide is not None:
+            count, more = given.candidates or 12, _given(given.refinements, 1.0)
+            method = replace(method, candidates=count, refinements=more)
         if given.placement != "subpatch" or given.patch_size is not None:
             return method, shape
-        most = max(patch_size_on(canvas, PATCH_SHARE), 2 * (given.boundary_width or 0) + 1)
+        if canvas.guide is not None:
+            side = max(_LEAST_GUIDED, round(_GUIDED * min(*self.exemplar.shape, *canvas.shape)))
+            shape = min(shape[0], side), min(shape[1], side)
+        most = max(
+            patch_sizes.patch_size_on(canvas, patch_sizes.PATCH_SHARE),
+            2 * (given.boundary_width or 0) + 1,
+        )
         shape = min(shape[0], most), min(shape[1], most)
         return replace(method, boundary_width=given.boundary_width).for_patches(shape), shape
 
@@ -247,7 +267,9 @@ class GraphCutModel(PixelModel):
         if self.method.placement == "rows" and self.prepared.boards is not None:
             fitting = self.prepared.boards.fitted(canvas, seed)
         if fitted is None:
-            return super().make(fitting, seed, threads, progress).stretched(canvas)
+            made = super().make(fitting, seed, threads, progress)
+            made.parts = None if canvas.guide is None else materials(self.exemplar)
+            return made.stretched(canvas)
         index, vectors, sample = fitted
         model = GraphCutModel(replace(self.given, lattice=None), sample)
         model.method = replace(model.method, lattice=vectors)
@@ -282,7 +304,10 @@ def placement_of(
         cells, cost = (small.pixels, small.mask), sample.usual_cost * (0.5 if lattice else 1.0)
         penalty = SaliencePenalty(policy, sample.exemplar, growth, boxes, cells, cost)
     if not entire:
-        return SubPatchMatching(sample, growth, shape, method.boundary_width or 0, penalty)
+        guiding, boundary = None, method.boundary_width or 0
+        if growth.canvas.guide is not None:
+            guiding = Guiding(sample.exemplar, growth, method.guide_weight, sample.usual_cost)
+        return SubPatchMatching(sample, growth, shape, boundary, penalty, guiding)
     return EntirePatchMatching(sample, growth, method.placement, lattice, penalty)
 
 
@@ -324,7 +349,7 @@ def cut_and_paste(
         more = round(method.refinements * pasted)
         if not more:
             return
-        canvas.penalty = None  # only seams count now
+        canvas.penalty = canvas.penalty if canvas.guiding else None  # only seams count now
         seams = WorstSeams(canvas, growth.canvas, np.minimum(placement.size, hole).tolist())
         progress = growth.progress(more, "repairs")
         for number in range(pasted, pasted + more):

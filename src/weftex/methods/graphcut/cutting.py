@@ -61,6 +61,7 @@ class CutCanvas:
         fills = canvas.known is not None and (canvas.shown is None or canvas.known_from is not None)
         self.filling = growth.seed - 1 if fills else 0
         self.penalty = None if fills else placement.penalty
+        self.guiding = placement.guiding
         self._least, self._tolerated = math.inf, _TOLERATED if self.filling else 1.0
 
     def missing(self) -> Iterator[tuple[int, int]]:
@@ -123,7 +124,10 @@ class CutCanvas:
         graph = self._graphs.pop()
         penalty = self.penalty
         prices = _NO_PRICES if penalty is None else penalty.prices(*box)
-        graph.set_box(*box, prices, 0 if penalty is None else penalty.cell.bit_length() - 1)
+        exponent = 0 if penalty is None else penalty.cell.bit_length() - 1
+        if self.guiding is not None:
+            prices, exponent = self.guiding.prices(box, prices, exponent), 0
+        graph.set_box(*box, prices, exponent)
         return graph
 
 
@@ -158,6 +162,7 @@ class WorstSeams:
             min(max(1, size // (2 * _CELL)), n)
             for size, n in zip(patch_size, self.cells.shape, strict=True)
         ]
+        self.guiding, self.guided = cut_canvas.guiding, np.zeros(canvas.shape, np.int32)
         self.update(0, 0, *canvas.shape)
 
     def update_around(self, patch: Patch) -> None:
@@ -176,6 +181,11 @@ class WorstSeams:
             lines.append(line[:n] % n if wraps else line[(line >= 0) & (line < n)])
         rows, columns = lines
         cost_kernels.sum_seams(self.labeling, rows, columns, self.cost, self.cells, _CELL)
+        if self.guiding is not None:
+            guided, box = self.guiding.shown(rows, columns), np.ix_(rows, columns)
+            cells = np.ix_(rows // _CELL, columns // _CELL)
+            np.add.at(self.cells, cells, guided - self.guided[box])
+            self.guided[box] = guided
 
     def worst(self) -> tuple[int, int] | None:
         """The middle of the square, half a patch wide, whose seams cost most; None if none do.

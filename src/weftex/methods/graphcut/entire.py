@@ -11,6 +11,7 @@ import numpy as np
 
 from weftex.analysis.canvas_lattice import VISIBLE_STRAIN, CanvasLattice, given_lattice
 from weftex.analysis.rows import rows_around
+from weftex.guides import Guiding
 from weftex.methods.graphcut.placement import Matches, Patch, size_on
 from weftex.methods.graphcut.sample import (
     CutSample,
@@ -54,6 +55,8 @@ class EntirePatchMatching:
     shifts of a sample without copies to multiples of its vectors. `rows`, if any are found, are
     kept whole, but in endless textures; in holes they are continued.
     """
+
+    guiding: Guiding | None = None
 
     def __init__(
         self,

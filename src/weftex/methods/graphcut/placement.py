@@ -8,6 +8,7 @@ from typing import Any, NamedTuple, Protocol
 import numpy as np
 
 from weftex.canvas import MOST_WRAPPED, Canvas
+from weftex.guides import Guiding
 from weftex.methods.graphcut.sample import Level
 from weftex.random import draw
 from weftex.raster.arrays import Floats, Ints, Mask
@@ -48,6 +49,7 @@ class Placement(Protocol):
     reduction: int  # how many times smaller the smallest level is
     levels: list[Level]  # of the sample
     penalty: SaliencePenalty | None
+    guiding: Guiding | None
 
     def matches(
         self, pixel: tuple[int, int], number: int, centered: bool, map_: Callable[..., Any] = map

@@ -13,22 +13,17 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from weftex.analysis.patch_sizes import patch_size_of
 from weftex.analysis.rows import Boards, find_boards
-from weftex.errors import InvalidInputError
 from weftex.exemplar import Exemplar
 from weftex.exemplar.turns import copies_in
 from weftex.methods.graphcut import pyramid_kernels as kernels
 from weftex.raster.arrays import Bytes, Mask, fast_size
 from weftex.raster.turning import Box
 from weftex.search.fft_mismatch import Spectra
-from weftex.search.windows import Windows, windows_of
+from weftex.search.windows import Windows
 
-#: Side of a patch, of the sample's shorter side.
-PATCH_SHARE = 0.45
 _HALVINGS = 4  # at most, unless they are given
 _LEAST = 24  # pixels a side that a patch has on the smallest level then
-_THIN = 4  # pixels a side; smaller patches are shares of both sides, not squares
 _TOGETHER = 3  # places that one call looks up
 
 
@@ -55,7 +50,7 @@ class CutSample:
     def boards(self) -> Boards | None:
         """Its rows, if their joints run through it."""
         plain = not self.boxes and self.is_whole(copies=False)
-        return find_boards(self.windows.pixels) if plain else None
+        return find_boards(self.windows.pixels[..., : self.exemplar.channels]) if plain else None
 
     def part(self, box: Box) -> CutSample:
         """One of the oriented copies."""
@@ -110,52 +105,6 @@ class CutSample:
         usable = self.windows.usable  # there is a line between any two copies
         boxes = self.boxes if copies else [(0, 0, *usable.shape)]
         return all(usable[y : y + h, x : x + w].all() for y, x, h, w in boxes)
-
-
-def check_boundary(side: int, boundary: int) -> None:
-    """Refuse a boundary that takes half of a patch."""
-    if boundary > (side - 1) // 2:
-        raise InvalidInputError(
-            f"boundary_width is {boundary}; it must be less than half of the patch, at most "
-            f"{(side - 1) // 2}"
-        )
-
-
-def patch_shape_for(exemplar: Exemplar, given: int | None) -> tuple[int, int]:
-    """A square of the given side, or of the default one made smaller until it fits.
-
-    Squares of one pixel would take as many cuts as the canvas has pixels, so patches of a thin
-    sample are a share of either side.
-    """
-    height, width = exemplar.shape
-    if given is not None:
-        if given > min(height, width):
-            raise InvalidInputError(
-                f"patch_size is {given}; {exemplar.name} is {width}x{height}, so it may be "
-                f"at most {min(height, width)}"
-            )
-        if not _fits(exemplar, given, given):
-            raise InvalidInputError(
-                f"patch_size is {given}; no patch that large lies on usable pixels of "
-                f"{exemplar.name}, make it smaller"
-            )
-        return given, given
-    side = patch_size_of(exemplar, PATCH_SHARE)
-    while not _fits(exemplar, side, side):
-        side = side * 3 // 4
-    if side < _THIN:
-        rows, columns = (max(1, round(PATCH_SHARE * n)) for n in exemplar.shape)
-        if _fits(exemplar, rows, columns):
-            return rows, columns
-    return side, side
-
-
-def _fits(exemplar: Exemplar, rows: int, columns: int) -> bool:
-    try:
-        windows_of(exemplar, (0, rows - 1, 0, columns - 1))
-    except InvalidInputError:
-        return False
-    return True
 
 
 def _joins(usable: Mask, tileable: bool) -> Bytes:

@@ -8,6 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from weftex.guides import Guiding
 from weftex.methods.graphcut.placement import Matches, Patch, size_on
 from weftex.methods.graphcut.sample import (
     CutSample,
@@ -75,6 +76,7 @@ class SubPatchMatching:
         patch_shape: tuple[int, int],
         overlap: int,
         penalty: SaliencePenalty | None = None,
+        guiding: Guiding | None = None,
     ) -> None:
         self.exemplar, self.growth, self.canvas = sample.exemplar, growth, growth.canvas
         self.size = size_on(growth.canvas, patch_shape)
@@ -83,7 +85,7 @@ class SubPatchMatching:
             sample.made[self.size] = arranged_for(sample, self.size)
         self._arranged: Arranged = sample.made[self.size]
         self.reduction, self.levels = self._arranged.reduction, self._arranged.levels
-        self.penalty = penalty
+        self.penalty, self.guiding = penalty, guiding
         if penalty is not None:
             penalty.covers = self.size
         self._on_canvas = Level(growth.pixels, growth.done)
@@ -130,7 +132,10 @@ class SubPatchMatching:
         part, (top, left) = self.part(number), self._corner(pixel, centered)
         y = ((top + np.arange(self.size[0])) % self.canvas.height).astype(np.int32)
         x = ((left + np.arange(self.size[1])) % self.canvas.width).astype(np.int32)
-        boxes = levels_of(box_of(self._on_canvas, y, x), self.reduction)
+        box = box_of(self._on_canvas, y, x)
+        if self.guiding is not None:  # what the guide does not ask for is to go
+            box.mask[self.guiding.shown(y, x) > self.guiding.price // 2] = 0
+        boxes = levels_of(box, self.reduction)
         k = coarsest(boxes, part.corners)
         allowed, box, level = part.corners[k] != 0, boxes[k], part.levels[k]
         costs, factors = np.zeros(allowed.shape), np.ones(allowed.shape)
@@ -146,6 +151,11 @@ class SubPatchMatching:
             if self.penalty is not None:
                 apart = allowed & ~self._continuing(part, y, x, k)
                 allowed = apart if apart.any() else allowed
+
+        if self.guiding is not None:
+            apart = self.guiding.mismatch(y, x, k)[part.top >> k :, part.left >> k :]
+            apart = apart[: allowed.shape[0], : allowed.shape[1]]
+            costs = costs + level.variance * apart
 
         def patches(drawn: list[tuple[int, int]], map_: Callable[..., Any]) -> list[Patch]:
             found = in_full_size(drawn, boxes[: k + 1], part.levels, part.corners, (0, 0))

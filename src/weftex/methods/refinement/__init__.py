@@ -8,16 +8,19 @@ from typing import Any, ClassVar, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from weftex.canvas import Canvas
 from weftex.endless.boxes import Box, PlaneRequest
 from weftex.endless.grid import Sizes
-from weftex.errors import InvalidInputError
 from weftex.exemplar import Exemplar
 from weftex.method import Method
 from weftex.methods.pixels import Growth, PixelModel, WindowedMethod
 from weftex.methods.refinement.defaults import Starts, resolved_method, start_text, window_width
-from weftex.methods.refinement.levels import Prepared, prepare
-from weftex.methods.refinement.output import finish, guides_of, levels_that_show, output_pyramid
+from weftex.methods.refinement.levels import (
+    Prepared,
+    finish,
+    levels_that_show,
+    output_pyramid,
+    prepare,
+)
 from weftex.methods.refinement.start import (
     fitted_starts,
     keep_patches,
@@ -26,7 +29,7 @@ from weftex.methods.refinement.start import (
     start_window,
 )
 from weftex.methods.refinement.sweeps import Convergence, refine_texture, sweep_of
-from weftex.parameters import guide_parameter, length_parameter, parameter, window_parameter
+from weftex.parameters import length_parameter, parameter, window_parameter
 
 _PITCH = 384  # pixels, at least, from one node of a plane to the next
 
@@ -53,7 +56,7 @@ class Refinement(WindowedMethod):
         "S. Shin, T. Nishita, S. Y. Shin: On pixel-based texture synthesis by non-parametric "
         "sampling. Computers & Graphics 30(5), 2006"
     )
-    supports: ClassVar[frozenset[str]] = frozenset({"wrap", "known", "guide", "many"})
+    supports: ClassVar[frozenset[str]] = frozenset({"wrap", "known", "many"})
     belt_parameters: ClassVar[frozenset[str]] = frozenset({"seed_scale", "seed_density", "matches"})
 
     window_width: int | None = window_parameter(
@@ -121,9 +124,6 @@ class Refinement(WindowedMethod):
         needs=("search", ("coherent",)),
         control="variety",
     )
-    guide_weight: float = guide_parameter(
-        "weight of the guide against the image so far; higher follows the guide more closely"
-    )
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "init", start_text(self.init))
@@ -154,14 +154,6 @@ class Refinement(WindowedMethod):
         # Step 2: SearchTree.
         prepared = prepare(method, exemplar, starts, by_canvas=self.init == "auto")
         return RefinementModel(method, exemplar, prepared, texture_synthesis)
-
-    def require(self, canvas: Canvas) -> None:
-        """See `Method.require`."""
-        super().require(canvas)
-        if canvas.guide is not None and self.search == "nearest":
-            raise InvalidInputError("search is 'nearest', which follows no guide; use 'coherent'")
-        if canvas.guide is not None and self.joints is not None:
-            raise InvalidInputError("give joints or a guide, not both")
 
     def window_of(self, exemplar: Exemplar) -> int:
         """See `Method.window_of`."""
@@ -209,17 +201,16 @@ def texture_synthesis(prepared: Prepared, growth: Growth) -> None:
     # Section 5, Fig. 12; a block of a plane goes on with what was started all over it.
     cyclic = growth.hole is not None and (start_map is None or growth.canvas.shown is None)
     outputs = output_pyramid(windows, levels, growth)
-    guides = guides_of(prepared, growth)
     convergence = Convergence(prepared.method.threshold, cyclic)
     steps = [output.count * n for output, n in zip(outputs, rounds, strict=True)]
     progress = growth.progress(sum(steps), "pixels")
     for number in reversed(range(len(levels))):
-        output, guide = outputs[number], guides[number]
+        output = outputs[number]
         # Step 3: PlantSeed.
-        start_from = start_sources(prepared, outputs, number, guide, start_map, growth.seed)
+        start_from = start_sources(prepared, outputs, number, start_map, growth.seed)
         output.begin(levels[number], start_from)
         growth.coarse = (output.pixels, 2**number) if number else None  # for the preview
-        sweep = sweep_of(prepared, output, guide, growth.seed, cyclic)
+        sweep = sweep_of(prepared, output, growth.seed, cyclic)
         for iteration in range(rounds[number]):  # step 5: while (ContinueFlag)
             convergence.remember(output)
             changed = refine_texture(sweep, iteration, progress)  # step 6: RefineTexture

@@ -1,7 +1,8 @@
-"""The sample as iterative refinement prepares it: at its resolutions (section 3, steps 1, 2)."""
+"""Iterative refinement at several resolutions: the sample (section 3, steps 1, 2), the output."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -11,15 +12,18 @@ from numpy.typing import NDArray
 
 from weftex.exemplar import Exemplar
 from weftex.method import Model
+from weftex.methods.pixels import Growth
 from weftex.methods.refinement.defaults import reach_and_level_count, seed_spacing
 from weftex.methods.refinement.nearest import NearestSearch, nearest_search
 from weftex.methods.refinement.similar import nearest_center, similar_places
+from weftex.raster import pyramids
 from weftex.raster.boxes import whole_windows
-from weftex.raster.pyramids import gaussian_stack, mask_stack, phase_starts
+from weftex.search.picture_kernels import Picture
 from weftex.search.windows import Windows, windows_of
 
 ONE = 256  # distances are multiplied with integers; this is a factor of 1
 _FINE_REACH = 1  # pixels from the middle of a window to its side, on the finest of several levels
+_MOST_MOVED = 0.15  # of a start; more would break patterns that it continues
 
 
 @dataclass(frozen=True, eq=False)
@@ -125,7 +129,7 @@ class StackLayout:
         """Arrange the pixels of the sample, numbered from 1; margins are 0, or its continuation."""
         every = np.arange(1, self.shape[0] * self.shape[1] + 1, dtype=np.int32)
         step, sample = 1 << self.number, every.reshape(self.shape)
-        phases = [sample[y::step, x::step] for y, x in phase_starts(self.number)]
+        phases = [sample[y::step, x::step] for y, x in pyramids.phase_starts(self.number)]
         return self._below(phases, mode)
 
     def _below(self, phases: list[NDArray[Any]], mode: Any) -> NDArray[Any]:
@@ -227,8 +231,8 @@ def _pyramid_levels(method: Any, exemplar: Exemplar, reach: int, count: int) -> 
     """Return the refined levels of a Gaussian stack of `count` levels; for belts, the finest."""
     tiles = (exemplar.tileable,) * 2
     mask = exemplar.usable
-    pictures = gaussian_stack(exemplar.matching(), count, tiles)
-    masks = mask_stack(mask, count, tiles)
+    pictures = pyramids.gaussian_stack(exemplar.matching(), count, tiles)
+    masks = pyramids.mask_stack(mask, count, tiles)
     samples = [
         Exemplar(p[0], mask=m[0], tileable=tiles[0], alpha=False, name=exemplar.name)
         for p, m in zip(pictures, masks, strict=True)
@@ -270,3 +274,96 @@ def _cells(shape: tuple[int, int], side: int) -> NDArray[np.int32]:
     down, along = (np.arange(n, dtype=np.int32) // np.int32(side) for n in shape)
     cells: NDArray[np.int32] = np.add.outer(down * np.int32(shape[1] // side + 1), along).ravel()
     return cells
+
+
+class OutputLevel:
+    """The output at one level while it is refined; level 0 is the finest."""
+
+    def __init__(
+        self,
+        number: int,
+        pixels: NDArray[np.uint8],
+        source: NDArray[np.int32],
+        known: NDArray[np.bool_],
+        wrap: tuple[bool, bool],
+    ) -> None:
+        # pixels (H, W, K); source (H, W): flat indices into `SampleLevel.pixels`, -1 for none
+        self.number, self.pixels, self.source = number, pixels, source
+        # done (H, W): 1 where a pixel is known or made; known (H, W): pixels that do not change;
+        # wrap: whether the vertical and the horizontal axis wrap
+        self.done, self.known, self.wrap = known.astype(np.uint8), known, wrap
+        self.wanted = ~known
+        self.count = int(self.wanted.sum())
+
+    def begin(self, level: SampleLevel, source: NDArray[np.int32]) -> None:
+        """Show the sources of the pixels that are to be made; -1 leaves one to be made later."""
+        shown = self.wanted & (source >= 0)
+        self.pixels[shown] = level.pixels.reshape(-1, self.pixels.shape[2])[source[shown]]
+        self.source[self.wanted] = source[self.wanted]
+        self.done[shown] = 1
+
+    def picture(self, wrap: tuple[bool, bool]) -> Picture:
+        """Return the output as kernels take it."""
+        return Picture(self.pixels, self.done, self.source, wrap)
+
+
+def output_pyramid(
+    windows: Windows, levels: Sequence[SampleLevel], growth: Growth
+) -> list[OutputLevel]:
+    """Return the known pixels at each level, the finest first."""
+    wrap = growth.canvas.wrap
+    masks = pyramids.mask_pyramid(growth.done.astype(bool), len(levels), wrap)
+    pictures = pyramids.gaussian_pyramid(growth.pixels, len(levels), wrap)
+    y, x = np.divmod(windows.to_sample(growth.source), growth.exemplar.shape[1])
+    outputs = []
+    for number, (level, known) in enumerate(zip(levels, masks, strict=True)):
+        # Known pixels may be in the sample too: then their sources go on in their neighbors.
+        own = _every(y, number), _every(x, number)
+        source = np.where(known & (own[0] >= 0), level.at(*own), np.int32(-1))
+        outputs.append(OutputLevel(number, pictures[number], source, known, wrap))
+    return outputs
+
+
+def levels_that_show(
+    sources: NDArray[np.int32], levels: Sequence[SampleLevel], growth: Growth
+) -> int:
+    """Return the number of levels on which few pixels of a source map (H, W, 2) are moved.
+
+    Windows are wide on coarse levels, and none is centered near a hole of the sample.
+    """
+    known = pyramids.mask_pyramid(growth.done.astype(bool), len(levels), growth.canvas.wrap)
+    for number in range(len(levels) - 1, 0, -1):
+        y, x = (_every(axis, number) for axis in np.moveaxis(sources, -1, 0))
+        wanted = ~known[number] & (y >= 0)
+        whole = levels[number].may_center(y[wanted], x[wanted])
+        if np.count_nonzero(~whole) <= _MOST_MOVED * whole.size:
+            return number + 1
+    return 1
+
+
+def sources_shown(sources: NDArray[np.int32], number: int, level: SampleLevel) -> NDArray[np.int32]:
+    """Return the sources (H, W, 2) of a picture as far as a level shows it; -1 stays."""
+    y, x = (_every(axis, number) for axis in np.moveaxis(sources, -1, 0))
+    return np.where(y < 0, np.int32(-1), level.at(y, x))
+
+
+def sources_of_children(
+    coarser: OutputLevel, coarser_level: SampleLevel, shape: tuple[int, ...], level: SampleLevel
+) -> NDArray[np.int32]:
+    """Return (H, W) source of each pixel of a level: the one that continues its parent's."""
+    step = 2 ** (coarser.number - 1)
+    y, x = np.ogrid[: shape[0], : shape[1]]
+    parents = coarser_level.sample_index.ravel()[coarser.source[y // 2, x // 2]]
+    v, u = np.divmod(parents, level.padded_index.shape[1])
+    return level.at(v + y % 2 * step, u + x % 2 * step)
+
+
+def finish(output: OutputLevel, level: SampleLevel, windows: Windows, growth: Growth) -> None:
+    """Hand the sources of the finest level over."""
+    index = level.sample_index.ravel()[output.source[output.wanted]]
+    growth.source[output.wanted] = windows.from_sample(index)
+
+
+def _every(rows: NDArray[np.int32], number: int) -> NDArray[np.int32]:
+    """The pixels of a picture that those of a level lie on."""
+    return rows[:: 2**number, :: 2**number]

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 from typing import Any
 
 import numpy as np
@@ -17,11 +16,9 @@ from weftex.exemplar import Exemplar
 from weftex.method import Model
 from weftex.methods.lattices import is_strained
 from weftex.methods.pixels import Growth
-from weftex.methods.refinement.levels import ONE, Prepared
-from weftex.methods.refinement.output import (
-    NO_GUIDE,
-    Guide,
+from weftex.methods.refinement.levels import (
     OutputLevel,
+    Prepared,
     sources_of_children,
     sources_shown,
 )
@@ -36,7 +33,6 @@ def start_sources(
     prepared: Prepared,
     outputs: list[OutputLevel],
     number: int,
-    guide: Guide,
     start_map: NDArray[np.int32] | None,
     seed: int,
 ) -> NDArray[np.int32]:
@@ -51,19 +47,15 @@ def start_sources(
         return sources_of_children(*coarser, output.known.shape, level)
     if start_map is not None:
         return sources_shown(start_map, number, level)
-    return seed_sources(prepared, output, guide, seed)
+    return seed_sources(prepared, output, seed)
 
 
-def seed_sources(
-    prepared: Prepared, output: OutputLevel, guide: Guide, seed: int
-) -> NDArray[np.int32]:
+def seed_sources(prepared: Prepared, output: OutputLevel, seed: int) -> NDArray[np.int32]:
     """Return sources for a grid of seed points of an output (PlantSeed, Fig. 5), -1 elsewhere."""
     level, step = prepared.levels[output.number], 2**output.number
     pyramid, matches = level.pyramid, prepared.method.matches
     spacing = max(1, round(prepared.seed_spacing / step))
-    places, y, x = plant_seeds(
-        pyramid, output.known.shape, output.wrap, spacing, matches, seed, guide
-    )
+    places, y, x = plant_seeds(pyramid, output.known.shape, output.wrap, spacing, matches, seed)
     source = np.full(output.known.shape, -1, np.int32)
     v, u = np.divmod(pyramid.to_sample(places), pyramid.shape[1])
     source[np.ix_(y, x)] = level.at(v * step, u * step)
@@ -77,7 +69,6 @@ def plant_seeds(
     spacing: int,
     matches: int,
     seed: int,
-    guide: Guide = NO_GUIDE,
 ) -> tuple[NDArray[np.int32], NDArray[np.intp], NDArray[np.intp]]:
     """Sample seed points by stochastic tiling with unit tiles (section 3, Fig. 5).
 
@@ -94,20 +85,12 @@ def plant_seeds(
     # Beyond the end of an axis lies one more row of points, or the first one again.
     rows, columns = (len(n) + (not wraps) for n, wraps in zip((y, x), wrap, strict=True))
     points = np.full((rows, columns), -1, np.int32)
-    if guide.weight:
-        own = guide.pyramid.reshape(-1, guide.pyramid.shape[2])[tiles].astype(np.int64)
-        ends = [np.append(n, length - 1) for n, length in zip((y, x), shape, strict=True)]
-        shown = guide.output[np.ix_(ends[0][:rows], ends[1][:columns])]
     for i, j in np.ndindex(bits.shape):
         corners = [(v % rows, u % columns) for v in (i, i + 1) for u in (j, j + 1)]
         slot = np.array([points[corner] for corner in corners])
         there = slot >= 0
         distance = ((colors - flat[slot]) ** 2).sum(axis=2) @ there
-        if guide.weight:
-            wanted = np.array([shown[corner] for corner in corners], np.int64)
-            apart = ((own - wanted) ** 2).sum(axis=(1, 2))
-            distance = ONE * distance + guide.weight * apart
-        # At the first slot nothing tells tiles apart but the guide; many may be equally good.
+        # At the first slot nothing tells tiles apart.
         equal = int((distance == distance.min()).sum())
         best = np.argsort(distance, kind="stable")[: matches if there.any() else equal]
         tile = tiles[best[int(bits[i, j] % np.uint64(len(best)))]]
@@ -173,8 +156,6 @@ def _by_lattice(exemplar: Exemplar) -> list[str]:
 def starts_for(prepared: Prepared, canvas: Canvas) -> list[str]:
     """Name the starts for a canvas, the one that suits it best first; none plants seed points."""
     starts, names = prepared.starts, list(prepared.starts)
-    if prepared.by_canvas and canvas.guide is not None:
-        return []
     if prepared.by_canvas and names and is_strained(starts[names[0]], canvas):
         names.reverse()
     return names
@@ -192,8 +173,6 @@ def result_of(prepared: Prepared, growth: Growth) -> tuple[str, NDArray[np.int32
         return next(iter(starts)), np.stack(place, axis=-1)
     for name in starts_for(prepared, canvas):
         start = starts[name]
-        if "guide" not in start.method.supports:
-            canvas = dataclasses.replace(canvas, guide=None)
         try:
             if canvas.hole is not None:
                 if prepared.by_canvas:  # near-regular synthesis fills no holes

@@ -11,23 +11,10 @@ cdef class Sources:
     cdef const int[::1] capacity  # and may be
     cdef long long weight  # of using one too often
 
-cdef class GuidePair:
-    cdef const unsigned char[:, :, ::1] output
-    cdef const unsigned char[:, :, ::1] sample
-    cdef long long weight
-    cdef const unsigned char[:, ::1] everywhere  # 1
-    cdef Query query
-
 cdef bint take(Picture picture, SampleWindows sample, Py_ssize_t y, Py_ssize_t x,
                Py_ssize_t place) noexcept nogil
 
 cdef long long excess(Sources sources, Py_ssize_t cell) noexcept nogil
-
-cdef void gather_guide(Picture picture, GuidePair guide, Py_ssize_t y, Py_ssize_t x,
-                       Py_ssize_t reach) noexcept nogil
-
-cdef long long guide_distance(GuidePair guide, Py_ssize_t y, Py_ssize_t x, Py_ssize_t v,
-                              Py_ssize_t u, long long bound) noexcept nogil
 
 cdef Py_ssize_t gather_coherent(Picture picture, SampleWindows sample, Query query, int[::1] candidates,
                                 Py_ssize_t y, Py_ssize_t x, Py_ssize_t reach) noexcept nogil

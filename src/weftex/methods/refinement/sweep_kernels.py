@@ -4,7 +4,6 @@
 
 import cython
 from cython.cimports.weftex.methods.refinement.nearest_kernels import NearestWindows, nearest_window
-from cython.cimports.weftex.raster.difference_kernels import squared
 from cython.cimports.weftex.search.picture_kernels import (
     Picture,
     Query,
@@ -30,14 +29,6 @@ class Sources:
         self.cells, self.used, self.capacity, self.weight = usage
 
 
-class GuidePair:
-    """The output's guide and the sample's at one level, see `Guide`."""
-
-    def __init__(self, guide, everywhere, query):
-        self.output, self.sample, self.weight = guide.output, guide.sample, guide.weight
-        self.everywhere, self.query = everywhere, query
-
-
 def take(picture, sample, y, x, place):
     """Give a pixel its place in the sample; return whether it changed."""
     picture.done[y, x] = 1
@@ -54,29 +45,6 @@ def excess(sources, cell):
         return 256
     over = sources.weight * over // sources.capacity[cell]
     return 256 + min(over, _MOST_EXCESS)
-
-
-def gather_guide(picture, guide, y, x, reach):
-    """Gather the whole window of the output's guide around a pixel."""
-    guide.query.count = known_runs(
-        guide.everywhere, y, x, picture.wrap_y, picture.wrap_x, reach, guide.query.runs
-    )
-    gather_runs(guide.output, y, x, guide.query.runs, guide.query.count, guide.query.values)
-
-
-def guide_distance(guide, y, x, v, u, bound):
-    """Weighted distance of the guides around (y, x) and (v, u); any part of it above `bound`."""
-    return guide.weight * (
-        squared(
-            cython.address(guide.sample[v, u, 0]),
-            cython.address(guide.output[y, x, 0]),
-            guide.output.shape[2],
-        )
-        + run_distance(
-            guide.sample, v, u, guide.query.runs, guide.query.count, guide.query.values,
-            bound // guide.weight if bound >= 0 else -1,
-        )
-    )  # fmt: skip
 
 
 def gather_coherent(picture, sample, query, candidates, y, x, reach):
@@ -115,7 +83,7 @@ def look(picture, query, y, x, reach):
 
 
 def refine_coherently(
-    picture: Picture, sample: SampleWindows, sources: Sources, guide: GuidePair, query: Query,
+    picture: Picture, sample: SampleWindows, sources: Sources, query: Query,
     candidates: cython.int[::1], order: cython.const[cython.int][::1],
     tried: cython.const[cython.int][::1],
 ):  # fmt: skip
@@ -124,7 +92,7 @@ def refine_coherently(
     Candidates: its own source, the neighbors' continued sources, pixels similar to these, and
     `tried`. The last two cost a factor `sources.margin` / 256, overused cells `excess` / 256.
     """
-    cython.declare(least=cython.longlong, apart=cython.longlong, factor=cython.longlong)
+    cython.declare(least=cython.longlong, factor=cython.longlong)
     best: cython.Py_ssize_t
     changed: cython.Py_ssize_t = 0
     reach, width, columns = sources.reach, picture.pixels.shape[1], sample.pixels.shape[1]
@@ -135,28 +103,21 @@ def refine_coherently(
             coherent = gather_coherent(picture, sample, query, candidates, y, x, reach)
             count = gather_similar(sample, sources, candidates, coherent)
             look(picture, query, y, x, reach)
-            if guide.weight > 0:
-                gather_guide(picture, guide, y, x, reach)
             best = least = -1
             for i in range(count + tried.shape[0]):
                 place = candidates[i] if i < count else tried[i - count]
                 if place < 0:
                     continue
                 v, u = place // columns, place % columns
-                apart = 0
-                if guide.weight > 0:
-                    apart = guide_distance(guide, y, x, v, u, least)
-                    if best >= 0 and apart >= least:
-                        continue
                 factor = excess(sources, sources.cells[sources.sample_index[place]])
                 if i >= coherent:
                     factor = factor * sources.margin // 256
                 distance = run_distance(
                     sample.pixels, v, u, query.runs, query.count, query.values,
-                    (least - apart) // factor if best >= 0 else -1,
+                    least // factor if best >= 0 else -1,
                 )  # fmt: skip
-                if best < 0 or distance * factor + apart < least:
-                    least = distance * factor + apart
+                if best < 0 or distance * factor < least:
+                    least = distance * factor
                     best = place
             if best < 0:
                 continue

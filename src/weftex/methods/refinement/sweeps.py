@@ -6,8 +6,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from weftex.methods.refinement import sweep_kernels as kernels
-from weftex.methods.refinement.levels import ONE, CoherentLevel, NearestLevel, Prepared, SampleLevel
-from weftex.methods.refinement.output import Guide, OutputLevel
+from weftex.methods.refinement.levels import (
+    ONE,
+    CoherentLevel,
+    NearestLevel,
+    OutputLevel,
+    Prepared,
+    SampleLevel,
+)
 from weftex.progress import Progress
 from weftex.random import draw
 from weftex.search.picture_kernels import SampleWindows
@@ -27,7 +33,7 @@ _BESIDE = 10  # a pixel's own source, where 8 neighbors' sources continue, and -
 
 
 def sweep_of(
-    prepared: Prepared, output: OutputLevel, guide: Guide, seed: int, cyclic: bool
+    prepared: Prepared, output: OutputLevel, seed: int, cyclic: bool
 ) -> CoherentSweep | NearestSweep:
     """Return the sweep of the search that the level was prepared for.
 
@@ -38,7 +44,7 @@ def sweep_of(
     if isinstance(level, NearestLevel):
         return NearestSweep(level, output, cyclic)
     assert isinstance(level, CoherentLevel)
-    return CoherentSweep(prepared, level, output, guide, seed, cyclic)
+    return CoherentSweep(prepared, level, output, seed, cyclic)
 
 
 def refine_texture(sweep: CoherentSweep | NearestSweep, iteration: int, progress: Progress) -> int:
@@ -57,31 +63,23 @@ class CoherentSweep:
     """
 
     def __init__(
-        self,
-        prepared: Prepared,
-        level: CoherentLevel,
-        output: OutputLevel,
-        guide: Guide,
-        seed: int,
-        cyclic: bool,
+        self, prepared: Prepared, level: CoherentLevel, output: OutputLevel, seed: int, cyclic: bool
     ) -> None:
         self._rows, self._output_shape = rows_of(output.wanted), output.known.shape
         self._seed, self._cyclic, self._centers = seed, cyclic, level.centers
         coarser = len(prepared.rounds) - 1 - output.number
         # Places from all over the sample tear apart a start that is whole. But the surroundings of
-        # a hole must decide, and a guide.
-        free = (cyclic and not prepared.belt) or guide.weight > 0
+        # a hole must decide.
+        free = cyclic and not prepared.belt
         whole = bool(output.done.all()) and (coarser > 0 or not free)
         tried = max(_TRIED_IN_ALL // output.count, _TRIED_AT_LEAST)
         self._tried_count = 0 if whole else min(tried, len(level.centers))
         evenness = round(_EVENNESS * prepared.method.evenness / 2**coarser)
-        usage = _usage_on(level, output, guide, evenness)
-        everywhere = np.ones(guide.output.shape[:2], np.uint8)
+        usage = _usage_on(level, output, evenness)
         self._bundles = (
             output.picture(output.wrap),
             _sample(level),
             kernels.Sources(level, _MARGIN, usage),
-            kernels.GuidePair(guide, everywhere, new_query(level.reach, guide.output.shape[2])),
             new_query(level.reach, output.pixels.shape[2]),
             np.zeros(_BESIDE * (1 + level.similar.shape[1]), np.int32),
         )
@@ -179,18 +177,12 @@ def _sample(level: SampleLevel) -> SampleWindows:
     return SampleWindows(level.pixels, level.usable, np.zeros(4, np.int32))
 
 
-def _usage_on(level: CoherentLevel, output: OutputLevel, guide: Guide, weight: int) -> Usage:
+def _usage_on(level: CoherentLevel, output: OutputLevel, weight: int) -> Usage:
     """How often each cell of the sample is used by the start, and may be."""
-    sample_index = level.sample_index.ravel()
-    shown = sample_index[output.source[output.wanted & (output.done > 0)]]
-    if guide.weight:
-        least = max(ONE >> 2 * output.number, 1)
-        demand = guide.demand(output.wanted, level.centers, least)
-        cells = level.cells[sample_index[level.centers]]
-        room = _ROOM * np.bincount(cells, demand, len(level.centers_in_cells)) // ONE
-    else:  # as often as all others, or once: on a coarse level for all that a pixel stands for
-        count = max(output.count, len(level.centers) >> 2 * output.number)
-        room = _ROOM * level.centers_in_cells * count // len(level.centers)
+    shown = level.sample_index.ravel()[output.source[output.wanted & (output.done > 0)]]
+    # As often as all others, or once: on a coarse level for all that a pixel stands for.
+    count = max(output.count, len(level.centers) >> 2 * output.number)
+    room = _ROOM * level.centers_in_cells * count // len(level.centers)
     used = np.bincount(level.cells[shown], minlength=len(room)).astype(np.int32)
     return level.cells, used, np.maximum(room, 1).astype(np.int32), weight
 

@@ -98,7 +98,7 @@ class AutoModel(Model):
         """Return the rule's method for a canvas, and why."""
         canvas = as_canvas(size)
         if canvas.guide is not None:
-            return Choice("refinement", {}, "there is a guide to follow")
+            return Choice("graphcut", {}, "there is a guide to follow")
         if canvas.known is not None:
             return choose_for_hole(self.exemplar, canvas)
         patient = self._effort == "best" and canvas.shape != _ENDLESS

@@ -322,7 +322,7 @@ export class PaintScreen {
     const sample_guide = await this.upload(ofSample, LABELS, "sample_guide.png");
     const guide = await this.upload(ofOutput, LABELS, "guide.png");
     const { seed } = app.recipe;
-    await this.done({ task: "synth", materials: [await this.spec()], size: [...this.size].reverse(), seed, method: "refinement", parameters: {}, guide, sample_guide }, t("history.guided"));
+    await this.done({ task: "synth", materials: [await this.spec()], size: [...this.size].reverse(), seed, method: "graphcut", parameters: {}, guide, sample_guide }, t("history.guided"));
   }
 
   /** Leave the canvas for the picture that grows from it. */
