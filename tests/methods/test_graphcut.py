@@ -1,6 +1,7 @@
 """Graph-cut textures: what seams, placement, sizes and lattices of patches are to do."""
 
 import itertools
+import types
 
 import numpy as np
 import pytest
@@ -9,6 +10,7 @@ from hypothesis import strategies as st
 
 import weftex
 from families import canvas_of, noise, refused
+from weftex.guides import Guiding
 from weftex.methods.graphcut import GraphCut
 from weftex.methods.graphcut.cutting import WorstSeams
 from weftex.methods.graphcut.placement import chances_of, drawn_places
@@ -139,6 +141,40 @@ def test_labels_are_followed():
     canvas = weftex.Canvas(48, 64, guide=wanted)
     image = GraphCut(tone_reach=0.0).fit(exemplar).sample(canvas, seed=1).image
     assert ((image > 150) == wanted).mean() > 0.97
+
+
+@pytest.mark.parametrize("level", [0, 1])
+def test_the_mismatch_of_guides_is_the_mean_difference_of_a_box(level, rng):
+    """Of labels; the sample begins again beyond its border, and a level has means of squares."""
+    own, wanted = rng.integers(0, 3, (12, 14)), rng.integers(0, 3, (20, 22))
+    exemplar = weftex.Exemplar(noise((12, 14)), guide=own)
+    canvas = weftex.Canvas(20, 22, guide=wanted)
+    output = types.SimpleNamespace(canvas=canvas, source=np.full((20, 22), -1, np.int32))
+    rows, columns = np.arange(3, 9, dtype=np.int32), np.arange(18, 26, dtype=np.int32) % 22
+    found = Guiding(exemplar, output, 2.0, 1.0).mismatch(rows, columns, level)
+    whole, box = np.tile(own, (2, 2)), wanted[np.ix_(rows, columns)]
+    whole, box = (np.rint(255.0 * (p[..., None] == [0, 1, 2])) for p in (whole, box))
+    if level:
+        whole, box = (
+            np.rint((p[::2, ::2] + p[1::2, ::2] + p[::2, 1::2] + p[1::2, 1::2]) / 4)
+            for p in (whole, box)
+        )
+    high, wide = box.shape[:2]
+    for y, x in np.ndindex(12 >> level, 14 >> level):
+        apart = np.square(whole[y : y + high, x : x + wide] - box).sum() / (high * wide)
+        assert found[y, x] == pytest.approx(2 * apart / (2 * 255**2))
+
+
+def test_tones_are_not_spread_between_labels():
+    """A sample of two tones, each of which is its label: no pixel gets one between them."""
+    own = np.indices((60, 80))[1] > 40
+    pixels = np.where(own, 200, 60).astype(np.uint8) + noise((60, 80)) // 8
+    wanted = np.indices((64, 64))[0] % 40 > 20
+    made = GraphCut().fit(weftex.Exemplar(pixels, guide=own))
+    image = made.sample(weftex.Canvas(64, 64, guide=wanted), seed=1).image
+    assert ((image > 185) | (image < 105)).all()
+    method, message = GraphCut(placement="entire"), "a guide needs placement 'subpatch'"
+    refused(message, weftex.synthesize, pixels, (60, 80), method=method, guide=pixels)
 
 
 # Lattices

@@ -226,6 +226,16 @@ def test_the_result_is_that_of_the_method_by_name():
     assert np.array_equal(made.image, same.image)
 
 
+def test_a_set_is_analyzed_by_its_color_and_its_lattice_by_all_maps():
+    pebbles, weave = (weftex.load_exemplar(f"sample:{n}").pixels for n in ("pebbles", "weave"))
+    plain, found = (
+        weftex.Auto().fit(weftex.Exemplar(pebbles, maps=maps)).findings
+        for maps in ({}, {"height": weave[..., 0]})
+    )
+    assert (found.sidedness, found.colors) == (plain.sidedness, plain.colors)
+    assert found.lattice is not None and plain.lattice is None
+
+
 @pytest.mark.parametrize("kind", ["plain", "xy", "hole", "wrapped hole", "guide"])
 def test_any_canvas_that_a_method_does(kind):
     assert kind in kinds_of("graphcut")
