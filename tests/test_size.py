@@ -18,7 +18,7 @@ CEILINGS = {
     "lines of Python in src": 43_225,
     "of these code": 29_602,
     "modules": 258,
-    "kernel classes": 23,
+    "kernel classes": 22,
     "names that several kernel classes have": 0,
     "lines of tests": 23_983,
     "quilting: files to read": 11,
