@@ -209,18 +209,6 @@ def noise(
     return rng.integers(0, np.iinfo(dtype).max + 1, shape).astype(dtype)
 
 
-def with_guides(exemplar: Any, size: tuple[int, int], rng: Any) -> Any:
-    """The sample with a guide of its own, labels or a picture, and a canvas's guide for it."""
-    count, shape = int(rng.choice([1, 2, 3, 255])), ((), (1,), (2,))[rng.integers(3)]
-    own = rng.integers(0, count, (*exemplar.shape, *shape)).astype(np.uint8)
-    colors = np.unique(own.reshape(-1, *shape), axis=0)
-    if len(colors) > 32:  # a picture
-        return exemplar.changed(guide=own), noise((*size, *shape))
-    dtype = (np.uint8, np.int64)[rng.integers(2)]
-    guide = colors[rng.integers(0, len(colors), size)]
-    return exemplar.changed(guide=own.astype(dtype)), guide.astype(dtype)
-
-
 def canvas_of(kind: str, pixels: Any, size: tuple[int, int] = (40, 37)) -> weftex.Canvas:
     """A canvas of this kind; a hole's surroundings, and a guide, are pixels of the same sort."""
     if kind in WRAPS:

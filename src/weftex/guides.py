@@ -8,6 +8,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from weftex.analysis.relief import means
 from weftex.exemplar import Exemplar
 from weftex.raster.arrays import Bytes, Floats, fast_size
 from weftex.repeats import Output
@@ -80,8 +81,5 @@ class Guiding:
 
 def _smaller(picture: Bytes, level: int) -> Bytes:
     """Means of squares of 2**level pixels a side, rounded."""
-    high, wide = (n >> level for n in picture.shape[:2])
-    whole = picture[: high << level, : wide << level].reshape(
-        high, 1 << level, wide, 1 << level, -1
-    )
-    return np.asarray(np.rint(whole.mean(axis=(1, 3))), np.uint8)
+    found = means(np.moveaxis(picture, 2, 0), 1 << level)
+    return np.asarray(np.rint(np.moveaxis(found, 0, 2)), np.uint8)

@@ -349,7 +349,7 @@ def cut_and_paste(
         more = round(method.refinements * pasted)
         if not more:
             return
-        canvas.penalty = canvas.penalty if canvas.guiding else None  # only seams count now
+        canvas.penalty = canvas.penalty if canvas.guiding else None  # only seams, and a guide
         seams = WorstSeams(canvas, growth.canvas, np.minimum(placement.size, hole).tolist())
         progress = growth.progress(more, "repairs")
         for number in range(pasted, pasted + more):

@@ -91,8 +91,7 @@ def plant_seeds(
         there = slot >= 0
         distance = ((colors - flat[slot]) ** 2).sum(axis=2) @ there
         # At the first slot nothing tells tiles apart.
-        equal = int((distance == distance.min()).sum())
-        best = np.argsort(distance, kind="stable")[: matches if there.any() else equal]
+        best = np.argsort(distance, kind="stable")[: matches if there.any() else None]
         tile = tiles[best[int(bits[i, j] % np.uint64(len(best)))]]
         for corner, place in zip(corners, tile, strict=True):
             if points[corner] < 0:
