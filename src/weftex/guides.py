@@ -47,12 +47,15 @@ class Guiding:
         self.price = min(weight * unit, _HIGHEST)
         self._weight, self._most = weight, max(most, 1.0)  # squared difference
 
-    def shown(self, rows: Lines, columns: Lines, source: Lines | None = None) -> Lines:
-        """What each pixel of a box costs that shows this source, by default its own; -1 is free."""
-        on = np.ix_(rows, columns)
-        source = self._output.source[on] if source is None else source
+    def look(self, rows: Lines, columns: Lines) -> Lines:
+        """What each pixel of a box costs now, for `prices` of patches in it; 0 of missing ones."""
+        self._before = self._shown(rows, columns, self._output.source[np.ix_(rows, columns)])
+        return self._before
+
+    def _shown(self, rows: Lines, columns: Lines, source: Lines) -> Lines:
         own = self._own.reshape(-1, self._own.shape[2])[source].astype(np.int32)
-        apart = np.square(own - self._wanted[on]).sum(axis=2)
+        own -= self._wanted[np.ix_(rows, columns)]
+        apart = np.einsum("...k,...k", own, own)
         prices = np.rint(self.price / self._most * apart)
         return np.where(source < 0, 0, prices.clip(0, _HIGHEST)).astype(np.int32)
 
@@ -60,7 +63,7 @@ class Guiding:
         """What each pixel of a patch adds if it becomes new, with `others`, prices of squares."""
         rows, columns, from_rows, from_columns = box
         new = from_rows[:, None] * np.int32(self._own.shape[1]) + from_columns
-        prices = self.shown(rows, columns, new) - self.shown(rows, columns)
+        prices = self._shown(rows, columns, new) - self._before
         if others.size:
             others = others.repeat(1 << exponent, 0).repeat(1 << exponent, 1)
             prices += others[: len(rows), : len(columns)]
@@ -74,9 +77,8 @@ class Guiding:
             size = tuple(map(fast_size, own.shape[:2]))
             self._spectra[level] = Spectra(own, np.ones(own.shape[:2]), size)
         whole, box = self._spectra[level], _smaller(self._wanted[np.ix_(rows, columns)], level)
-        counting = np.ones(box.shape[:2])
-        total = window_mismatch(whole, Spectra(box, counting, whole.size))
-        return np.asarray(total * (self._weight / self._most / counting.size))
+        total = window_mismatch(whole, Spectra(box, np.ones(box.shape[:2]), whole.size))
+        return np.asarray(total * (self._weight / self._most / box[..., 0].size))
 
 
 def _smaller(picture: Bytes, level: int) -> Bytes:

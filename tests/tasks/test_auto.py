@@ -236,6 +236,15 @@ def test_a_set_is_analyzed_by_its_color_and_its_lattice_by_all_maps():
     assert found.lattice is not None and plain.lattice is None
 
 
+@pytest.mark.parametrize("sample", ["tiles", "pebbles"])  # landmarks are kept, or thinned
+def test_a_sample_is_analyzed_once(sample, monkeypatch):
+    looks = []
+    monkeypatch.setattr(weftex.tasks.auto, "look", lambda given: looks.append(0) or look(given))
+    made = weftex.synthesize(f"sample:{sample}", 400, seed=1)
+    assert ("landmarks" in made.provenance) == (sample == "pebbles")
+    assert len(looks) == 1
+
+
 @pytest.mark.parametrize("kind", ["plain", "xy", "hole", "wrapped hole", "guide"])
 def test_any_canvas_that_a_method_does(kind):
     assert kind in kinds_of("graphcut")

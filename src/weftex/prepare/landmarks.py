@@ -132,16 +132,15 @@ def _smooth(values: NDArray[np.int64], radius: int) -> NDArray[np.int64]:
 
 def _inverse_covariance(values: NDArray[np.int64], trimmed: bool) -> NDArray[np.int64]:
     """Return the inverse of the covariance of (N, K), rounded to integers times `_WHOLE`."""
-    products = (values[:, :, None] * values[:, None, :]).sum(axis=0)
-    covariance = (1.25 if trimmed else 1) * products / len(values)
-    covariance += np.eye(len(products)) * (_FLOOR * _UNIT) ** 2
-    inverse: NDArray[np.float64] = np.linalg.inv(covariance)
-    return np.rint(inverse * _WHOLE).astype(np.int64)
+    covariance = (1.25 if trimmed else 1) * (values.T @ values) / len(values)
+    least = np.eye(len(covariance)) * (_FLOOR * _UNIT) ** 2
+    inverse = np.linalg.inv(covariance + least)
+    return np.asarray(np.rint(inverse * _WHOLE), np.int64)
 
 
 def _squares(values: NDArray[np.int64], inverse: NDArray[np.int64]) -> NDArray[np.int64]:
     """Return the squared Mahalanobis distances of (..., K), times `_WHOLE`."""
-    squares: NDArray[np.int64] = ((values @ inverse) * values).sum(axis=-1)  # exact in integers
+    squares: NDArray[np.int64] = np.einsum("...k,...k", values @ inverse, values)  # exact
     return np.maximum(squares, 0)
 
 

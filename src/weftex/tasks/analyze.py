@@ -232,7 +232,7 @@ def analyze(
         step(2)
         own = look.lattice if look.exact else lattice_in(seen)
         step(1)
-        found = structure_scale(exemplar, own)
+        found = structure_scale(exemplar.changed(maps={}), own)  # as `auto` does
         borders = borders_of(exemplar)
         alike = regularity(exemplar)
         step(1)

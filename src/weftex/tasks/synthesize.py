@@ -156,7 +156,7 @@ def synthesize_on(
     method.require(canvas)  # `sample` does it too, but fitting may take long
     how: dict[str, Any] = {"threads": threads, "progress": progress}
     with listening(progress):
-        plain = None
+        plain = model = None
         if landmarks not in ("auto", "keep"):
             from weftex.tasks.landmarks import plain_sample  # loads the analyses
 
@@ -164,8 +164,8 @@ def synthesize_on(
         elif landmarks == "auto" and best_of == 1 and _may_thin(method, canvas, exemplar):
             from weftex.tasks.landmarks import thinned
 
-            plain = thinned(get_model(exemplar), canvas)
-        model = get_model(exemplar) if plain is None else method.fit(plain.exemplar)
+            plain = thinned(model := get_model(exemplar), canvas)
+        model = method.fit(plain.exemplar) if plain else model or get_model(exemplar)
         if best_of > 1:
             made = _best_of(best_of, model, canvas, seed, how)
         else:

@@ -92,8 +92,7 @@ class CutSample:
         total, count = 0.0, 0
         for step in (len(pixels) // 3, len(pixels) // 5):  # to another pixel, around the end
             both = usable * np.roll(usable, step) != 0
-            apart = np.abs(pixels - np.roll(pixels, step, 0).astype(np.int32)).sum(axis=1)
-            cost = 2.0 * apart[both]
+            cost = 2.0 * _differences(pixels, np.roll(pixels, step, 0))[both]
             if self.by_gradients:
                 cross = gradients[0] + np.roll(gradients[0], step)
                 cost *= 256 / (cross[both] + 32 * pixels.shape[1])
@@ -123,12 +122,16 @@ def _gradients(pixels: Bytes, joins: Bytes) -> NDArray[np.int32]:
     """(2, H * W): differences of all pixels from their right and lower neighbors, 0 without one."""
     found = np.zeros((2, joins.size), np.int32)
     for d, axis in enumerate((1, 0)):
-        beside = np.roll(pixels, -1, axis)
-        apart = np.maximum(pixels, beside) - np.minimum(pixels, beside)
-        for channel in np.moveaxis(apart, 2, 0):  # faster than a sum along the last axis
-            found[d] += channel.ravel()
+        found[d] = _differences(pixels, np.roll(pixels, -1, axis)).ravel()
         found[d] *= joins.ravel() >> d & 1
     return found
+
+
+def _differences(pixels: Bytes, others: Bytes) -> NDArray[np.int32]:
+    """(...): sums of the absolute differences of all channels (..., K)."""
+    apart = np.maximum(pixels, others) - np.minimum(pixels, others)
+    channels = np.moveaxis(apart, -1, 0)  # faster than a sum along the last axis
+    return np.asarray(sum(channel.astype(np.int32) for channel in channels))
 
 
 @dataclass(frozen=True, eq=False)

@@ -134,7 +134,7 @@ class SubPatchMatching:
         x = ((left + np.arange(self.size[1])) % self.canvas.width).astype(np.int32)
         box = box_of(self._on_canvas, y, x)
         if self.guiding is not None:  # what the guide does not ask for is to go
-            box.mask[self.guiding.shown(y, x) > self.guiding.price / 2] = 0
+            box.mask[self.guiding.look(y, x) > self.guiding.price / 2] = 0
         boxes = levels_of(box, self.reduction)
         k = coarsest(boxes, part.corners)
         allowed, box, level = part.corners[k] != 0, boxes[k], part.levels[k]
@@ -151,7 +151,6 @@ class SubPatchMatching:
             if self.penalty is not None:
                 apart = allowed & ~self._continuing(part, y, x, k)
                 allowed = apart if apart.any() else allowed
-
         if self.guiding is not None:
             apart = self.guiding.mismatch(y, x, k)[part.top >> k :, part.left >> k :]
             apart = apart[: allowed.shape[0], : allowed.shape[1]]
