@@ -6,6 +6,17 @@ import weftex
 from weftex.cli import main
 
 
+def test_rows_of_bricks_that_are_not_level_are_told(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    wall = weftex.synthesize("sample:bricks", 400, seed=1).image
+    y, x = np.indices((300, 300))  # by four degrees: their shortest vectors lead to the next row
+    turned = wall[np.rint(y - 0.07 * x + 30).astype(int), np.rint(x + 0.07 * y).astype(int)]
+    for pixels, said in ((turned, "the rows are not level"), (wall, "its rows are level")):
+        weftex.write_image("wall.png", pixels)
+        assert main(["prepare", "wall.png"]) == 0
+        assert said in capsys.readouterr().out
+
+
 def test_without_options_it_says_what_the_photo_needs(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     bricks = weftex.load_exemplar("sample:bricks").pixels

@@ -14,7 +14,7 @@ from weftex.analysis.relief import smaller_copy
 from weftex.exemplar import Exemplar
 from weftex.raster.arrays import Bytes, Floats
 
-__all__ = ["DrawnLattice", "Lattice", "LatticeRating", "Rated", "draw", "is_tilted"]
+__all__ = ["DrawnLattice", "Lattice", "LatticeRating", "Rated", "draw"]
 
 _LARGEST_SIDE = 1024  # pixels of the sample by which lines are put into joints
 _BINS = 48  # phases of a line that are tried
@@ -135,12 +135,6 @@ def _busiest(place: Floats, change: Floats) -> float:
     total = np.bincount(bins.ravel(), change.ravel(), _BINS)
     count = np.bincount(bins.ravel(), minlength=_BINS)
     return float((np.argmax(np.rint(total / np.maximum(count, 1) * 1e6)) + 0.5) / _BINS)
-
-
-def is_tilted(lattice: Lattice) -> bool:
-    """Return whether rows, or a side of the tiles, are half a degree or more off the axes."""
-    turns = [abs(math.degrees(math.atan2(y, x))) % 90 for x, y in lattice.vectors]
-    return 0.5 <= min(min(turn, 90 - turn) for turn in turns) <= 15
 
 
 def courses(lattice: Lattice) -> str:

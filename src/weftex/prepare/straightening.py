@@ -204,6 +204,15 @@ def _sides(lattice: Lattice) -> Floats:
     return best[1]
 
 
+def is_tilted(lattice: Lattice) -> bool:
+    """Return whether rows, or a side of the pieces, are half a degree or more off the axes."""
+    try:
+        turns = [abs(math.degrees(math.atan2(y, x))) % 90 for x, y in _sides(lattice)]
+    except InvalidInputError:
+        return False
+    return 0.5 <= min(min(turn, 90 - turn) for turn in turns) <= 15
+
+
 def _by_corners(corners: Floats, exemplar: Exemplar) -> tuple[Floats, tuple[int, int]]:
     """Return the matrix that maps four corners to those of a rectangle, and its size."""
     height, width = exemplar.shape

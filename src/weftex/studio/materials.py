@@ -10,8 +10,9 @@ from typing import Any
 
 import weftex
 from weftex import Exemplar
-from weftex.analysis.overlay import Lattice, LatticeRating, Rated, draw, is_tilted
+from weftex.analysis.overlay import Lattice, LatticeRating, Rated, draw
 from weftex.io.pictures import Picture
+from weftex.prepare.straightening import is_tilted
 from weftex.recipe import checked_material, pictures_of
 from weftex.recipe.opening import PreparedMaterial, prepare_material, read_described
 from weftex.roles import COLOR, is_preview, role_of, words_of
@@ -139,6 +140,7 @@ def _analysis(loaded: PreparedMaterial) -> dict[str, Any]:
     if height * width > _LARGEST:  # what `auto` finds in a smaller copy, and in a part
         model = weftex.Auto().fit_exemplar(exemplar)
         found, choice, rated = model.findings, model.choose((2 * height, 2 * width)), None
+        exact = model.lattice
         more = {
             "confidence": None,
             "scale_source": "smaller copy",
@@ -151,6 +153,7 @@ def _analysis(loaded: PreparedMaterial) -> dict[str, Any]:
     else:
         found = weftex.analyze(exemplar, runners_up=_RUNNERS_UP)
         choice, rated, others = found.choice, found.ratings.found, found.ratings.runners_up
+        exact = found.lattice
         more = {
             "confidence": found.confidence,
             "scale_source": found.scale_source,
@@ -161,7 +164,7 @@ def _analysis(loaded: PreparedMaterial) -> dict[str, Any]:
             "text": str(found),
         }
     needed: dict[str, Any] = {"even_light": _DEGREE} if found.evenness.lit_unevenly else {}
-    if found.lattice is not None and is_tilted(found.lattice):
+    if exact is not None and is_tilted(exact):
         needed["straighten"] = ""
     return more | {
         "scale": found.scale,

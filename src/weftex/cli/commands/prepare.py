@@ -15,17 +15,17 @@ from __future__ import annotations
 
 import argparse
 
-from weftex.analysis.overlay import is_tilted
 from weftex.cli.files import load_sample, plan, prepare_targets, read_input
 from weftex.cli.parser import Parser
 from weftex.cli.terminal import Bar, Outputs, run_and_report
 from weftex.cli.terminal import run as run_work
 from weftex.errors import InvalidInputError
 from weftex.io.pictures import read_image
+from weftex.prepare.straightening import is_tilted
 from weftex.recipe import LANDMARKS, MATERIAL, PREPARATION
 from weftex.recipe.command_line import described_material, value_of
 from weftex.recipe.opening import prepare_material
-from weftex.tasks.auto import Auto, AutoModel, Findings
+from weftex.tasks.auto import Auto, AutoModel
 from weftex.tasks.landmarks import remove_landmarks
 
 _LANDMARKS = LANDMARKS._replace(
@@ -77,16 +77,17 @@ def run(argv: list[str]) -> None:
 def _advice(args: argparse.Namespace) -> list[str]:
     """Say what a photo needs, and the command that does it."""
 
-    def look(bar: Bar, outputs: Outputs) -> tuple[list[str], Findings]:
+    def look(bar: Bar, outputs: Outputs) -> tuple[list[str], AutoModel]:
         photo = load_sample(args.sample, args, "maps")
         model = AutoModel(Auto(), photo)
-        return list(model.choose(photo.shape).warnings), model.findings
+        return list(model.choose(photo.shape).warnings), model
 
-    (found, seen), _ = run_work(look, args.quiet)
-    tilted = seen.lattice is not None and is_tilted(seen.lattice)
+    (found, model), _ = run_work(look, args.quiet)
+    tilted = model.lattice is not None and is_tilted(model.lattice)
     if tilted:
         found.append("the rows are not level; add --straighten")
-    options = ["--straighten"] * tilted + ["--even-light"] * seen.evenness.lit_unevenly
+    options = ["--straighten"] * tilted + ["--even-light"] * model.findings.evenness.lit_unevenly
     if options:
         found.append(f"weftex prepare {args.sample} -o OUT {' '.join(options)}")
-    return found or ["This photo needs no preparation: its light is even, and its rows are level"]
+    rows = "no rows are found" if model.lattice is None else "its rows are level"
+    return found or [f"This photo needs no preparation: its light is even, and {rows}"]
