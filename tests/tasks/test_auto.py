@@ -48,6 +48,7 @@ RULE = [
     (with_(lattice=TILES, shape=(100, 120)), Canvas(150, 150), "graphcut", "lattice of 31.1"),
     (with_(lattice=TILES, shape=(90, 105)), Canvas(150, 150), "graphcut", "irregular"),
     (with_(shape=(300, 31)), Canvas(512, 512), "graphcut", "too small to analyze .31x300"),
+    (with_(shape=(7, 300)), Canvas(512, 512), "ashikhmin", "too small to analyze .300x7"),
 ]
 
 

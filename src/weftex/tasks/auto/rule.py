@@ -36,6 +36,7 @@ _SIDED = 0.06
 #: other methods take a tenth to a half of the time.
 _LARGE = 2**24
 _TURNED = 2**22  # the same for rotated copies, which take 60 % more time
+_TINY = 8  # pixels a side, below which patches would have 1 to 3 pixels and take minutes
 _FEW_COLORS = 32  # drawings and labels, which must not be blended
 #: Pixels of a sample, a hole, or around any hole, up to which the entire sample is always placed.
 _SMALL = 2**18
@@ -100,11 +101,11 @@ def choose(findings: Findings, canvas: Canvas, *, patient: bool = False) -> Choi
 
 
 def _too_small(findings: Findings) -> Choice | None:
-    """Return graph cut where nothing can be analyzed."""
+    """Return graph cut where nothing can be analyzed, or what copies pixels."""
     if min(findings.shape) >= SMALLEST_ANALYZED:
         return None
     because = f"the sample is too small to analyze ({size_words(findings.shape)})"
-    return Choice("graphcut", {}, because)
+    return Choice("graphcut" if min(findings.shape) >= _TINY else "ashikhmin", {}, because)
 
 
 def _regular(findings: Findings, canvas: Canvas, entire: bool) -> Choice | None:
