@@ -87,6 +87,17 @@ def test_a_picture_of_another_source_is_noted(files):
     assert report(sample, weftex.Synthesis.load(source)).notes == ()
 
 
+def test_normals_are_measured_whichever_way_y_points():
+    stones = weftex.load_exemplar("sample:stone_wall")
+    made = weftex.synthesize(stones, 128, seed=1)
+    normals = made.maps["normal"]
+    down = np.stack([normals[..., 0], 255 - normals[..., 1], normals[..., 2]], axis=2)
+    whole, turned = (
+        report(stones, weftex.Exemplar(made.image, maps={"normal": one})) for one in (normals, down)
+    )
+    assert whole.of_maps["normal"].assessment == turned.of_maps["normal"].assessment
+
+
 def test_large_pictures_are_shown_smaller(rng):
     sample = rng.integers(0, 256, (8, 8), np.uint8)
     text = report(sample, np.tile(sample, (2, 260))).html()

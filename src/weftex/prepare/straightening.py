@@ -20,6 +20,8 @@ from weftex.raster.arrays import Floats
 from weftex.raster.levels import tamed
 from weftex.raster.mixing import Kind, stored, vectors_of
 
+__all__ = ["is_tilted", "scaled", "straighten"]
+
 _UPRIGHT = math.radians(20)  # rotation beyond which another orientation is preferred
 _SQUARE = math.sin(math.radians(10))  # tolerance of the right angle of a piece
 _TIMES = range(-3, 4)  # vectors of a lattice that are summed up to a piece's sides
