@@ -257,6 +257,14 @@ def test_any_canvas_that_a_method_does(kind):
     assert np.array_equal(made.image, same.image)
 
 
+def test_hardly_anything_known_is_copied_by_pixels():
+    photo = weftex.load_exemplar("sample:grass").pixels[:64, :64]
+    mask = np.ones((64, 64), bool)
+    mask[30:33, 30:33] = False
+    made = weftex.fill(photo, mask, seed=1)
+    assert made.provenance["reason"] == "ashikhmin, because only 9 pixels are known around the hole"
+
+
 def test_a_mask_that_leaves_little_gets_a_method_that_takes_it():
     grass = weftex.load_exemplar("sample:grass").pixels
     mask = np.random.default_rng(0).random(grass.shape[:2]) < 0.7  # no patch is whole
