@@ -14,15 +14,7 @@ from numpy.typing import NDArray
 from weftex import Assessment, Exemplar, Synthesis, assess, load_exemplar
 from weftex.errors import wrong_value
 from weftex.pages.html import Page, document, number, parameters, pictures, small, table
-from weftex.quality import (
-    FIGURES,
-    LARGEST_MEASURED,
-    SCORE,
-    as_shown,
-    fault_maps,
-    real_crops,
-    with_y_of,
-)
+from weftex.quality import FIGURES, LARGEST_MEASURED, SCORE, as_shown, fault_maps, real_crops
 
 Bytes = NDArray[np.uint8]
 
@@ -239,8 +231,7 @@ def report(
     of_maps = {}
     for name, other in same.items():
         if other is not None:
-            own = exemplar.map(name)
-            one = with_y_of(own, made_maps[other])
+            own, one = exemplar.map(name), made_maps[other]
             shown_maps = as_shown(own, own.pixels), as_shown(own, one)
             of_maps[name] = MapReport(*shown_maps, assess(own, one, tileable=tileable))
     if max(pixels.shape[:2]) > LARGEST_MEASURED:

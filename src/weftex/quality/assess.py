@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from weftex.analysis.relief import means
 from weftex.errors import wrong_value
 from weftex.exemplar import Exemplar, Sample, load_exemplar
 from weftex.exemplar.turns import as_it_was
@@ -19,12 +20,14 @@ from weftex.quality.figures import FIGURES
 from weftex.quality.score import Scorer, weigh
 from weftex.quality.seams import wrap_seam
 from weftex.raster.arrays import check_pixels
+from weftex.raster.mixing import opposite
 from weftex.results.synthesis import Synthesis
 
 LARGEST_MEASURED = 2048
 """Pixels a side: of a larger result the middle is measured, except for the wrap."""
 
 _DIGITS = 3
+_SURE = 0.01  # of the product of two `_bent`, from which y of normals points the other way
 #: Terms of the score that are shown by themselves.
 _SCORED = ("uneven", "broken", "autocorrelation", "lattice", "seams")
 
@@ -117,7 +120,7 @@ def assess(
     sample : path, array, PIL image or Exemplar
         The sample that the result was made from. Pixels outside its mask do not count.
     result : Synthesis or array (H, W) or (H, W, C)
-        The result, of the sample's dtype and channels.
+        The result, of the sample's dtype and channels; y of normals may point the other way.
     tileable : bool or (bool, bool), optional
         Whether the vertical and the horizontal axis wrap around; by default as in the Synthesis,
         else not.
@@ -177,7 +180,22 @@ def _checked(
     if isinstance(result, Synthesis):
         pixels = result.image if result.exemplar is not None else result.render(exemplar)
         wrap = result.canvas.wrap if tileable is None else wrap
-    return check_pixels(pixels, "result"), wrap
+    pixels = check_pixels(pixels, "result")
+    normals = exemplar.role.kind == "normal" and pixels.ndim == exemplar.pixels.ndim == 3
+    if normals and _bent(pixels) * _bent(exemplar.pixels) < -_SURE:
+        y = opposite(pixels[..., 1:2], exemplar.mixing.middle)
+        pixels = np.concatenate([pixels[..., :1], y, pixels[..., 2:]], axis=2)
+    return pixels, wrap
+
+
+def _bent(normals: NDArray[Any]) -> float:
+    """Return -1 to 1: below 0 where y points up, above where it points down, about 0 if unsure.
+
+    x and y are slopes of one surface, so x changes downwards as y does to the right.
+    """
+    x, y = means(np.moveaxis(normals[..., :2], 2, 0).astype(np.float64), 8)  # JPEG lacks details
+    products = np.diff(x, axis=0)[:, 1:] * np.diff(y, axis=1)[1:]
+    return float(products.sum()) / max(float(abs(products).sum()), 1e-12)
 
 
 def real_crops(sample: Exemplar) -> dict[str, float | None]:

@@ -10,7 +10,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from weftex.analysis.properties import border_steps
-from weftex.analysis.relief import means
 from weftex.errors import InvalidInputError, size_words
 from weftex.exemplar import Exemplar
 from weftex.exemplar.turns import as_it_was, as_made_from
@@ -21,7 +20,6 @@ from weftex.quality.score import Scorer
 from weftex.quality.seams import StepModel
 from weftex.quality.view import middle, view_of
 from weftex.raster.arrays import Bytes
-from weftex.raster.mixing import opposite
 from weftex.results.drawing import draw_sources
 from weftex.results.synthesis import Synthesis
 
@@ -29,26 +27,7 @@ _BROKEN = 0.6  # of the distance between the sample's halves, from which windows
 _STEPS = 2.0  # more than this many usual steps are a seam, even if no place stands out
 _LIMIT = FIGURES["wrap"].limit or 1.0
 _MARK = (255, 40, 0)
-_SURE = 0.01  # of the product of two `_bent`, that normals differ in direction
 _AWAY = 64  # parts of the shorter side: how far marks lie from the border that they mark
-
-
-def with_y_of(given: Exemplar, made: NDArray[Any]) -> NDArray[Any]:
-    """Return normals whose y points up or down as those of a given map do; other maps as is."""
-    if given.role.kind != "normal" or _bent(made) * _bent(given.pixels) > -_SURE:
-        return made
-    y = opposite(made[..., 1:2], given.mixing.middle)
-    return np.concatenate([made[..., :1], y, made[..., 2:]], axis=2)
-
-
-def _bent(normals: NDArray[Any]) -> float:
-    """Return -1 to 1: below 0 where y points up, above where it points down, about 0 if unsure.
-
-    x and y are slopes of one surface, so x changes downwards as y does to the right.
-    """
-    x, y = means(np.moveaxis(normals[..., :2], 2, 0).astype(np.float64), 8)  # JPEG lacks details
-    products = np.diff(x, axis=0)[:, 1:] * np.diff(y, axis=1)[1:]
-    return float(products.sum()) / max(float(abs(products).sum()), 1e-12)
 
 
 def fault_maps(
