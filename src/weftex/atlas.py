@@ -37,7 +37,7 @@ from weftex.threads import thread_count
 
 __all__ = ["Atlas", "atlas", "corner_colors"]
 
-_USUAL, _LEAST = 256, 32  # pixels a side of a tile
+_USUAL, _LEAST = 512, 32  # pixels a side of a tile
 #: Colors by which editors show corner colors.
 _SHOWN = ((0xD0, 0x43, 0x3B), (0x3B, 0x7D, 0xD0), (0x4C, 0xA8, 0x4C))
 #: Tilesets of Tiled and Godot, and a shader. The path in a tileset is relative to its file.
@@ -203,7 +203,7 @@ def atlas(
     colors : int
         Number of corner colors: 2 makes 16 tiles, 3 makes 81, which repeat less.
     tile_size : int or (int, int), optional
-        Height and width of a tile in pixels, 32 or more; by default 256, or the sample's shorter
+        Height and width of a tile in pixels, 32 or more; by default 512, or the sample's shorter
         side if that is less. With a lattice, such as of bricks, the nearest size with whole
         periods is taken, and `Atlas.notes` says so.
     gutter : int
@@ -266,14 +266,17 @@ def atlas(
     model = chosen.fit(exemplar)
     request = PlaneRequest(number, None, thread_count(threads))
     torus_box = box_of(0, 0, *(side * colors**2 for side in size))
-    index = TilePlane(model, request, size, colors, vectors).show(torus_box, progress)
+    plane = TilePlane(model, request, size, colors, vectors)
+    index = plane.show(torus_box, progress)
     made = PixelSynthesis(
         Canvas(index.shape[0], index.shape[1], (True, True)),
         index,
         exemplar=model.exemplar,
-        is_window=True,  # or steps of height would be spread into neighbors of the torus
+        is_window=True,  # or steps would be spread into neighbors of the torus
+        tone_reach=getattr(model.method, "tone_reach", 0.0),
         provenance=model.method.describe() | {"seed": number},
     )
+    made.tile = *size, plane.kept
     notes = [f"landmarks removed from the sample: {found}"] if found else []
     if size != wish:
         notes.append(
@@ -303,7 +306,7 @@ def corner_colors(rows: int, columns: int, seed: int, colors: int) -> NDArray[np
 
 
 def _as_size(given: Any, exemplar: Exemplar) -> tuple[int, int]:
-    """Height and width of a tile; by default 256, or what the sample has."""
+    """Height and width of a tile; by default 512, or what the sample has."""
     if given is None:
         given = max(_LEAST, min(_USUAL, *exemplar.shape))
     size = whole_pair(given, _LEAST)

@@ -101,7 +101,7 @@ class Canvas:
         if not isinstance(self.origin, tuple) or len(self.origin) != 2:
             raise wrong_value("origin", self.origin, "(top, left)")
         for name, at in zip(("top", "left"), self.origin, strict=True):
-            if type(at) is not int or not -FAR <= at <= FAR:
+            if not is_whole(at, -FAR, FAR):
                 raise wrong_value(name, at, "an integer from -2**40 to 2**40")
         whole = self.shown is None and self.hole is not None  # no block of a plane
         if self.origin != (0, 0) and (any(self.wrap) or whole):

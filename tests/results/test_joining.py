@@ -29,6 +29,26 @@ def test_joined_heights_are_the_slow_twin(wrap, blend, scale):
     assert abs(joined - laid).max() > 0.02
 
 
+@pytest.mark.parametrize("scale", [1, 2])
+def test_tiles_are_joined_each_by_itself_and_their_borders_stay(scale):
+    method = weftex.PatchSampling(patch_size=5, boundary_width=2, blend="cut")
+    result = method.fit(weftex.Exemplar(SAMPLE)).sample(weftex.Canvas(18, 26, (True, True)), seed=3)
+    heights, (high, wide, kept) = hills((30 * scale, 34 * scale)), (9, 13, 2)
+    laid = result.render(heights)
+    result.tile = high, wide, kept
+    joined = result.render(heights, role="height")
+    y, x = (np.arange(n * scale) % (k * scale) for n, k in ((18, high), (26, wide)))
+    fixed = np.logical_or.outer(
+        abs(y - (high * scale - 1) / 2) > (high / 2 - kept) * scale,
+        abs(x - (wide * scale - 1) / 2) > (wide / 2 - kept) * scale,
+    )
+    expected = reference.joined(laid, heights, *result.layers(), (True, True), scale, fixed)
+    assert np.allclose(joined, expected, atol=1e-3 * np.ptp(heights))
+    assert np.array_equal(joined[fixed], laid[fixed]) and abs(joined - laid).max() > 0.02
+    part = result.render(heights, role="height", window=(3, 11, 8, 5))
+    assert np.array_equal(part, joined[3 * scale : 11 * scale, 11 * scale : 16 * scale])
+
+
 def test_blocks_do_not_show(monkeypatch):
     from weftex.results import joining as module
 

@@ -84,10 +84,6 @@ def test_everything_is_what_its_own_function_says():
     assert (found.scale, found.confidence) == (scale.scale, scale.confidence)
     assert found.regularity == regularity(exemplar)
     assert found.border_steps == border_steps(exemplar)
-    periods = [band.period for band in found.spectrum]
-    assert periods == sorted(periods, reverse=True) and max(b.power for b in found.spectrum) == 1
-    strongest = max(found.spectrum, key=lambda band: band.power)
-    assert strongest.period == pytest.approx(found.scale, rel=0.05)
 
 
 @pytest.mark.parametrize("masked", [False, True])
@@ -112,7 +108,7 @@ def test_windows_are_those_that_the_methods_take(masked, rng):
 def test_constant_and_tiny_samples(shape):
     found = analyze(np.full(shape, 7, np.uint8))
     assert (found.colors, found.scale, found.confidence, found.regularity) == (1, 1, 0, 0)
-    assert found.spectrum == () and found.tiles == (True, True)
+    assert found.tiles == (True, True)
     assert "no clear peak" in str(found)
     assert analyze(np.array([[0.0, -0.0]], np.float32)).colors == 1  # minus zero is zero
 
@@ -121,7 +117,7 @@ def test_the_command_prints_it(capsys):
     assert cli.main(["analyze", "sample:weave"]) == 0
     out, err = capsys.readouterr()
     assert out.rstrip("\n") == str(analyze("sample:weave")) and err == ""
-    assert "192x192, 3 x uint8" in out and "confidence 0.9" in out and "#####" in out
+    assert "192x192, 3 x uint8" in out and "confidence 0.9" in out
     assert max(map(len, out.splitlines())) <= 100
 
 

@@ -5,8 +5,8 @@ import numpy as np
 REACH = 24
 
 
-def joined(made, sample, coordinates, shares, wrap, scale=1):
-    """The heights (H, W) with the least sum of (f' - g)^2 + ((f - h) / reach)^2."""
+def joined(made, sample, coordinates, shares, wrap, scale=1, fixed=None):
+    """The heights (H, W) with the least sum of (f' - g)^2 + ((f - h) / reach)^2; some `fixed`."""
     height, width = made.shape
     made = made.astype(float)
     matrix = np.eye(made.size) / (REACH * scale) ** 2
@@ -49,4 +49,7 @@ def joined(made, sample, coordinates, shares, wrap, scale=1):
                     matrix[k, q] += sign
                     matrix[k, p] -= sign
                     right[k] += sign * slope
+    if fixed is not None:
+        matrix[fixed.ravel()] = np.eye(made.size)[fixed.ravel()]
+        right[fixed.ravel()] = made[fixed]
     return np.linalg.solve(matrix, right).reshape(made.shape)

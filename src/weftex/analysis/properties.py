@@ -1,8 +1,7 @@
 """What a sample is like: whether it repeats, tiles, has an orientation, and looks even.
 
-Synthesis assumes that a sample is a window of an endless, uniform material. Three faults of a photo
-break that, and no method can repair them: uneven light, one object (or a few) instead of many, and
-perspective.
+Synthesis assumes that a sample is a window of an endless, uniform material. Two faults of a photo
+break that, and no method can repair them: uneven light, and one object (or a few) instead of many.
 """
 
 from __future__ import annotations
@@ -21,14 +20,9 @@ _STRIP = 256  # lines that are read at a time, for little memory
 #: Rows and columns between the two pixels; the other half of all directions has the other sign.
 _SHIFTS = [(0, 2), (1, 2), (2, 2), (2, 1), (2, 0), (2, -1), (2, -2), (1, -2)]
 _CELLS = 8  # along each side; what is larger than one is a large form
-_BINS = 8  # of the spectrum, an octave
-_COARSE, _FINE = 2.0**-5, 0.5  # waves a pixel between which spectra are compared
 #: Above these, forms are large, and the light is uneven: samples of many evenly lit features have
 #: up to 0.33, and 0.2 by chance; the last are gray levels.
 FORMS, _LIGHT, _LIGHT_RANGE = 0.45, 0.25, 40.0
-_SMALLEST_PART = 32  # pixels of the parts whose spectra are compared
-_REACH = 8  # bins that a spectrum is shifted by at most
-_LIKE, _UNLIKE = 0.6, 0.2  # correlations of spectra: of the same things, and of others
 
 
 def regularity(exemplar: Exemplar) -> float:
@@ -135,15 +129,11 @@ class Evenness:
     large_forms : float
         Share of the remaining variance that forms larger than an eighth of the sample explain. A
         sample of many features has up to 0.3.
-    perspective : (float, float)
-        Size of features at the bottom divided by that at the top; at the right divided by that at
-        the left. 1 if they are equal, or if this cannot be measured.
     """
 
     light: float
     light_range: float
     large_forms: float
-    perspective: tuple[float, float]
 
     @property
     def lit_unevenly(self) -> bool:
@@ -164,7 +154,6 @@ def evenness(exemplar: Exemplar) -> Evenness:
         light=_share(slow, slow + rest),
         light_range=round(float(np.ptp(surface[inside])), 2),
         large_forms=_share(_cell_variance(levels, flat.usable), rest),
-        perspective=(_growth(levels), _growth(levels.T)),
     )
 
 
@@ -184,53 +173,3 @@ def _cell_variance(levels: Floats, usable: Floats) -> float:
     size = levels.size / _CELLS**2
     filled = sums[1] > size / 4
     return float(((sums[0][filled] / sums[1][filled]) ** 2).mean()) if filled.any() else 0.0
-
-
-def _growth(levels: Floats) -> float:
-    """Return how many times larger features are in the last third of the rows than in the first.
-
-    Features twice as large have the same spectrum an octave lower, so the spectra of the thirds are
-    compared over the logarithm of the frequency. 1 where they do not agree on a shift.
-    """
-    third = len(levels) // 3
-    if third < _SMALLEST_PART or levels.shape[1] < _SMALLEST_PART:
-        return 1.0
-    first, middle, last = _spectra([levels[k * third : (k + 1) * third] for k in range(3)])
-    shift, alike, unshifted = _best_shift(first, last)
-    steps = _best_shift(first, middle)[0], _best_shift(middle, last)[0]
-    agree = min(step * shift for step in steps) > 0 and abs(sum(steps) - shift) <= _BINS / 4
-    if not agree or alike < _LIKE or unshifted > _UNLIKE:
-        return 1.0
-    return round(float(2.0 ** (shift / _BINS)), 2)
-
-
-def _spectra(parts: list[Floats]) -> list[Floats]:
-    """Return log power at each log frequency, less a quadratic trend."""
-    side = max(256, *parts[0].shape)
-    waves = np.hypot(np.fft.fftfreq(side)[:, None], np.fft.rfftfreq(side))
-    count = int(_BINS * np.log2(_FINE / _COARSE))
-    edges = _COARSE * 2.0 ** (np.arange(count + 1) / _BINS)
-    band = np.digitize(waves, edges)
-    places = np.bincount(band.ravel(), minlength=count + 2)[1 : count + 1]
-    fade = np.outer(*(np.sin(np.pi * (np.arange(n) + 0.5) / n) ** 2 for n in parts[0].shape))
-    along = np.arange(count)
-    found = []
-    for part in parts:
-        power = np.abs(np.fft.rfft2((part - part.mean()) * fade, (side, side))) ** 2
-        sums = np.bincount(band.ravel(), power.ravel(), count + 2)[1 : count + 1]
-        mean = sums / np.maximum(places, 1) * edges[:-1] ** 2
-        logs = np.log(mean + 1e-9 * (mean.max() or 1))
-        found.append(logs - np.polyval(np.polyfit(along, logs, 2), along))
-    return found
-
-
-def _best_shift(one: Floats, other: Floats) -> tuple[int, float, float]:
-    """Return the shift of `one` most like `other`, the correlation there, and without shift."""
-    found = []
-    for shift in range(-_REACH, _REACH + 1):
-        a, b = one[max(0, shift) :], other[max(0, -shift) :]
-        a, b = a[: len(b)] - a[: len(b)].mean(), b[: len(a)] - b[: len(a)].mean()
-        scale = float(np.sqrt((a**2).sum() * (b**2).sum()))
-        found.append(round(float((a * b).sum()) / scale, 2) if scale > 1e-9 else 0.0)
-    best = int(np.argmax(found))
-    return best - _REACH, found[best], found[_REACH]

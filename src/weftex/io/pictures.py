@@ -29,7 +29,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from weftex.errors import FileError, WeftexError, did_you_mean, is_number, is_whole, wrong_value
+from weftex.errors import (
+    FileError,
+    InvalidInputError,
+    WeftexError,
+    did_you_mean,
+    is_number,
+    is_whole,
+    wrong_value,
+)
 from weftex.io import temporary as temporaries
 from weftex.io.formats import (
     COLOR_SPACES,
@@ -295,6 +303,8 @@ def mask_of(pixels: NDArray[Any], alpha: bool) -> NDArray[np.bool_]:
         color, cover = pixels[..., :-1], pixels[..., -1:]
         pixels = cover if varies(cover) and not varies(color) else color
     half = 0.5 if pixels.dtype.kind == "f" else np.iinfo(pixels.dtype).max // 2 + 1
+    if half > 1 and pixels.max(initial=0) == 1:
+        raise InvalidInputError(f"the mask has the values 0 and 1; white begins at {half}")
     return np.asarray((pixels >= half).any(axis=2))
 
 

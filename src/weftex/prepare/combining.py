@@ -44,7 +44,7 @@ def together(samples: Sequence[Sample]) -> Exemplar:
     >>> together(["sample:pebbles", "sample:pebbles"]).shape
     (385, 192)
     """
-    if isinstance(samples, (str, os.PathLike, Exemplar)) or not len(samples):
+    if isinstance(samples, (str, os.PathLike, Exemplar, np.ndarray)) or not len(samples):
         raise InvalidInputError("samples must be a list of one sample or more")
     exemplars = of_one_kind([load_exemplar(sample) for sample in samples])
     return combined(paired(exemplars)[0], apart=True)

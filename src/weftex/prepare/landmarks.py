@@ -134,8 +134,7 @@ def _inverse_covariance(values: NDArray[np.int64], trimmed: bool) -> NDArray[np.
     """Return the inverse of the covariance of (N, K), rounded to integers times `_WHOLE`."""
     covariance = (1.25 if trimmed else 1) * (values.T @ values) / len(values)
     least = np.eye(len(covariance)) * (_FLOOR * _UNIT) ** 2
-    inverse = np.linalg.inv(covariance + least)
-    return np.asarray(np.rint(inverse * _WHOLE), np.int64)
+    return np.asarray(np.rint(np.linalg.inv(covariance + least) * _WHOLE), np.int64)
 
 
 def _squares(values: NDArray[np.int64], inverse: NDArray[np.int64]) -> NDArray[np.int64]:

@@ -54,6 +54,8 @@ def normals_from_height(
     >>> normals_from_height(np.zeros((2, 3), np.uint8), 6)[0, 0].tolist()
     [128, 128, 255]
     """
+    if (kind := np.dtype(dtype).name) not in ("uint8", "uint16", "float32", "float64"):
+        raise wrong_value("dtype", kind, "uint8, uint16, float32 or float64")
     surface = heights_of(height, relief)
     padded = np.pad(surface, 1, "wrap" if tileable else "edge")
     right = (padded[1:-1, 2:] - padded[1:-1, :-2]) / 2

@@ -100,7 +100,7 @@ ATLAS = _by_name(
     Option("colors", WHOLE, "number of corner colors: 2 makes 16 tiles, 3 makes 81, which repeat "
            "less", 2, low=2, high=3, metavar="2|3"),
     Option("tile_size", SIZE, "size of a tile in pixels; with a lattice, the nearest size that "
-           "holds whole periods", default_text="256, or the sample's shorter side if less",
+           "holds whole periods", default_text="512, or the sample's shorter side if less",
            metavar="WxH|N"),
     Option("gutter", WHOLE, "width of a border around each tile that continues it, for filters "
            "that read beyond a tile", 0, low=0, unit="px", metavar="PX"),

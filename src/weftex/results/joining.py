@@ -42,6 +42,9 @@ class PastedPieces(NamedTuple):
     scale: int
     threads: int
     parts: NDArray[np.uint16] | None = None  # of the sample (H, W), between which steps stay
+    #: Height and width of tiles, and pixels at their borders that stay as they are: steps are
+    #: spread within each tile, so that tiles still fit together.
+    tile: tuple[int, int, int] | None = None
 
 
 def reach_of(given: Exemplar, tones: float, hole: NDArray[np.bool_] | None) -> float:
@@ -83,18 +86,21 @@ def join_steps(laid: PastedPieces, given: Exemplar, reach: float, window: Window
     source = given.pixels.reshape(*given.shape, -1)
     result = made.reshape(*made.shape[:2], -1)
     least, most = (np.array(ends, np.float64) for ends in ends_of(source, given.role.kind))
-    top, left, height, width = window
-    side = max(1, _BLOCK // laid.scale)
-    margin = int(_MARGIN * reach)
+    margin, block = int(_MARGIN * reach), max(1, _BLOCK // laid.scale)
+    *sides, kept = laid.tile or (block, block, 0)
     rows, columns = (
-        range(start // side * side, start + n, side) for start, n in ((top, height), (left, width))
+        range(start // side * side, start + n, side)
+        for start, n, side in zip(window[:2], window[2:], sides, strict=True)
     )
 
     def join(corner: tuple[int, int]) -> None:
-        steps, lines, samples = _divergence(laid, source, corner, side, margin)
+        around, odd = (0 if laid.tile else margin), np.ones((1, 1))
+        steps, lines, samples = _divergence(laid, source, corner, sides, around)
+        if laid.tile:
+            lines, odd = _within(lines, kept * laid.scale, margin * laid.scale)
         ends = [
-            (max(at, start), min(at + side, start + n))
-            for at, start, n in zip(corner, window[:2], window[2:], strict=True)
+            (low := max(at + kept, start), max(low, min(at + side - kept, start + n)))
+            for at, side, start, n in zip(corner, sides, window[:2], window[2:], strict=True)
         ]
         inside, here = (
             tuple(
@@ -108,6 +114,8 @@ def join_steps(laid: PastedPieces, given: Exemplar, reach: float, window: Window
         masks = [mask.take(lines[0], 0).take(lines[1], 1) for mask in samples]
         for one, k in ((steps[k], slice(k, k + 1)) for k in range(len(steps))):
             one = one.take(lines[0], 0).take(lines[1], 1)
+            if laid.tile:
+                one *= odd
             each = [spread(one * mask, *inside) * mask[inside] for mask in masks]
             shifts = np.sum(each, axis=0) if masks else spread(one, *inside)
             kernels.add_shifts(result[here][..., k], shifts[None], least[k], most[k], _GRAIN)
@@ -158,8 +166,25 @@ def _lines(first: int, side: int, n: int, wraps: bool, margin: int, scale: int) 
     return _Lines([(start, min(high, n) - start)], False, inside)
 
 
+def _within(
+    lines: list[NDArray[np.int64]], kept: int, margin: int
+) -> tuple[list[NDArray[np.int64]], Floats]:
+    """Return the lines of a tile and of a margin, and the signs (H, W) by which steps are mirrored.
+
+    What is odd around the first line beyond an inside is 0 there: its `kept` border does not move.
+    """
+    found, signs = [], []
+    for line in lines:
+        last = len(line) - 2 * kept + 1
+        place = np.arange(-margin, len(line) + margin) - kept + 1
+        place %= 2 * last
+        signs.append(np.sign(last - place) * (place > 0))
+        found.append(line[np.minimum(place, 2 * last - place) + kept - 1])
+    return found, np.outer(*signs).astype(np.float64)
+
+
 def _divergence(
-    laid: PastedPieces, sample: NDArray[Any], corner: tuple[int, int], side: int, margin: int
+    laid: PastedPieces, sample: NDArray[Any], corner: tuple[int, int], sides: list[int], margin: int
 ) -> tuple[Floats, list[NDArray[np.int64]], list[Mask]]:
     """Return the sum of g - h' over the edges into each pixel minus the edges out of it (C, H, W).
 
@@ -168,7 +193,7 @@ def _divergence(
     """
     rows, columns = (
         _lines(first, side, n, wraps, margin, laid.scale)
-        for first, n, wraps in zip(corner, laid.shape, laid.wrap, strict=True)
+        for first, side, n, wraps in zip(corner, sides, laid.shape, laid.wrap, strict=True)
     )
     windows = [[(top, left, high, wide) for left, wide in columns.runs] for top, high in rows.runs]
     layers_of = [[laid.layers(window) for window in row] for row in windows]

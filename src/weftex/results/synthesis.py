@@ -59,6 +59,8 @@ class Synthesis(Displayable, SourceMap):
         Maximum number of threads of `render`.
     """
 
+    tile: tuple[int, int, int] | None = None  # of an atlas, see `PastedPieces.tile`
+
     def __init__(
         self,
         canvas: Canvas,
@@ -185,7 +187,7 @@ class Synthesis(Displayable, SourceMap):
         ratio = scales.scale_to(given, shape)
         hole = self.canvas.hole
         tones = self.tone_reach if hole is None else TONE_REACH * self.match_tone
-        reach = 0.0 if self.is_window else reach_of(given, tones, hole)
+        reach = 0.0 if self.is_window and not self.tile else reach_of(given, tones, hole)
         if hole is not None and reach and not whole:  # what is around must be seen
             made = self.render(given, background=background)
             ends = ((top, top + height), (left, left + width))
@@ -217,7 +219,8 @@ class Synthesis(Displayable, SourceMap):
         if hole is None or base is None:
             layers, wrap = self._pictured_layers, self.canvas.wrap
             parts = None if given.role.kind == "height" else self.parts
-            laid = PastedPieces(lay, layers, self.shape, wrap, scale, self.threads, parts)
+            about = scale, self.threads, parts, self.tile
+            laid = PastedPieces(lay, layers, self.shape, wrap, *about)
             out = join_steps(laid, given, reach, window)
         else:
             out = lay(window)

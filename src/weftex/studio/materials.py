@@ -144,7 +144,6 @@ def _analysis(loaded: PreparedMaterial) -> dict[str, Any]:
         more = {
             "confidence": None,
             "scale_source": "smaller copy",
-            "spectrum": [],
             "regularity": None,
             "runners_up": [],
             "tiles": None,
@@ -157,7 +156,6 @@ def _analysis(loaded: PreparedMaterial) -> dict[str, Any]:
         more = {
             "confidence": found.confidence,
             "scale_source": found.scale_source,
-            "spectrum": [vars(band) for band in found.spectrum],
             "regularity": found.regularity,
             "runners_up": [vars(draw(exemplar, one.vectors, one.goodness)) for one in others],
             "tiles": list(found.tiles),

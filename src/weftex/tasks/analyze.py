@@ -15,7 +15,7 @@ from weftex.analysis.canvas_lattice import checked_lattice
 from weftex.analysis.lattice import Lattice, Rated, lattice_in, rate_lattices
 from weftex.analysis.overlay import courses
 from weftex.analysis.properties import Evenness, regularity
-from weftex.analysis.scale import StructureScale, structure_scale
+from weftex.analysis.scale import structure_scale
 from weftex.errors import InvalidInputError, wrong_value
 from weftex.exemplar import Exemplar, Sample, load_exemplar
 from weftex.progress import counted
@@ -24,28 +24,9 @@ from weftex.registry import METHODS
 from weftex.tasks.auto import Auto
 from weftex.tasks.auto.rule import Choice
 
-_BANDS = 4  # of the spectrum to an octave
-_BAR = 40  # characters
-_WIDTH = 100  # the same, of a line
+_WIDTH = 100  # characters of a line
 _RUNNERS_UP = 3  # that are listed by default
 _MOST_RUNNERS_UP = 24  # pairs that are rated by all their multiples
-
-
-@dataclass(frozen=True)
-class Band:
-    """The strongest frequency in a quarter of an octave of the power spectrum.
-
-    Attributes
-    ----------
-    period : float
-        Period of this frequency in pixels.
-    power, background : float
-        Its power in all directions, 1 for the strongest; power of the frequencies around it.
-    """
-
-    period: float
-    power: float
-    background: float
 
 
 @dataclass(frozen=True)
@@ -83,8 +64,6 @@ class Analysis:
         Confidence of the scale, 0 to 1. The lattice has its own, `lattice.confidence`.
     scale_source : {"lattice", "period", "things", "none"}
         From what the scale was measured: the lattice, the strongest period, or single features.
-    spectrum : tuple of Band
-        Power by period, coarse to fine.
     regularity : float
         Correlation of the sample with itself after its best shift; 1 is an exact tiling.
     lattice : Lattice or None
@@ -97,7 +76,7 @@ class Analysis:
     tiles : (bool, bool)
         Whether the sample is tileable, down and across, as `tile --check` says.
     evenness : Evenness
-        Uneven light, large forms and perspective; `choice.warnings` has them in words.
+        Uneven light and large forms; `choice.warnings` has them in words.
     choice : Choice
         The method that "auto" chooses for twice the sample's size, and why.
     windows : dict of str to int or None
@@ -115,7 +94,6 @@ class Analysis:
     scale: float
     confidence: float
     scale_source: str
-    spectrum: tuple[Band, ...]
     regularity: float
     lattice: Lattice | None
     ratings: Ratings
@@ -160,18 +138,10 @@ class Analysis:
               for slug, width in self.windows.items()),
         ]  # fmt: skip
         label = max(len(name) for name, _ in rows) + 2
-        lines = [
+        return "\n".join(
             textwrap.fill(f"{name:{label}}{text}", _WIDTH, subsequent_indent=" " * label)
             for name, text in rows
-        ]
-        if self.spectrum:
-            lines += ["", "power at each period (| what the spectrum around it has)"]
-        for band in self.spectrum:
-            bar = "#" * round(_BAR * band.power)
-            mark = min(round(_BAR * band.background), _BAR)
-            bar = f"{bar:{_BAR + 1}}"
-            lines.append(f"{band.period:8.1f} px  {bar[:mark]}|{bar[mark + 1 :]}".rstrip())
-        return "\n".join(lines)
+        )
 
     def _lattices(self) -> list[tuple[str, str]]:
         """Return the lines on the lattice, a given one, and the runners-up."""
@@ -256,7 +226,6 @@ def analyze(
         scale=found.scale,
         confidence=found.confidence,
         scale_source=found.source,
-        spectrum=_bands(found),
         regularity=alike,
         lattice=own,
         ratings=Ratings(rated, asked, others),
@@ -299,29 +268,9 @@ def _count_colors(exemplar: Exemplar) -> int:
     size = pixels.shape[1] * pixels.itemsize
     if size > 8:
         return len(np.unique(pixels, axis=0))
-    if size <= 3:  # room for a flag for each color
-        seen = np.zeros(1 << 8 * size, bool)
-        bytes_of = pixels.view(np.uint8).reshape(len(pixels), size)
-        seen[sum(bytes_of[:, k].astype(np.int32) << 8 * k for k in range(size))] = True
-        return int(seen.sum())
     whole = np.zeros((len(pixels), 8), np.uint8)  # numbers sort faster than rows
     whole[:, :size] = pixels.view(np.uint8).reshape(len(pixels), size)
     return len(np.unique(whole.view(np.uint64)))
-
-
-def _bands(found: StructureScale) -> tuple[Band, ...]:
-    """Return the strongest ring of each quarter octave."""
-    if not len(found.power):
-        return ()
-    band = np.floor(_BANDS * np.log2(found.frequencies / found.frequencies[0]) + 1e-9).astype(int)
-    result = []
-    for which in range(int(band[-1]) + 1):
-        rings = np.flatnonzero(band == which)
-        if len(rings):
-            k = rings[found.power[rings].argmax()]
-            values = (1 / found.frequencies[k], found.power[k], found.background[k])
-            result.append(Band(*(round(float(value), 3) for value in values)))
-    return tuple(result)
 
 
 def _windows(exemplar: Exemplar) -> dict[str, int | None]:

@@ -383,7 +383,7 @@ def hole_of(mask: Mask | Picture | None, photo: Exemplar) -> NDArray[np.bool_]:
     if hole.dtype != bool or hole.ndim != 2:
         raise InvalidInputError(
             f"mask is {hole.dtype} with {hole.ndim} dimensions; it must be boolean with 2, "
-            "True where the photo is to be filled"
+            "True where the photo is to be filled, such as mask > 127"
         )
     if hole.shape != photo.shape:
         raise InvalidInputError(

@@ -78,9 +78,9 @@ def tile(
     True
     """
     exemplar = load_exemplar(photo)
-    wrap = as_canvas(exemplar.shape, axes).wrap
-    if not any(wrap):
+    if not isinstance(axes, (bool, str)) or axes not in (True, "x", "y"):
         raise wrong_value("axes", axes, "True, 'x' or 'y'")
+    wrap = as_canvas(exemplar.shape, axes).wrap
     sides = [side for side, wraps in zip(exemplar.shape, wrap, strict=True) if wraps]
     most = min(sides) // _LEAST
     wxh = size_words(exemplar.shape)

@@ -42,9 +42,7 @@ def look(exemplar: Exemplar) -> Findings:
     """
     small, step = smaller_copy(exemplar, LOOK)
     if min(small.shape) < SMALLEST_ANALYZED:
-        return Findings(
-            exemplar.shape, None, True, 1.0, count_colors(small), Evenness(0, 0, 0, (1, 1))
-        )
+        return Findings(exemplar.shape, None, True, 1.0, count_colors(small), Evenness(0, 0, 0))
     with counted(4, "analysis") as advance:
         lattice = find_lattice(small)
         advance(1)

@@ -187,7 +187,10 @@ def places_freely(choice: Choice) -> bool:
 
 def choose_for_hole(exemplar: Exemplar, canvas: Canvas) -> Choice:
     """Return graph cut for known pixels: on a lattice, of the entire sample, or of parts of it."""
-    missing, known = 0 if canvas.hole is None else int(canvas.hole.sum()), int(exemplar.usable.sum())
+    missing, known = (
+        0 if canvas.hole is None else int(canvas.hole.sum()),
+        int(exemplar.usable.sum()),
+    )
     if known < min(missing, 4 * _TINY**2):
         return Choice("ashikhmin", {}, f"only {known} pixels are known around the hole")
     few = missing <= _SMALL
@@ -237,13 +240,6 @@ def _warnings(findings: Findings) -> list[str]:
             f"the light changes by {even.light_range:.0f} of 255 levels across the sample; "
             "correct it with --even-light, or crop a part"
         )
-    if findings.lattice is None or len(findings.lattice.vectors) == 1:
-        times = max(max(growth, 1 / growth) for growth in even.perspective)
-        if times > 1:
-            found.append(
-                f"the photo was taken at an angle: features are {times:.2g} times as large at one "
-                "side; straighten it by four corners first (--straighten)"
-            )
     return found
 
 
