@@ -147,7 +147,9 @@ export class AtlasGroup {
 
   draw() {
     const { made, picture } = this;
-    const options = this.screen.app.about.tasks.atlas.map((one) => ({ ...one, type: "int", low: one.low ?? 32, high: one.high ?? (one.name === "gutter" ? 64 : 1024), usual: one.default ?? 256, unit: one.name === "colors" ? "" : "px", label: t(`atlas.${one.name}`) }));
+    const { about, material } = this.screen.app;
+    const usual = Math.min(512, material.width, material.height);
+    const options = about.tasks.atlas.map((one) => ({ ...one, type: "int", low: one.low ?? 32, high: one.high ?? (one.name === "gutter" ? 64 : 1024), usual: one.default ?? usual, unit: one.name === "colors" ? "" : "px", label: t(`atlas.${one.name}`) }));
     const views = [["tiles", t("atlas.tiles")], ["plane", t("atlas.plane")]];
     return [
       h("p", { class: "hint" }, t("atlas.help")),
