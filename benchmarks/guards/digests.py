@@ -24,6 +24,7 @@ from typing import Any
 import numpy as np
 
 import weftex
+from weftex.atlas import atlas
 
 HERE = Path(__file__).resolve().parent
 RECORD = HERE.parent / "data" / "digests.json"
@@ -123,6 +124,7 @@ def cases(threads: int) -> Iterator[Case]:
         yield from material_cases(slug, threads)
     yield from patch_cases(threads)
     yield from window_cases(threads)
+    yield from atlas_cases(threads)
     yield from fused_cases(threads)
     yield from task_cases(threads)
 
@@ -205,6 +207,16 @@ def window_cases(threads: int) -> Iterator[Case]:
                     .window(2**33, -40, 90, 110, seed=5, period=p, threads=threads)
                 ),
             )
+
+
+def atlas_cases(threads: int) -> Iterator[Case]:
+    """All corner tiles, whose tones and heights are joined within each."""
+    maps = formats()["maps"]
+    for name, exemplar in (("bricks", weftex.Exemplar(sample("bricks"))), ("maps", maps)):
+        yield (
+            f"auto/atlas/torus/{name}",
+            lambda e=exemplar: digest(atlas(e, tile_size=48, seed=5, threads=threads).synthesis),
+        )
 
 
 def fused_cases(threads: int) -> Iterator[Case]:
