@@ -216,7 +216,7 @@ def test_the_pages_of_python_list_every_public_name():
     modules = {module: importlib.import_module(f"weftex.{module}") for module in MODULES}
     wanted = {name for module in (weftex, *modules.values()) for name in module.__all__}
     beside = {"Model", "Analysis", "Lattice", "Choice", "Entry", "Picture"}
-    beside |= {"ProgressCallback", "listening", "parameter", "Band", "Ratings"}
+    beside |= {"ProgressCallback", "listening", "parameter", "Ratings"}
     beside |= {"Rated", "Evenness", "MapReport", "Definition", "Progress"}
     assert {name for _, name in listed} == wanted - {"METHODS"} | beside
     assert all(hasattr(importlib.import_module(module), name) for module, name in listed)

@@ -231,5 +231,14 @@ def test_what_the_mask_leaves_out_does_not_count():
 ], ids=lambda pixels: str(pixels.shape))  # fmt: skip
 def test_constant_and_small_samples_and_lighting_alone(pixels):
     scale = found(pixels)
-    assert (scale.scale, scale.confidence) == (1, 0)
+    assert (scale.scale, scale.confidence, len(scale.power)) == (1, 0, 0)
     assert scale.window_width == 3
+
+
+def test_the_curve():
+    scale = found(levels(grating(100, 140, 10)))
+    assert len(scale.frequencies) == len(scale.power) == len(scale.background)
+    assert (np.diff(scale.frequencies) > 0).all()
+    assert scale.power.max() == 1 and scale.power.min() >= 0
+    assert scale.frequencies[scale.power.argmax()] == pytest.approx(0.1, rel=0.03)
+    assert scale.frequencies[0] * 140 == pytest.approx(2.5) and scale.frequencies[-1] <= 1 / 3

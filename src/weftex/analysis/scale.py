@@ -46,15 +46,19 @@ _SUREST = 0.95
 
 
 class StructureScale(NamedTuple):
-    """The scale of the structure in a sample."""
+    """The scale of the structure in a sample.
 
-    #: In pixels of the sample, rounded to hundredths; 1 for a constant sample and for one of less
-    #: than 8 pixels a side.
-    scale: float
+    The three arrays are empty for a constant sample and for one of less than 8 pixels a side.
+    """
+
+    scale: float  # in pixels of the sample, rounded to hundredths; 1 where there is no curve
     #: From 0 to 1: that of the lattice; the share of the ring's power that neither the spectrum
     #: around it nor chance explains; or how often the size of things is what a person reads.
     confidence: float
     source: str  # "lattice", "period" (of the strongest ring), "things", or "none"
+    frequencies: Floats  # (n,) of the rings, in waves a pixel, rising
+    power: Floats  # (n,) of the spectrum over each ring; the largest is 1
+    background: Floats  # (n,): the median power from half to twice each frequency
     lattice: Lattice | None = None  # None too where the sample does not come back to itself
 
     @property
@@ -98,9 +102,11 @@ def _estimated(exemplar: Exemplar, lattice: Lattice | Literal["find"] | None) ->
     looked_at = (radii >= _FEWEST) & (radii <= side / _FINEST)
     top = float(power[looked_at].max(initial=0.0))
     if top <= 0:
-        return StructureScale(float(flat.step), 0.0, "none")
+        none = np.zeros(0)
+        return StructureScale(float(flat.step), 0.0, "none", none, none, none)
     power = np.rint(power / top * 1e6) / 1e6
     background = _octave_medians(power)
+    curve = radii[looked_at] / side / flat.step, power[looked_at], background[looked_at]
     correlation = np.fft.fftshift(np.fft.irfft2(spectrum, s=_padded(flat)))
     if lattice == "find":
         from weftex.analysis.lattice import find_lattice  # only where methods ask
@@ -111,12 +117,12 @@ def _estimated(exemplar: Exemplar, lattice: Lattice | Literal["find"] | None) ->
         scale, confidence = _period(lattice, spectrum, flat), lattice.confidence
         if radius > 0 and abs(side / radius * flat.step - scale) < _SAME * scale:
             confidence = max(confidence, peaked)
-        return StructureScale(round(scale, 2), confidence, "lattice", lattice)
+        return StructureScale(round(scale, 2), confidence, "lattice", *curve, lattice)
     scale, confidence = size_of_things(flat, _fall(correlation))
     source = "things"
     if peaked > min(confidence, _PERIOD):
         scale, confidence, source = side / radius, peaked, "period"
-    return StructureScale(round(scale * flat.step, 2), round(confidence, 2), source)
+    return StructureScale(round(scale * flat.step, 2), round(confidence, 2), source, *curve)
 
 
 def _period(lattice: Lattice, spectrum: Floats, flat: Relief) -> float:
