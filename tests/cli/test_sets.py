@@ -41,6 +41,15 @@ def sets(tmp_path, monkeypatch):
     return tmp_path
 
 
+def test_maps_that_are_there_and_stay_are_named(sets, capsys):
+    assert weft_run("synth", "rock", "-o", "out/", "--size", 60, "--seed", 1) == 0
+    assert "also has" not in capsys.readouterr().err
+    write_image("out/old_normal.png", noise((9, 9, 3)))
+    write_image("out/photo.png", noise((9, 9, 3)))  # of no role
+    assert weft_run("synth", "rock", "-o", "out/", "--size", 60, "--seed", 1) == 0
+    assert "note: out/ also has old_normal.png, which stay as they are\n" in capsys.readouterr().err
+
+
 def test_synth_keeps_names_sizes_and_depths(sets, capsys):
     (sets / "out").mkdir()
     (sets / "out" / "notes.txt").write_text("mine")
@@ -192,7 +201,7 @@ def test_what_has_no_effect_or_cannot_be(sets, capsys):
     write_set(sets / "lods", {f"a_normal_LOD{k}.png": noise((40, 40, 3)) for k in range(3)})
     gradient = ["--map", "gradient", "--size", 40]
     for words, says in (
-        (["synth", "one.png", "-o", "x.png", "--preset", "gltf"], "--preset has no effect"),
+        (["synth", "one.png", "-o", "x.png", "--preset", "gltf"], "--preset needs a folder"),
         (["synth", "rock", "-o", "x", "--preset", "unity"], "did you mean 'unity-urp'?"),
         (["synth", "one.png", "-o", "x.png", "--maps", "color=one.png"], "is not a folder"),
         (["synth", "rock", "-o", "x", "--maps", "color=Rock01.png,albedo=Rock01.png"], "two"),

@@ -14,6 +14,7 @@ from weftex.cli.terminal import Outputs
 from weftex.errors import InvalidInputError
 from weftex.exemplar import Exemplar
 from weftex.exemplar.material import Material, read_material
+from weftex.io.formats import FORMATS
 from weftex.io.outputs import OutputSet, fitted_file, kept_file
 from weftex.io.pictures import MAX_PIXELS, check_output, is_folder, read_image, write_image
 from weftex.recipe import Recipe
@@ -27,6 +28,7 @@ from weftex.recipe.opening import (
     prepare_material,
 )
 from weftex.results.synthesis import Synthesis
+from weftex.roles import role_of
 
 OpenMaterial = Callable[[dict[str, Any]], PreparedMaterial]
 
@@ -107,7 +109,7 @@ def plan(
     ]
     if not any(one.folder for one in materials):
         if args.preset is not None:
-            raise InvalidInputError(f"--preset has no effect: {first.name} is not a folder")
+            raise InvalidInputError(f"--preset needs a folder of maps; {first.name} is an image")
         folder, name = os.path.split(args.output)
         main = first.main
         file, said = fitted_file(name, main, pictures[main], first.roles[main].name)
@@ -125,6 +127,12 @@ def plan(
         files = pack_set(read_preset(args.preset), args.output, own, pictures, roles)
         lines += [f"map: {line}" for line in files.told()]
     files.check()
+    if (first.folder or args.preset) and os.path.isdir(files.folder):
+        apart = sorted({*os.listdir(files.folder)} - {file.name for file in files.files})
+        ends = ((name, *os.path.splitext(name)) for name in apart)
+        left = [name for name, stem, suffix in ends if suffix in FORMATS and role_of(stem)]
+        if left:
+            lines.append(f"note: {files.folder} also has {', '.join(left)}, which stay as they are")
     return files, "".join(f"{line}\n" for line in (*lines, *notes))
 
 

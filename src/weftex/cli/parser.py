@@ -12,6 +12,7 @@ from weftex.cli import terminal
 from weftex.errors import InvalidInputError, did_you_mean
 from weftex.recipe.declared import tasks_with
 from weftex.recipe.options import Option
+from weftex.registry import AUTO, owners
 
 HUGE = 2**28  # pixels
 
@@ -184,6 +185,9 @@ class Parser(argparse.ArgumentParser):
                     raise InvalidInputError(
                         f"{name} has no effect on {self.command}; it is for {', '.join(able)}"
                     )
+                of = owners(name[2:].replace("-", "_")) or [AUTO] * (name == "--effort")
+                if of and "--method" in known:
+                    raise InvalidInputError(f"{name} is for --method {' or '.join(of)}")
                 near = did_you_mean(SYNONYMS.get(name, name), known)
                 raise InvalidInputError(f"unknown option '{word}'{near}")
         if left:

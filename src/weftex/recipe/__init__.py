@@ -268,7 +268,8 @@ def _materials(task: str, given: Any, local: bool) -> tuple[dict[str, Any], ...]
     most = TASKS[task].most if local else min(TASKS[task].most, _MOST_MATERIALS)
     if not isinstance(given, (list, tuple)) or not least <= len(given) <= most:
         many = str(least) if least == most else f"{least} to {most}"
-        raise InvalidInputError(f"materials is {shown(given)}; {task} takes {many} of them")
+        got = len(given) if isinstance(given, (list, tuple)) else shown(given)
+        raise InvalidInputError(f"{task} takes {many} materials, not {got}")
     return tuple(checked_material(one, local=local) for one in given)
 
 

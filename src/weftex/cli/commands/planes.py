@@ -81,7 +81,7 @@ def stems_of(args: argparse.Namespace, material: Material) -> dict[str, str]:
     if args.preset is None:
         return {}
     if not material.folder:
-        raise InvalidInputError(f"--preset has no effect: {material.name} is not a folder")
+        raise InvalidInputError(f"--preset needs a folder of maps; {material.name} is an image")
     preset = read_preset(args.preset)
     if not preset.others:
         raise InvalidInputError(
