@@ -202,6 +202,7 @@ def test_what_has_no_effect_or_cannot_be(sets, capsys):
     gradient = ["--map", "gradient", "--size", 40]
     for words, says in (
         (["synth", "one.png", "-o", "x.png", "--preset", "gltf"], "--preset needs a folder"),
+        (["synth", "rock", "-o", "x", "--method", "quilting", "--effort", "best"], "--method auto"),
         (["synth", "rock", "-o", "x", "--preset", "unity"], "did you mean 'unity-urp'?"),
         (["synth", "one.png", "-o", "x.png", "--maps", "color=one.png"], "is not a folder"),
         (["synth", "rock", "-o", "x", "--maps", "color=Rock01.png,albedo=Rock01.png"], "two"),
