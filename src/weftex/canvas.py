@@ -103,6 +103,7 @@ class Canvas:
         for name, at in zip(("top", "left"), self.origin, strict=True):
             if not is_whole(at, -FAR, FAR):
                 raise wrong_value(name, at, "an integer from -2**40 to 2**40")
+        object.__setattr__(self, "origin", (int(self.origin[0]), int(self.origin[1])))
         whole = self.shown is None and self.hole is not None  # no block of a plane
         if self.origin != (0, 0) and (any(self.wrap) or whole):
             raise InvalidInputError(

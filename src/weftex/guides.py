@@ -48,9 +48,13 @@ class Guiding:
         self._weight, self._most = weight, max(most, 1.0)  # squared difference
 
     def look(self, rows: Lines, columns: Lines) -> Lines:
-        """What each pixel of a box costs now, for `prices` of patches in it; 0 of missing ones."""
-        self._before = self._shown(rows, columns, self._output.source[np.ix_(rows, columns)])
+        """See `now`; for `prices` of patches in this box."""
+        self._before = self.now(rows, columns)
         return self._before
+
+    def now(self, rows: Lines, columns: Lines) -> Lines:
+        """What each pixel of a box costs; 0 of missing ones."""
+        return self._shown(rows, columns, self._output.source[np.ix_(rows, columns)])
 
     def _shown(self, rows: Lines, columns: Lines, source: Lines) -> Lines:
         own = self._own.reshape(-1, self._own.shape[2])[source].astype(np.int32)

@@ -193,8 +193,7 @@ class Model(ABC):
         canvas = Canvas(height, width, origin=(top, left))
         asked = PlaneRequest(seed_number(seed), as_period(period), thread_count(threads))
         with listening(progress):
-            box = box_of(*map(int, (*canvas.origin, *canvas.shape)))  # which may be NumPy's
-            return self.make_window(box, asked, progress)
+            return self.make_window(box_of(*canvas.origin, *canvas.shape), asked, progress)
 
     def make_window(self, box: Box, asked: PlaneRequest, progress: Any = None) -> Synthesis:
         """Make what `window` asks for, in a way of the method's own or as here: by blocks."""

@@ -94,7 +94,7 @@ def join_steps(laid: PastedPieces, given: Exemplar, reach: float, window: Window
     )
 
     def join(corner: tuple[int, int]) -> None:
-        around, odd = (0 if laid.tile else margin), np.ones((1, 1))
+        around, odd = (0 if laid.tile else margin), None
         steps, lines, samples = _divergence(laid, source, corner, sides, around)
         if laid.tile:
             lines, odd = _within(lines, kept * laid.scale, margin * laid.scale)
@@ -114,7 +114,7 @@ def join_steps(laid: PastedPieces, given: Exemplar, reach: float, window: Window
         masks = [mask.take(lines[0], 0).take(lines[1], 1) for mask in samples]
         for one, k in ((steps[k], slice(k, k + 1)) for k in range(len(steps))):
             one = one.take(lines[0], 0).take(lines[1], 1)
-            if laid.tile:
+            if odd is not None:
                 one *= odd
             each = [spread(one * mask, *inside) * mask[inside] for mask in masks]
             shifts = np.sum(each, axis=0) if masks else spread(one, *inside)

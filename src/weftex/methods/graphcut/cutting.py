@@ -182,7 +182,7 @@ class WorstSeams:
         rows, columns = lines
         cost_kernels.sum_seams(self.labeling, rows, columns, self.cost, self.cells, _CELL)
         if self.guiding is not None:
-            guided, box = self.guiding.look(rows, columns), np.ix_(rows, columns)
+            guided, box = self.guiding.now(rows, columns), np.ix_(rows, columns)
             cells = np.ix_(rows // _CELL, columns // _CELL)
             np.add.at(self.cells, cells, guided - self.guided[box])
             self.guided[box] = guided

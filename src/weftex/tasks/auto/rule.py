@@ -187,10 +187,8 @@ def places_freely(choice: Choice) -> bool:
 
 def choose_for_hole(exemplar: Exemplar, canvas: Canvas) -> Choice:
     """Return graph cut for known pixels: on a lattice, of the entire sample, or of parts of it."""
-    missing, known = (
-        0 if canvas.hole is None else int(canvas.hole.sum()),
-        int(exemplar.usable.sum()),
-    )
+    missing = 0 if canvas.hole is None else int(canvas.hole.sum())
+    known = int(exemplar.usable.sum())
     if known < min(missing, 4 * _TINY**2):
         return Choice("ashikhmin", {}, f"only {known} pixels are known around the hole")
     few = missing <= _SMALL
