@@ -55,10 +55,8 @@ def test_windows_agree_in_any_order_on_any_thread(slug, small_blocks):
     )
 
 
-@pytest.mark.parametrize(
-    "slug, period",
-    [("graphcut", None), ("graphcut", 331), ("refinement", None), ("refinement", 331)],
-)
+@pytest.mark.parametrize("period", [None, 331])
+@pytest.mark.parametrize("slug", ["graphcut", "refinement"])
 def test_blocks_are_those_of_the_slow_twin(slug, period, monkeypatch):
     sizes = Sizes(80, 30, loose=10) if slug == "graphcut" else Sizes(80, 24, around=12)
     small = {"patch_size": 24, "candidates": 2} if slug == "graphcut" else {"iterations": 2}
@@ -104,17 +102,36 @@ def test_entire_patches_leave_no_straight_seams_between_blocks():
             assert max(map(len, runs)) < 80
 
 
+def test_steps_are_spread_within_the_cells_of_a_plane(tmp_path):
+    """Parts are those of the whole, at twice the size and after loading too."""
+    sample = weftex.load_exemplar("sample:leaves")
+    model = weftex.GraphCut(placement="entire").fit(sample)
+    whole = model.window(-40, -300, 260, 300, seed=1)
+    part = model.window(3, -99, 50, 60, seed=1)
+    part.save(path := tmp_path / "part.npz")
+    large = sample.pixels.repeat(2, 0).repeat(2, 1)
+    for one in (part, weftex.Synthesis.load(path, sample)):
+        assert np.array_equal(one.image, whole.image[43:93, 201:261])
+        assert np.array_equal(one.render(large), whole.render(large)[86:186, 402:522])
+    spread = (whole.image != sample.pixels[tuple(np.moveaxis(whole.source, 2, 0))]).any(axis=2)
+    assert spread.mean() > 0.3 and not spread[40].any() and not spread[:, 44].any()
+    for wrong in (part.cells + [0, 0, 1], part.cells * [1, 1, -1], part.cells[:, :2]):
+        part.cells = wrong
+        part.save(path)
+        refused("is (damaged|not a saved)", weftex.Synthesis.load, path, error=weftex.FileError)
+
+
 def test_auto_settles_on_one_method_for_all_windows():
     model = weftex.Auto().fit("sample:tiles")
     made = model.window(-5, 7, 30, 40, seed=1)
-    assert made.provenance["method"] == "near-regular"
-    assert "near-regular" in made.provenance["reason"]
+    assert made.provenance["method"] == "graphcut" and made.provenance["lattice"]
+    assert "has a lattice" in made.provenance["reason"]
     assert np.array_equal(made.image[2:], model.window(-3, 7, 28, 40, seed=1).image)
     around = model.window(0, 0, 30, 40, seed=1, period=2**20)
     assert around.provenance["method"] == "near-regular"
     strained = model.window(0, 0, 30, 40, seed=1, period=250)
     assert strained.provenance["method"] == "quilting"
-    assert "has a period" in strained.provenance["reason"]
+    assert "does not fit a tileable 250x250" in strained.provenance["reason"]
 
 
 def test_a_masked_sample_is_used_where_it_may_be():

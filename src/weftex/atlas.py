@@ -29,7 +29,6 @@ from weftex.prepare.landmarks import find_landmarks, has_joint_network
 from weftex.progress import ProgressCallback
 from weftex.random import Seed, seed_number
 from weftex.registry import AUTO
-from weftex.results.pixels import PixelSynthesis
 from weftex.results.scales import RenderedMaps
 from weftex.results.synthesis import Synthesis
 from weftex.tasks.auto.rule import WHOLE
@@ -267,16 +266,8 @@ def atlas(
     request = PlaneRequest(number, None, thread_count(threads))
     torus_box = box_of(0, 0, *(side * colors**2 for side in size))
     plane = TilePlane(model, request, size, colors, vectors)
-    index = plane.show(torus_box, progress)
-    made = PixelSynthesis(
-        Canvas(index.shape[0], index.shape[1], (True, True)),
-        index,
-        exemplar=model.exemplar,
-        is_window=True,  # or steps would be spread into neighbors of the torus
-        tone_reach=getattr(model.method, "tone_reach", 0.0),
-        provenance=model.method.describe() | {"seed": number},
-    )
-    made.tile = *size, plane.kept
+    canvas = Canvas(*torus_box.shape, (True, True))
+    made = plane.window(torus_box, canvas, model.method.describe() | {"seed": number}, progress)
     notes = [f"landmarks removed from the sample: {found}"] if found else []
     if size != wish:
         notes.append(

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from weftex.canvas import CANVAS_KINDS, CANVAS_NAMES, Canvas, as_canvas
-from weftex.endless.boxes import A_BLOCK, Box, PlaneRequest, as_period, box_of
+from weftex.endless.boxes import A_BLOCK, Box, PlaneRequest, as_period, box_of, canvas_of
 from weftex.endless.grid import Sizes
 from weftex.errors import InvalidInputError, UnsupportedError, did_you_mean, is_whole, wrong_value
 from weftex.exemplar import Exemplar, Sample, load_exemplar
@@ -197,9 +197,10 @@ class Model(ABC):
 
     def make_window(self, box: Box, asked: PlaneRequest, progress: Any = None) -> Synthesis:
         """Make what `window` asks for, in a way of the method's own or as here: by blocks."""
-        from weftex.endless.plane import make_window  # threads and futures: only when needed
+        from weftex.endless.plane import Plane  # threads and futures: only when needed
 
-        return make_window(self, box, asked, self.method.describe(), progress)
+        about = self.method.describe() | asked.told
+        return Plane(self, asked).window(box, canvas_of(box), about, progress)
 
     def block_sizes(self) -> Sizes:
         """Return the sizes of the blocks that a plane is made of, by the method's window."""

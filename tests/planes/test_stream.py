@@ -149,7 +149,7 @@ def test_auto_is_the_method_that_it_names(tmp_path):
     expected = model.window(0, 0, 70, 90, seed=1).image
     assert (weftex.read_image(tmp_path / "a.tif").pixels == expected).all()
     recipe = open_plane(tmp_path / "a.tif").definition
-    assert recipe.method.slug == "near-regular" and "lattice" in recipe.reason
+    assert recipe.method.slug == "graphcut" and "lattice" in recipe.reason
     strained = define("sample:bricks", (256, 260), "auto", {}, seed=1, tileable=True)
     assert "\nnote: the lattice has to be stretched by " in strained.reason
 

@@ -30,12 +30,12 @@ def test_joined_heights_are_the_slow_twin(wrap, blend, scale):
 
 
 @pytest.mark.parametrize("scale", [1, 2])
-def test_tiles_are_joined_each_by_itself_and_their_borders_stay(scale):
+def test_cells_are_joined_each_by_itself_and_what_lies_between_stays(scale):
     method = weftex.PatchSampling(patch_size=5, boundary_width=2, blend="cut")
     result = method.fit(weftex.Exemplar(SAMPLE)).sample(weftex.Canvas(18, 26, (True, True)), seed=3)
     heights, (high, wide, kept) = hills((30 * scale, 34 * scale)), (9, 13, 2)
     laid = result.render(heights)
-    result.tile = high, wide, kept
+    result.cells = np.array([(0, 2, 7), (0, 11, 16), (1, 2, 11), (1, 15, 24)])
     joined = result.render(heights, role="height")
     y, x = (np.arange(n * scale) % (k * scale) for n, k in ((18, high), (26, wide)))
     fixed = np.logical_or.outer(

@@ -9,10 +9,10 @@ import pytest
 
 import weftex
 from families import canvas_of, kinds_of, noise, refused
+from weftex.analysis.canvas_lattice import Around
 from weftex.analysis.lattice import Lattice, find_lattice
 from weftex.analysis.properties import Evenness
 from weftex.canvas import Canvas
-from weftex.errors import InvalidInputError
 from weftex.tasks.auto import Findings, choose, look
 from weftex.tasks.auto.findings import count_colors, with_full
 
@@ -20,6 +20,7 @@ EVEN = Evenness(0.0, 0.0, 0.0)
 GRASS = Findings((256, 256), None, True, 12.5, 5000, EVEN)
 TILES = Lattice(((31.05, 0.0), (-0.25, 102.17)), 0.87)
 ROWS = Lattice(((0.0, 46.0),), 0.95)
+PLANE = Around(2**40, 2**40, (False, False))
 
 
 def with_(**changes):
@@ -32,13 +33,13 @@ RULE = [
     (with_(scale=9.5, sidedness=(0.0, 0.1)), Canvas(512, 512), "graphcut", r"px of 256\)$"),
     (with_(scale=9.5, sidedness=(0.0, 0.0)), Canvas(512, 512), "graphcut", "same from all sides$"),
     (with_(scale=20.0, sidedness=(0.0, 0.1)), Canvas(512, 512), "graphcut", "same upside down$"),
-    (with_(scale=9.5), Canvas(4096, 4097), "patch-sampling", r"small \(9.5 px of 256\)"),
+    (with_(scale=9.5), PLANE, "graphcut", r"small \(9.5 px of 256\)"),
     (with_(scale=9.5, colors=2), Canvas(512, 512), "quilting", r"few colors \(2\)"),
-    (with_(scale=21.3), Canvas(4100, 4100), "patch-sampling", "small"),
+    (with_(scale=21.3), Canvas(4100, 4100), "graphcut", "small"),
     (with_(scale=21.4), Canvas(512, 512), "graphcut", "irregular .features of 21.4 px"),
-    (with_(scale=40.0), Canvas(1024, 1024), "graphcut", "irregular"),
-    (with_(scale=60.0, shape=(512, 513)), Canvas(4096, 4097), "graphcut", "16.8 megapixels"),
     (with_(lattice=ROWS, rows=True), Canvas(512, 512), "graphcut", "rows of different kinds$"),
+    (with_(lattice=ROWS, rows=True), PLANE, "graphcut", "has rows 46 px apart"),
+    (with_(lattice=TILES), Around(2**20, 2**20), "near-regular", "lattice of 31.1 x 102.2"),
     (with_(lattice=ROWS), Canvas(4096, 4096), "graphcut", "has rows 46 px apart"),
     (with_(lattice=ROWS), Canvas(4096, 4097), "near-regular", "has rows 46 px apart"),
     (with_(lattice=ROWS, exact=False), Canvas(512, 512), "near-regular", "has rows 46 px apart"),
@@ -96,11 +97,8 @@ def test_rows_of_the_sample_itself_place_entire_samples():
 
 ENTIRE, ROW = {"placement": "entire"}, {"lattice": (0, 46, 1, 0)}
 PARAMETERS = [
-    # Large outputs of large samples are made of patches.
-    (with_(scale=60.0, shape=(512, 512)), (4096, 4097), ENTIRE),
-    (with_(scale=60.0, shape=(512, 513)), (4096, 4096), ENTIRE),
-    (with_(scale=60.0, shape=(512, 513)), (4096, 4097), {}),
-    # So is fine grain, in which no thing is there to be kept whole.
+    (with_(scale=60.0, shape=(512, 513)), (4096, 4097), ENTIRE),
+    # Fine grain is made of patches, as no thing is there to be kept whole.
     (with_(scale=12.8), (512, 512), {}),
     (with_(scale=12.9), (512, 512), ENTIRE),
     # near-regular finds the vector of the rows itself.
@@ -125,22 +123,18 @@ def test_checks_that_do_not_fit_keep_straight_sides():
 
 
 def test_effort_is_a_parameter_of_auto():
-    exemplar = weftex.load_exemplar("sample:grass")
-    models = [weftex.Auto(effort=e).fit(exemplar) for e in ("normal", "best")]
+    models = [weftex.Auto(effort=e).fit("sample:tiles") for e in ("normal", "best")]
     made, same = (model.sample(90, seed=1) for model in models)
     assert made.provenance["method"] == "graphcut" and np.array_equal(made.image, same.image)
-    assert [m.choose(4097).method for m in models] == ["patch-sampling", "graphcut"]
-    assert all(m.choose(2**15).method == "patch-sampling" for m in models)  # of planes
+    assert [m.choose(4097).method for m in models] == ["near-regular", "graphcut"]
     refused("effort is 'fast'", weftex.Auto, effort="fast")
-    with pytest.raises(InvalidInputError, match="effort has no effect on tile"):
-        weftex.tile(exemplar, method=weftex.Auto(effort="best"))
+    refused("effort has no effect on tile", weftex.tile, "sample:tiles", method=models[1].method)
 
 
 def test_patience_places_entire_samples_in_outputs_of_any_size():
-    lattice, huge = {"lattice": tuple(TILES)}, Canvas(8192, 8192)
-    cases = ({"scale": 13.5}, {}), ({"lattice": ROWS}, ROW), ({"lattice": TILES}, lattice)
-    for changes, parameters in cases:
-        assert choose(with_(**changes), huge, patient=True).parameters == ENTIRE | parameters
+    for one, found in (ROWS, ROW), (TILES, {"lattice": tuple(TILES)}):
+        choice = choose(with_(lattice=one), Canvas(8192, 8192), patient=True)
+        assert choice.parameters == ENTIRE | found
 
 
 @pytest.mark.parametrize(
@@ -162,12 +156,12 @@ def test_what_no_method_can_do_is_said_and_made_all_the_same(even, words):
 
 @pytest.mark.parametrize("name", ["bricks", "tiles", "weave", "grass", "wood", "leaves"])
 def test_samples_get_the_method_for_them(name):
-    regular, fine = name in ("bricks", "tiles", "weave"), name in ("grass", "wood")
+    regular = name in ("bricks", "tiles", "weave")
     findings = look(weftex.load_exemplar(f"sample:{name}"))
     small, large = (choose(findings, Canvas(n, n)) for n in (512, 4100))
     assert small.method == "graphcut" and not (small.warnings or large.warnings)
     assert ("lattice" in small.parameters) == regular
-    assert large.method == ("near-regular" if regular else "patch-sampling" if fine else "graphcut")
+    assert large.method == ("near-regular" if regular else "graphcut")
 
 
 def test_a_lattice_is_found_in_a_larger_sample_too():
@@ -261,9 +255,9 @@ def test_a_mask_that_leaves_little_gets_a_method_that_takes_it():
     made = weftex.synthesize(weftex.Exemplar(grass, mask=mask), 40, seed=1)
     assert made.provenance["method"] in ("graphcut", "ashikhmin")
     grains = noise((122, 122, 3)).astype(float)
-    grains = sum(grains[k : k + 120, j : j + 120] for k in range(3) for j in range(3)) / 9
-    fine = weftex.Exemplar(grains.astype(np.uint8), mask=mask[:120, :120])
-    choice, _ = weftex.Auto().fit(fine).chosen((4100, 4100))
+    grains = sum(grains[k : k + 120, j : j + 120] for k in range(3) for j in range(3)) > 9 * 128
+    fine = weftex.Exemplar(grains[..., 0].astype(np.uint8), mask=mask[:120, :120])  # for quilting
+    choice, _ = weftex.Auto().fit(fine).chosen((90, 90))
     assert choice.method in ("graphcut", "ashikhmin")
     assert " cannot use it (" in choice.reason
     wide = np.zeros((700, 900), bool)
@@ -287,9 +281,9 @@ def test_holes_and_fusion_keep_their_own():
 
 
 def test_parameters_belong_to_a_method():
-    with pytest.raises(InvalidInputError, match="these methods do: patch-sampling, quilting"):
-        weftex.synthesize(noise((40, 40)), 40, patch_size=9)
-    refused("auto has no parameter 'nothing'", weftex.synthesize, noise((40, 40)), 40, nothing=9)
+    how = weftex.synthesize, noise((40, 40)), 40
+    refused("these methods do: patch-sampling, quilting", *how, patch_size=9)
+    refused("auto has no parameter 'nothing'", *how, nothing=9)
     assert "auto" not in weftex.METHODS
     assert weftex.Auto().resolved(weftex.Exemplar(noise((9, 9)))) == weftex.Auto()
 

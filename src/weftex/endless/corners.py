@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from weftex.analysis.scale import structure_scale, sure_lattice
 from weftex.exemplar import Exemplar
 from weftex.random import draw
+from weftex.raster.arrays import Bytes
 
 _TRIES = 16  # places that are drawn until one lies right
 _ROWS = 0.6  # confidence from which rows are kept
@@ -18,13 +19,12 @@ _ROWS = 0.6  # confidence from which rows are kept
 class SamplePieces:
     """Sample positions for the nodes of a plane; neighbors come from different quarters.
 
-    `usable` marks allowed top left corners. `vectors` is the sample's lattice x1, y1, x2, y2, or
-    rows x1, y1, or empty; with a lattice all pieces lie in phase.
+    `usable` marks allowed top left corners. `vectors` is the lattice x1, y1, x2, y2, by default the
+    sample's, or its rows x1, y1, or empty; with a lattice all pieces lie in phase.
     """
 
-    def __init__(self, exemplar: Exemplar, usable: NDArray[np.uint8]) -> None:
-        self.usable = usable
-        self.vectors = sure_vectors(exemplar)
+    def __init__(self, exemplar: Exemplar, usable: Bytes, vectors: tuple[float, ...] = ()) -> None:
+        self.usable, self.vectors = usable, vectors or sure_vectors(exemplar)
         places = np.argwhere(usable)
         self._quarters = [
             [_half(half, 1, right) for right in (0, 1)]

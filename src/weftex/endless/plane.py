@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from weftex.canvas import Canvas
-from weftex.endless.boxes import Box, PlaneRequest, around, canvas_of, check_period
+from weftex.endless.boxes import Box, PlaneRequest, Span, around, canvas_of, check_period
 from weftex.endless.corners import SamplePieces
 from weftex.endless.grid import ACROSS, CORNER, DOWN, Axis, Block, Grid, Sizes
 from weftex.exemplar import Exemplar
@@ -27,7 +27,7 @@ from weftex.progress import Progress, ProgressCallback
 from weftex.random import draw
 from weftex.raster.arrays import Bytes, Ints, Mask
 from weftex.raster.boxes import whole_windows
-from weftex.results.pixels import PixelSynthesis
+from weftex.results.pixels import PixelSynthesis, frame_of
 from weftex.results.synthesis import Synthesis
 from weftex.threads import thread_map
 
@@ -79,6 +79,7 @@ class BlockCache:
 class Filler(Protocol):
     """What a model must have so that a plane can be made of it."""
 
+    method: Any
     exemplar: Exemplar
 
     def block_sizes(self) -> Sizes:
@@ -99,7 +100,8 @@ def kept_of(model: Filler) -> tuple[BlockCache, SamplePieces | None]:
     found = _KEPT.get(model)
     if found is None:
         usable = usable_corners(model.exemplar, model.block_sizes().belt)
-        pieces = SamplePieces(model.exemplar, usable) if usable.any() else None
+        vectors = getattr(model.method, "lattice", None) or ()
+        pieces = SamplePieces(model.exemplar, usable, vectors) if usable.any() else None
         found = _KEPT.setdefault(model, (BlockCache(MOST_BYTES), pieces))
     return found
 
@@ -114,29 +116,10 @@ def usable_corners(exemplar: Exemplar, belt: int) -> Bytes:
     return whole_windows(mask, (0, last, 0, last))[:height, :width]
 
 
-def make_window(
-    model: Filler,
-    box: Box,
-    asked: PlaneRequest,
-    about: dict[str, Any],
-    callback: ProgressCallback | None = None,
-) -> PixelSynthesis:
-    """The window `box` of an endless plane, by a model that fills holes.
-
-    `asked` has seed, period and threads; `about` the method and its parameters for provenance.
-    """
-    plane = Plane(model, asked)
-    return PixelSynthesis(
-        canvas_of(box),
-        plane.show(box, callback),
-        exemplar=model.exemplar,
-        is_window=True,
-        provenance=about | asked.told,
-    )
-
-
 class Plane:
     """One plane: a model, a seed and a period; a subclass may name its blocks by another rule."""
+
+    kept = 1  # pixels on both sides of a line of nodes, whose tones stay
 
     def __init__(self, model: Filler, asked: PlaneRequest, grid: Grid | None = None) -> None:
         self.model, self.asked = model, asked
@@ -149,13 +132,45 @@ class Plane:
         self._start: tuple[Box, NDArray[np.int32]] | None = None
         self._pixels = model.exemplar.pixels.reshape(-1, *model.exemplar.pixels.shape[2:])
 
-    def show(self, box: Box, callback: ProgressCallback | None = None) -> NDArray[np.int32]:
-        """Flat indices (H, W) of the sample's pixels in a window."""
+    def window(
+        self,
+        box: Box,
+        canvas: Canvas,
+        about: dict[str, Any],
+        callback: ProgressCallback | None = None,
+    ) -> PixelSynthesis:
+        """A window `box` as a result, with the rest of the cells in which its steps are spread."""
+        exemplar, reach = self.model.exemplar, getattr(self.model.method, "tone_reach", 0.0)
+        cells, frame = None, box
+        if reach or any(r.kind == "height" for r in (exemplar.role, *exemplar.roles.values())):
+            found = [
+                (k, axis.node(i) + self.kept - first, axis.node(i + 1) - self.kept - first)
+                for k, (axis, (first, last)) in enumerate(zip(self.grid[1:], box, strict=True))
+                for i in range(axis.last_before(first), axis.last_before(last - 1) + 1)
+            ]
+            cells = np.array(found, np.int64)
+            ends = zip(box, frame_of(cells, box.shape), strict=True)
+            frame = Box(*(Span(at.first + a, at.first + b) for at, (a, b) in ends))
+        return PixelSynthesis(
+            canvas,
+            self.show(frame, callback, box),
+            cells,
+            exemplar=exemplar,
+            is_window=True,
+            tone_reach=reach,
+            provenance=about,
+        )
+
+    def show(
+        self, box: Box, callback: ProgressCallback | None = None, seen: Box | None = None
+    ) -> NDArray[np.int32]:
+        """Flat indices (H, W) of the sample's pixels in a window; progress shows what is `seen`."""
         shown = np.full(box.shape, -1, np.int32)
+        preview = shown[(seen or box).within(box)]
         blocks = list(self.grid.of_window(box))
         threads = max(1, min(self.asked.threads, len(blocks)))
         within = max(1, self.asked.threads // threads)
-        progress = Progress(callback, len(blocks), "blocks", lambda: self._pixels[shown])
+        progress = Progress(callback, len(blocks), "blocks", lambda: self._pixels[preview])
         self._begin(blocks)
         with thread_map(threads) as each:
             for block, made in zip(

@@ -20,7 +20,7 @@ from weftex.exemplar import Exemplar
 from weftex.raster.arrays import Floats, Mask
 from weftex.raster.mixing import Kind
 from weftex.results import height_kernels as kernels
-from weftex.results.sources import Window
+from weftex.results.sources import Span, Window
 from weftex.threads import thread_map
 
 _FEW = 32  # different colors: a drawing or a map of labels, which has no tones between
@@ -42,9 +42,13 @@ class PastedPieces(NamedTuple):
     scale: int
     threads: int
     parts: NDArray[np.uint16] | None = None  # of the sample (H, W), between which steps stay
-    #: Height and width of tiles, and pixels at their borders that stay as they are: steps are
-    #: spread within each tile, so that tiles still fit together.
-    tile: tuple[int, int, int] | None = None
+    #: See `spans_of`: steps are spread within each cell, and what lies between stays.
+    cells: NDArray[np.int64] | None = None
+
+
+def spans_of(cells: NDArray[np.int64]) -> list[list[Span]]:
+    """Rows and columns of cells, stored as axis, first, and the one after the last (n, 3)."""
+    return [[(a, b) for k, a, b in cells.tolist() if k == axis] for axis in (0, 1)]
 
 
 def reach_of(given: Exemplar, tones: float, hole: NDArray[np.bool_] | None) -> float:
@@ -87,27 +91,28 @@ def join_steps(laid: PastedPieces, given: Exemplar, reach: float, window: Window
     result = made.reshape(*made.shape[:2], -1)
     least, most = (np.array(ends, np.float64) for ends in ends_of(source, given.role.kind))
     margin, block = int(_MARGIN * reach), max(1, _BLOCK // laid.scale)
-    *sides, kept = laid.tile or (block, block, 0)
+    blocks = ([(at, min(at + block, n)) for at in range(0, n, block)] for n in laid.shape)
+    spans = blocks if laid.cells is None else spans_of(laid.cells)
     rows, columns = (
-        range(start // side * side, start + n, side)
-        for start, n, side in zip(window[:2], window[2:], sides, strict=True)
+        [(first, last) for first, last in some if first < start + n and start < last]
+        for some, start, n in zip(spans, window[:2], window[2:], strict=True)
     )
 
-    def join(corner: tuple[int, int]) -> None:
-        around, odd = (0 if laid.tile else margin), None
-        steps, lines, samples = _divergence(laid, source, corner, sides, around)
-        if laid.tile:
-            lines, odd = _within(lines, kept * laid.scale, margin * laid.scale)
+    def join(cell: tuple[Span, Span]) -> None:
+        around, odd = (margin if laid.cells is None else 0), None
+        steps, lines, samples = _divergence(laid, source, cell, around)
+        if laid.cells is not None:
+            lines, odd = _mirrored(lines, margin * laid.scale)
         ends = [
-            (low := max(at + kept, start), max(low, min(at + side - kept, start + n)))
-            for at, side, start, n in zip(corner, sides, window[:2], window[2:], strict=True)
+            (max(first, start), min(last, start + n))
+            for (first, last), start, n in zip(cell, window[:2], window[2:], strict=True)
         ]
         inside, here = (
             tuple(
                 slice((start - at) * laid.scale, (end - at) * laid.scale)
                 for (start, end), at in zip(ends, first, strict=True)
             )
-            for first in ((corner[0] - margin, corner[1] - margin), window[:2])
+            for first in ((cell[0][0] - margin, cell[1][0] - margin), window[:2])
         )
         # A channel at a time, as new memory is slow.
         spread = _spreading((len(lines[0]), len(lines[1])), reach * laid.scale)
@@ -149,11 +154,13 @@ class _Lines(NamedTuple):
     inside: NDArray[np.int64]  # places among the lines read, at the map's scale; mirrored outside
 
 
-def _lines(first: int, side: int, n: int, wraps: bool, margin: int, scale: int) -> _Lines:
-    """Return the lines of a block that begins at `first` of `n` lines, and of its margin."""
-    last = min(first + side, n)
+def _lines(span: Span, n: int | None, wraps: bool, margin: int, scale: int) -> _Lines:
+    """Return some of `n` lines, or None if there are always more, and those of a margin."""
+    first, last = span
     low, high = first - margin - 1, last + margin + 1  # a line more, for edges that lead there
     inside = np.arange((first - margin) * scale, (last + margin) * scale)
+    if n is None:
+        return _Lines([(low, high - low)], False, inside - low * scale)
     if wraps and high - low >= n:
         return _Lines([(0, n)], True, inside % (n * scale))
     if wraps:
@@ -166,34 +173,34 @@ def _lines(first: int, side: int, n: int, wraps: bool, margin: int, scale: int) 
     return _Lines([(start, min(high, n) - start)], False, inside)
 
 
-def _within(
-    lines: list[NDArray[np.int64]], kept: int, margin: int
+def _mirrored(
+    lines: list[NDArray[np.int64]], margin: int
 ) -> tuple[list[NDArray[np.int64]], Floats]:
-    """Return the lines of a tile and of a margin, and the signs (H, W) by which steps are mirrored.
+    """Return the lines of a cell and of a margin, and the signs (H, W) by which steps are mirrored.
 
-    What is odd around the first line beyond an inside is 0 there: its `kept` border does not move.
+    What is odd around the first line beyond a cell is 0 there, so that line does not move.
     """
     found, signs = [], []
     for line in lines:
-        last = len(line) - 2 * kept + 1
-        place = np.arange(-margin, len(line) + margin) - kept + 1
-        place %= 2 * last
+        last = len(line) + 1
+        place = np.arange(1 - margin, last + margin) % (2 * last)
         signs.append(np.sign(last - place) * (place > 0))
-        found.append(line[np.minimum(place, 2 * last - place) + kept - 1])
+        found.append(line[(np.minimum(place, 2 * last - place) - 1) % len(line)])
     return found, np.outer(*signs).astype(np.float64)
 
 
 def _divergence(
-    laid: PastedPieces, sample: NDArray[Any], corner: tuple[int, int], sides: list[int], margin: int
+    laid: PastedPieces, sample: NDArray[Any], cell: tuple[Span, Span], margin: int
 ) -> tuple[Floats, list[NDArray[np.int64]], list[Mask]]:
     """Return the sum of g - h' over the edges into each pixel minus the edges out of it (C, H, W).
 
-    Also returns the rows and columns of it that are the block and its margin, and the pixels of
-    each part of the sample if there are several.
+    Also returns the rows and columns of it that are a block and its margin, or a cell, and the
+    pixels of each part of the sample if there are several.
     """
+    sides = laid.shape if laid.cells is None else (None, None)
     rows, columns = (
-        _lines(first, side, n, wraps, margin, laid.scale)
-        for first, side, n, wraps in zip(corner, sides, laid.shape, laid.wrap, strict=True)
+        _lines(span, n, wraps, margin, laid.scale)
+        for span, n, wraps in zip(cell, sides, laid.wrap, strict=True)
     )
     windows = [[(top, left, high, wide) for left, wide in columns.runs] for top, high in rows.runs]
     layers_of = [[laid.layers(window) for window in row] for row in windows]

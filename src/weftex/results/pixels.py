@@ -14,20 +14,36 @@ from weftex.exemplar import Exemplar
 from weftex.io.npz import DamageError
 from weftex.raster.mixing import Mixing
 from weftex.results import paste_kernels
+from weftex.results.joining import spans_of
 from weftex.results.saved import ABOUT
-from weftex.results.sources import Place, Window
+from weftex.results.sources import Place, Span, Window
 from weftex.results.synthesis import Synthesis
 
 
 class PixelSynthesis(Synthesis):
-    """A result with one source per pixel: `index` (H, W) is y * width + x, -1 for a known pixel."""
+    """A result with one source per pixel: `index` (H, W) is y * width + x, -1 for a known pixel.
+
+    Of a part of a plane it has whole `cells`, see `spans_of`, and a pixel around them.
+    """
 
     ARRAYS = {"index": np.int32}  # noqa: RUF012
-    OPTIONAL = {"parts": np.uint16}  # noqa: RUF012
+    OPTIONAL = {"parts": np.uint16, "cells": np.int64}  # noqa: RUF012
 
-    def __init__(self, canvas: Canvas, index: NDArray[np.int32], **about: Any) -> None:
+    def __init__(
+        self,
+        canvas: Canvas,
+        index: NDArray[np.int32],
+        cells: NDArray[np.int64] | None = None,
+        **about: Any,
+    ) -> None:
         super().__init__(canvas, **about)
-        self.index = index
+        self.index, self.cells = index, cells
+
+    def _indices(self, window: Window) -> NDArray[np.int32]:
+        """The index in a window."""
+        frame = frame_of(self.cells, self.shape)
+        top, left = (at - first for at, (first, _) in zip(window, frame, strict=False))
+        return self.index[top : top + window[2], left : left + window[3]]
 
     def stretched(self, canvas: Canvas) -> PixelSynthesis:
         """Return this result in another size: lines are left out or doubled evenly.
@@ -73,8 +89,7 @@ class PixelSynthesis(Synthesis):
         return PixelSynthesis(canvas, index, **about | changes)
 
     def _layers(self, window: Window) -> tuple[NDArray[np.int32], NDArray[np.float32]]:
-        top, left, height, width = window
-        index = self.index[top : top + height, left : left + width]
+        index = self._indices(window)
         made = index >= 0
         coordinates = np.empty((*index.shape, 1, 2), np.int32)
         np.floor_divide(index, self.sample_shape[1], out=coordinates[:, :, 0, 0])
@@ -89,9 +104,7 @@ class PixelSynthesis(Synthesis):
 
     def _lay(self, out: NDArray[Any], pixels: NDArray[Any], window: Window, mixing: Mixing) -> None:
         """Copy: nothing is mixed."""
-        top, left, height, width = window
-        index = self.index[top : top + height, left : left + width]
-        scale = out.shape[0] // height
+        index, scale = self._indices(window), out.shape[0] // window[2]
         lines, sample = (a.view(np.uint8).reshape(len(a), -1) for a in (out, pixels))
         paste_kernels.copy_pixels(lines, sample, index, self.sample_shape[1], scale)
 
@@ -109,14 +122,27 @@ class PixelSynthesis(Synthesis):
 
     @classmethod
     def _check(cls, canvas: Canvas, sample: tuple[int, int], arrays: dict[str, Any]) -> None:
-        index = arrays["index"]
-        if index.shape != canvas.shape:
+        index, cells = arrays["index"], arrays.get("cells")
+        for spans in () if cells is None else spans_of(cells):
+            ends = [end for span in spans for end in span]
+            if ends != sorted({*ends}):
+                raise DamageError("its cells are invalid")
+        if index.shape != tuple(end - first for first, end in frame_of(cells, canvas.shape)):
             raise DamageError("its sources do not fit its size")
         least = 0 if canvas.hole is None else -1  # only known pixels come from nowhere
         if ((index < least) | (index >= sample[0] * sample[1])).any():
             raise DamageError("its sources lie outside")
         if arrays.get("parts", np.empty(sample)).shape != sample:
             raise DamageError("its materials do not fit its sample")
+
+
+def frame_of(cells: NDArray[np.int64] | None, shape: tuple[int, int]) -> list[Span]:
+    """The rows and the columns of the index of a result of a shape."""
+    spans = [[], []] if cells is None else spans_of(cells)
+    return [
+        (min([0, *(a - 1 for a, _ in some)]), max([n, *(b + 1 for _, b in some)]))
+        for some, n in zip(spans, shape, strict=True)
+    ]
 
 
 def rearranged(exemplar: Exemplar, index: NDArray[np.int32], **parts: Any) -> Exemplar:

@@ -17,6 +17,7 @@ from weftex.raster.turning import gap_of
 
 _FORMAT = 1
 MOST_REACH = 256.0  #: pixels in which steps of tone may be spread
+_CELLS = 8, 2**11  # sides of the sample, and pixels, by which cells may exceed a part of a plane
 _MOST_BYTES = 64  # a pixel of output and sample: patches of one pixel take 32
 
 
@@ -89,8 +90,9 @@ def read_result(path: str | os.PathLike[str]) -> tuple[Facts, dict[str, NDArray[
             raise DamageError(f"its format is {number}, not {_FORMAT}")
         pairs = {k: tuple(v) for k, v in about.items() if isinstance(v, list)}
         facts = Facts(**about | pairs)
-        most = _MOST_BYTES * (math.prod(facts.shape) + math.prod(facts.sample_shape))
-        if file.size > most + MOST_FACTS:
+        beyond = facts.is_window * (_CELLS[0] * max(facts.sample_shape) + _CELLS[1])
+        pixels = math.prod(n + beyond for n in facts.shape) + math.prod(facts.sample_shape)
+        if file.size > _MOST_BYTES * pixels + MOST_FACTS:
             raise DamageError("its arrays are larger than its sizes need")
         return facts, file.read()
 

@@ -14,6 +14,7 @@ from weftex.raster.turning import in_first_copy
 
 #: (top, left, height, width) in output pixels.
 Window = tuple[int, int, int, int]
+Span = tuple[int, int]  # of lines: the first, and the one after the last
 Place = tuple[int, int]
 
 _BAND = 256  # rows whose layers are in memory at once

@@ -54,12 +54,12 @@ class Synthesis(Displayable, SourceMap):
     parts : uint16 array, optional
         The number of each sample pixel's material (H, W); tones are not spread between materials.
     is_window : bool
-        The result is a part of an endless plane, where tone steps are not spread.
+        The result is a part of an endless plane, where tone steps are spread within cells only.
     threads : int
         Maximum number of threads of `render`.
     """
 
-    tile: tuple[int, int, int] | None = None  # of an atlas, see `PastedPieces.tile`
+    cells: NDArray[np.int64] | None = None  # of a plane, see `PixelSynthesis`
 
     def __init__(
         self,
@@ -187,7 +187,7 @@ class Synthesis(Displayable, SourceMap):
         ratio = scales.scale_to(given, shape)
         hole = self.canvas.hole
         tones = self.tone_reach if hole is None else TONE_REACH * self.match_tone
-        reach = 0.0 if self.is_window and not self.tile else reach_of(given, tones, hole)
+        reach = 0.0 if self.is_window and self.cells is None else reach_of(given, tones, hole)
         if hole is not None and reach and not whole:  # what is around must be seen
             made = self.render(given, background=background)
             ends = ((top, top + height), (left, left + width))
@@ -219,7 +219,7 @@ class Synthesis(Displayable, SourceMap):
         if hole is None or base is None:
             layers, wrap = self._pictured_layers, self.canvas.wrap
             parts = None if given.role.kind == "height" else self.parts
-            about = scale, self.threads, parts, self.tile
+            about = scale, self.threads, parts, self.cells
             laid = PastedPieces(lay, layers, self.shape, wrap, *about)
             out = join_steps(laid, given, reach, window)
         else:

@@ -33,7 +33,7 @@ from weftex.search.windows import windows_of
 from weftex.threads import quick_map
 
 _LARGE = 2**15  # pixels of a patch whose candidates are cut in threads; a larger hole has fewer
-_PATCHES = 2  # in a row between two belts of a plane
+_LEAST, _MOST = 128, 512  # pixels between lines of nodes of a plane; most for entire samples
 _TURNS = {"half-turns": "half", "all": "8"}  # orientations, as `turned` names them
 _GUIDED, _LEAST_GUIDED = 0.15, 48  # side of a patch that follows a guide: a share, pixels
 _IDLE = 4  # refinements that improve nothing, for each patch that covered the canvas, end it
@@ -232,11 +232,10 @@ class GraphCutModel(PixelModel):
         super().__init__(self.method, exemplar, sample, self.synthesize)
 
     def block_sizes(self) -> Sizes:
-        """See `Model.block_sizes`: belts lie whole patches apart, or entire patches are cut."""
-        side, boundary = min(self.patch_shape), self.method.boundary_width or 0
-        belt = 2 * max(side // 2 if boundary else side // 4, 8)
-        gap = _PATCHES * (side - boundary) - boundary if boundary else 2 * belt
-        return Sizes(pitch=belt + max(gap, belt), belt=belt, loose=belt // 3)
+        """See `Model.block_sizes`: in narrow belts seams would run straight."""
+        patch = min(self.exemplar.copy_shape or self.patch_shape)
+        belt = 2 * max(8, patch // 2 if self.method.boundary_width else min(patch, _MOST) // 4)
+        return Sizes(max(2 * belt, _LEAST), belt, belt // 2 - min(8, belt // 8))
 
     def on(self, canvas: Canvas) -> tuple[GraphCut, tuple[int, int]]:
         """The method and the shape of patches for one output.

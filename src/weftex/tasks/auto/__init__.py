@@ -11,31 +11,21 @@ from typing import ClassVar
 
 from weftex.analysis.canvas_lattice import FITTING_STRAIN, VISIBLE_STRAIN, Around, fitting_sizes
 from weftex.analysis.lattice import Lattice
-from weftex.canvas import Canvas, as_canvas
+from weftex.canvas import FAR, Canvas, as_canvas
 from weftex.endless.boxes import Box, PlaneRequest
 from weftex.errors import InvalidInputError
 from weftex.exemplar import Exemplar
 from weftex.method import Method, Model
-from weftex.methods.lattices import LatticeModel, is_strained
+from weftex.methods.lattices import LatticeModel
 from weftex.naming import make_method
 from weftex.parameters import parameter
 from weftex.progress import ProgressCallback, counted
 from weftex.results.synthesis import Synthesis
 from weftex.tasks.auto.findings import Findings, look, with_full
-from weftex.tasks.auto.rule import (
-    Choice,
-    choose,
-    choose_for_hole,
-    may_place,
-    places_freely,
-    strain_notes,
-)
+from weftex.tasks.auto.rule import Choice, choose, choose_for_hole, may_place
 
 #: Tried in turn where a method cannot be fitted, as to a sample that is mostly masked.
 _OTHERS = ("graphcut", "quilting", "patch-sampling", "ashikhmin")
-
-#: The canvas that the method of a plane is chosen for.
-_ENDLESS = 2**15, 2**15
 
 
 @dataclass(frozen=True)
@@ -94,17 +84,18 @@ class AutoModel(Model):
             return None
         return found.full or found.lattice
 
-    def choose(self, size: Canvas | int | tuple[int, int]) -> Choice:
-        """Return the rule's method for a canvas, and why."""
+    def choose(self, size: Canvas | Around | int | tuple[int, int]) -> Choice:
+        """Return the rule's method for a canvas or a plane, and why."""
+        if isinstance(size, Around):
+            return choose(self._exactly, size)
         canvas = as_canvas(size)
         if canvas.guide is not None:
             return Choice("graphcut", {}, "there is a guide to follow")
         if canvas.known is not None:
             return choose_for_hole(self.exemplar, canvas)
-        patient = self._effort == "best" and canvas.shape != _ENDLESS
-        return choose(self._exactly, canvas, patient=patient)
+        return choose(self._exactly, canvas, patient=self._effort == "best")
 
-    def chosen(self, size: Canvas | int | tuple[int, int]) -> tuple[Choice, Model]:
+    def chosen(self, size: Canvas | Around | int | tuple[int, int]) -> tuple[Choice, Model]:
         """Return the rule's choice and its model, or the next method that can be fitted."""
         failure: InvalidInputError | None = None
         with counted(2, "analysis") as step:
@@ -143,19 +134,9 @@ class AutoModel(Model):
     def make_window(
         self, box: Box, asked: PlaneRequest, progress: ProgressCallback | None = None
     ) -> Synthesis:
-        """See `Model.make_window`: the rule's choice for a picture as large as there can be."""
-        choice, model = self.chosen(_ENDLESS)
-        if places_freely(choice):  # patches join blocks better, in half of the time
-            choice = replace(choice, parameters={})
-            model = self._fitted(choice)
-        if asked.period is not None and isinstance(model, LatticeModel):
-            notes = strain_notes(model.vectors, Around(*asked.period))
-            choice = replace(choice, warnings=(*choice.warnings, *notes))
-        cut = choice.method != "near-regular" and "lattice" in choice.parameters
-        if asked.period is not None and (cut or is_strained(model, Around(*asked.period))):
-            because = f"{choice.because}, but the endless texture has a period"
-            choice = Choice("quilting", {}, because, choice.warnings)
-            model = self._fitted(choice)
+        """See `Model.make_window`: the rule's choice for a plane, whatever the window."""
+        period = asked.period
+        choice, model = self.chosen(Around(*(period or (FAR, FAR)), wrap=(period is not None,) * 2))
         return _with_reason(model.make_window(box, asked, progress), choice)
 
 

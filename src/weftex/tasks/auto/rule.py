@@ -32,10 +32,7 @@ _FINE = 1 / 12  # scale over the side: a patch, a quarter of the side, holds thr
 _GRAIN = 1 / 20  # scale over the side up to which cut features do not show, but repeats do
 #: Sidedness up to which a material looks the same upside down, or turned and in a mirror.
 _SIDED = 0.06
-#: Pixels of the output above which entire samples are placed only to keep large features whole, as
-#: other methods take a tenth to a half of the time.
-_LARGE = 2**24
-_TURNED = 2**22  # the same for rotated copies, which take 60 % more time
+_LARGE = 2**24  # pixels of the output above which blocks on a lattice take a tenth of the time
 _TINY = 8  # pixels a side, below which patches would have 1 to 3 pixels and take minutes
 _FEW_COLORS = 32  # drawings and labels, which must not be blended
 #: Pixels of a sample, a hole, or around any hole, up to which the entire sample is always placed.
@@ -84,18 +81,18 @@ class Choice:
         return "; ".join((self.reason, *(f"but {text}" for text in self.warnings)))
 
 
-def choose(findings: Findings, canvas: Canvas, *, patient: bool = False) -> Choice:
-    """Return the method for a sample and a canvas without known pixels and without a guide.
+def choose(findings: Findings, canvas: Canvas | Around, *, patient: bool = False) -> Choice:
+    """Return the method for a sample and a plane, or a canvas that is empty.
 
-    It is that of the first rule that applies. `patient`: entire samples in outputs of any size.
+    It is that of the first rule that applies. `patient`: entire samples on a lattice of any size.
     """
-    entire = patient or math.prod(canvas.shape) <= _LARGE
+    large = any(canvas.wrap) if isinstance(canvas, Around) else math.prod(canvas.shape) > _LARGE
+    entire = patient or not large
     choice = (
         _too_small(findings)
-        or _in_rows(findings, entire)
+        or _in_rows(findings, canvas)
         or _regular(findings, canvas, entire)
-        or _fine(findings, canvas, entire)
-        or _irregular(findings, canvas, entire)
+        or _by_scale(findings, canvas)
     )
     return replace(choice, warnings=(*_warnings(findings), *choice.warnings))
 
@@ -108,64 +105,53 @@ def _too_small(findings: Findings) -> Choice | None:
     return Choice("graphcut" if min(findings.shape) >= _TINY else "ashikhmin", {}, because)
 
 
-def _regular(findings: Findings, canvas: Canvas, entire: bool) -> Choice | None:
+def _regular(findings: Findings, canvas: Canvas | Around, entire: bool) -> Choice | None:
     """Return what follows a sure lattice or rows, and what does not where they do not fit."""
     lattice, exact = findings.full or findings.lattice, findings.exact or findings.full is not None
     if lattice is None or not may_place(lattice, findings.shape):
         return None
     because = f"the sample has {words(lattice)}"
-    vectors, rows = tuple(lattice), len(lattice.vectors) == 1
+    vectors = tuple(lattice)
     strain, notes = CanvasLattice(vectors, canvas).strain, strain_notes(vectors, canvas)
     if strain > (MOST_STRETCHED if exact and entire else VISIBLE_STRAIN):
         because = f"{because}; this pattern does not fit a tileable {size_words(canvas.shape)}"
-        if rows or entire:  # entire samples are cut seldom
-            return replace(_whole(findings, canvas, because), warnings=notes)
-        return Choice("quilting", {}, because, notes)
+        if isinstance(canvas, Around):  # whose period may be too short for entire samples
+            return Choice("quilting", {}, because, notes)
+        return replace(_whole(findings, because), warnings=notes)
     given = {"lattice": vectors} if exact else {}
     if exact and entire:
         return Choice("graphcut", {**WHOLE, **given}, because, notes)
     return Choice("near-regular", given, because, notes)
 
 
-def _in_rows(findings: Findings, entire: bool) -> Choice | None:
+def _in_rows(findings: Findings, canvas: Canvas | Around) -> Choice | None:
     """Return entire samples by rows whose joints run through, such as boards."""
-    if not findings.rows or not entire:
+    if not findings.rows or isinstance(canvas, Around):
         return None
     return Choice("graphcut", {"placement": "rows"}, "the sample has rows of different kinds")
 
 
-def _fine(findings: Findings, canvas: Canvas, entire: bool) -> Choice | None:
-    """Return patches where the structure is fine; quilting for drawings, graph cut if `entire`."""
-    scale, shorter = findings.scale, min(findings.shape)
+def _by_scale(findings: Findings, canvas: Canvas | Around) -> Choice:
+    """Return graph cut for anything else, or quilting for drawings of fine structure."""
+    # The scale of a smaller copy is not what `analyze` measures.
+    scale, shorter, exact = findings.scale, min(findings.shape), findings.exact
     if scale > _FINE * shorter:
-        return None
+        told = f"the structure is irregular (features of {scale:.3g} px)"
+        return _whole(findings, told if exact else "the structure is irregular")
     because = f"the features are small ({scale:.3g} px of {shorter})"
-    if not findings.exact:  # the scale of a smaller copy is not what `analyze` measures
-        because = "the features are small"
+    because = because if exact else "the features are small"
     if findings.colors <= _FEW_COLORS:
         because = f"{because} and its few colors ({findings.colors}) must not be blended"
         return Choice("quilting", {}, because)
-    if not entire:
-        return Choice("patch-sampling", {}, because)
-    if scale <= _GRAIN * shorter and _orientations(findings, canvas) != "all":
+    grain = scale <= _GRAIN * shorter and isinstance(canvas, Canvas)  # blocks of a plane are large
+    if grain and _orientations(findings) != "all":
         return Choice("graphcut", {}, because)
-    return _whole(findings, canvas, because)
+    return _whole(findings, because)
 
 
-def _irregular(findings: Findings, canvas: Canvas, entire: bool) -> Choice:
-    """Return graph cut for anything else: entire samples where the output is not too large."""
-    because = f"the structure is irregular (features of {findings.scale:.3g} px)"
-    if not findings.exact:
-        because = "the structure is irregular"
-    if entire or math.prod(findings.shape) <= _SMALL:
-        return _whole(findings, canvas, because)
-    because = f"{because} and the output is large ({math.prod(canvas.shape) / 1e6:.3g} megapixels)"
-    return Choice("graphcut", {}, because)
-
-
-def _whole(findings: Findings, canvas: Canvas, because: str) -> Choice:
+def _whole(findings: Findings, because: str) -> Choice:
     """Return graph cut with entire samples, also turned and mirrored where that looks the same."""
-    way = _orientations(findings, canvas)
+    way = _orientations(findings)
     if way == "upright":
         return Choice("graphcut", dict(WHOLE), because)
     words = {"half-turns": "upside down", "all": "from all sides"}[way]
@@ -173,16 +159,11 @@ def _whole(findings: Findings, canvas: Canvas, because: str) -> Choice:
     return Choice("graphcut", {**WHOLE, "orientations": way}, because)
 
 
-def _orientations(findings: Findings, canvas: Canvas) -> str:
+def _orientations(findings: Findings) -> str:
     upside_down, turned = findings.sidedness
-    if upside_down > _SIDED or canvas.height * canvas.width > _TURNED:
+    if upside_down > _SIDED:
         return "upright"
     return "half-turns" if turned > _SIDED else "all"
-
-
-def places_freely(choice: Choice) -> bool:
-    """Return whether entire samples are placed, and not by a lattice."""
-    return choice.parameters.get("placement") == "entire" and "lattice" not in choice.parameters
 
 
 def choose_for_hole(exemplar: Exemplar, canvas: Canvas) -> Choice:
