@@ -103,11 +103,11 @@ def test_entire_patches_leave_no_straight_seams_between_blocks():
 
 
 def test_steps_are_spread_within_the_cells_of_a_plane(tmp_path):
-    """Parts are those of the whole, at twice the size and after loading too."""
     sample = weftex.load_exemplar("sample:leaves")
     model = weftex.GraphCut(placement="entire").fit(sample)
     whole = model.window(-40, -300, 260, 300, seed=1)
-    part = model.window(3, -99, 50, 60, seed=1)
+    part, between = (model.window(y, -99, n, 60, seed=1) for y, n in ((3, 50), (-1, 2)))
+    assert np.array_equal(between.image, whole.image[39:41, 201:261])  # which has no cell
     part.save(path := tmp_path / "part.npz")
     large = sample.pixels.repeat(2, 0).repeat(2, 1)
     for one in (part, weftex.Synthesis.load(path, sample)):

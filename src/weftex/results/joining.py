@@ -125,7 +125,7 @@ def join_steps(laid: PastedPieces, given: Exemplar, reach: float, window: Window
             shifts = np.sum(each, axis=0) if masks else spread(one, *inside)
             kernels.add_shifts(result[here][..., k], shifts[None], least[k], most[k], _GRAIN)
 
-    with thread_map(min(laid.threads, len(rows) * len(columns))) as map_:
+    with thread_map(max(1, min(laid.threads, len(rows) * len(columns)))) as map_:
         for _ in map_(join, product(rows, columns)):
             pass  # the first that fails ends it
     return result.reshape(made.shape)
