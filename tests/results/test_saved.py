@@ -137,7 +137,7 @@ def test_the_order_of_bytes_in_arrays_does_not_matter(tmp_path):
     for name in ("placements", "weights", "cuts"):
         arrays[name] = np.asfortranarray(arrays[name])
     np.savez(path, **arrays)
-    again = weftex.Synthesis.load(path, result.exemplar)
+    again = weftex.Synthesis.load(path, result.exemplar.pixels)
     assert np.array_equal(again.image, result.image)
 
 

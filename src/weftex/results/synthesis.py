@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from weftex.canvas import Canvas
 from weftex.errors import InvalidInputError, UnsupportedError, shown, size_words
-from weftex.exemplar import Exemplar
+from weftex.exemplar import Exemplar, Sample, load_exemplar
 from weftex.exemplar.turns import as_copies, as_made_from
 from weftex.io.display import Displayable
 from weftex.io.npz import one_line_errors
@@ -359,7 +359,7 @@ class Synthesis(Displayable, SourceMap):
     def load(
         cls,
         path: str | os.PathLike[str],
-        exemplar: Exemplar | None = None,
+        exemplar: Sample | None = None,
         known: NDArray[Any] | None = None,
     ) -> Synthesis:
         """Read what `save` wrote.
@@ -368,7 +368,7 @@ class Synthesis(Displayable, SourceMap):
         ----------
         path : str or path
             The `.npz` file.
-        exemplar : Exemplar, optional
+        exemplar : path, array, PIL image or Exemplar, optional
             The sample; `image` and `maps` need it, `render` of another image does not.
         known : array, optional
             The photo around a filled hole; `image` needs it if that is not the sample.
@@ -387,10 +387,9 @@ class Synthesis(Displayable, SourceMap):
             kind._check(canvas, facts.sample_shape, own)
         if hole is not None:
             canvas = Canvas(*facts.shape, facts.wrap, known, hole)
-        if isinstance(exemplar, Exemplar):
-            exemplar = as_made_from(exemplar, facts.turn)
+        sample = None if exemplar is None else as_made_from(load_exemplar(exemplar), facts.turn)
         about: dict[str, Any] = {name: getattr(facts, name) for name in ABOUT}
-        return kind(canvas, exemplar=exemplar, **own, **about)
+        return kind(canvas, exemplar=sample, **own, **about)
 
 
 def kind_with(arrays: Set[str]) -> type[Synthesis]:
