@@ -15,8 +15,8 @@ TESTS = Path(__file__).parent
 READ = ("methods", "repeats", "search", "seams")
 #: Lower a ceiling when the code has become smaller; a feature that needs room removes something.
 CEILINGS = {
-    "lines of Python in src": 43_200,
-    "of these code": 29_590,
+    "lines of Python in src": 43_198,
+    "of these code": 29_589,
     "modules": 258,
     "kernel classes": 22,
     "names that several kernel classes have": 0,
