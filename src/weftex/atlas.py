@@ -266,8 +266,7 @@ def atlas(
     request = PlaneRequest(number, None, thread_count(threads))
     torus_box = box_of(0, 0, *(side * colors**2 for side in size))
     plane = TilePlane(model, request, size, colors, vectors)
-    canvas = Canvas(*torus_box.shape, (True, True))
-    made = plane.window(torus_box, canvas, model.method.describe() | {"seed": number}, progress)
+    made = plane.window(torus_box, Canvas(*torus_box.shape, (True, True)), progress)
     notes = [f"landmarks removed from the sample: {found}"] if found else []
     if size != wish:
         notes.append(

@@ -199,8 +199,7 @@ class Model(ABC):
         """Make what `window` asks for, in a way of the method's own or as here: by blocks."""
         from weftex.endless.plane import Plane  # threads and futures: only when needed
 
-        about = self.method.describe() | asked.told
-        return Plane(self, asked).window(box, canvas_of(box), about, progress)
+        return Plane(self, asked).window(box, canvas_of(box), progress)
 
     def block_sizes(self) -> Sizes:
         """Return the sizes of the blocks that a plane is made of, by the method's window."""

@@ -33,7 +33,7 @@ STIFF = 0.02  #: Strain of a lattice from which whole samples cannot make up for
 
 
 class Around(NamedTuple):
-    """A plane that wraps around after `height` and `width` pixels."""
+    """A plane, which wraps around after `height` and `width` pixels along the axes of `wrap`."""
 
     height: int
     width: int

@@ -32,14 +32,19 @@ CORNER, ACROSS, DOWN, INSIDE = range(4)
 class Sizes(NamedTuple):
     """Block sizes in pixels: `pitch` between nodes, even `belt` width of corners and edges.
 
-    `loose` is how far a block may change earlier ones, at most belt / 3; `around` is how much of
-    the start is visible beside corners and edges.
+    `loose` is how far a block may change earlier ones, see `loose_in`; `around` is how much of the
+    start is visible beside corners and edges.
     """
 
     pitch: int
     belt: int
     loose: int = 0
     around: int = 0
+
+
+def loose_in(belt: int) -> int:
+    """How far a block may change a belt: up to 8 pixels from its middle, or an eighth of it."""
+    return belt // 2 - min(8, belt // 8)
 
 
 class Block(NamedTuple):

@@ -133,11 +133,7 @@ class Plane:
         self._pixels = model.exemplar.pixels.reshape(-1, *model.exemplar.pixels.shape[2:])
 
     def window(
-        self,
-        box: Box,
-        canvas: Canvas,
-        about: dict[str, Any],
-        callback: ProgressCallback | None = None,
+        self, box: Box, canvas: Canvas, callback: ProgressCallback | None = None
     ) -> PixelSynthesis:
         """A window `box` as a result, with the rest of the cells in which its steps are spread."""
         exemplar, reach = self.model.exemplar, getattr(self.model.method, "tone_reach", 0.0)
@@ -158,7 +154,7 @@ class Plane:
             exemplar=exemplar,
             is_window=True,
             tone_reach=reach,
-            provenance=about,
+            provenance=self.model.method.describe() | self.asked.told,
         )
 
     def show(

@@ -15,7 +15,7 @@ import numpy as np
 
 from weftex.analysis.canvas_lattice import CanvasLattice
 from weftex.endless.boxes import Box, PlaneRequest
-from weftex.endless.grid import Axis, Block, Grid, Sizes
+from weftex.endless.grid import Axis, Block, Grid, Sizes, loose_in
 from weftex.endless.plane import Filler, Plane, usable_corners
 from weftex.errors import InvalidInputError, size_words
 from weftex.exemplar import Exemplar
@@ -23,7 +23,6 @@ from weftex.random import draw
 from weftex.raster.arrays import Ints
 
 _SHARE, _LEAST = 8, 8  # half of the belt is an eighth of the tile's shorter side; at least, pixels
-_KEPT = 8  # pixels on both sides of a border that insides leave, or an eighth of the belt
 _CANDIDATES = 256  # pieces of the sample from which corners are chosen
 _CELLS = 8  # of a piece, a side, whose colors say whether it has a landmark
 _OFF = 0.75  # pixels that a corner may lie off the lattice
@@ -70,7 +69,7 @@ class TilePlane(Plane):
         vectors: tuple[float, ...],
     ) -> None:
         self.torus, n, belt = torus(colors), colors**2, belt_of(size)
-        loose = belt // 2 - min(_KEPT, belt // 8) if model.block_sizes().loose else 0
+        loose = loose_in(belt) if model.block_sizes().loose else 0
         self.kept = belt // 2 - loose  # pixels on both sides of a border that all tiles share
         axes = (Axis(n * side, n, wraps=True) for side in size)
         super().__init__(model, asked, Grid(Sizes(min(size), belt, loose), *axes))

@@ -11,7 +11,7 @@ import numpy as np
 from weftex.analysis import patch_sizes
 from weftex.analysis.canvas_lattice import check_lattice, fitted_sample, given_lattice
 from weftex.canvas import Canvas
-from weftex.endless.grid import Sizes
+from weftex.endless.grid import Sizes, loose_in
 from weftex.errors import InvalidInputError
 from weftex.exemplar import Exemplar
 from weftex.exemplar.turns import turned
@@ -235,7 +235,7 @@ class GraphCutModel(PixelModel):
         """See `Model.block_sizes`: in narrow belts seams would run straight."""
         patch = min(self.exemplar.copy_shape or self.patch_shape)
         belt = 2 * max(8, patch // 2 if self.method.boundary_width else min(patch, _MOST) // 4)
-        return Sizes(max(2 * belt, _LEAST), belt, belt // 2 - min(8, belt // 8))
+        return Sizes(max(2 * belt, _LEAST), belt, loose_in(belt))
 
     def on(self, canvas: Canvas) -> tuple[GraphCut, tuple[int, int]]:
         """The method and the shape of patches for one output.
