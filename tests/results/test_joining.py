@@ -6,6 +6,8 @@ import pytest
 import weftex
 from laid import SAMPLE, filled, make
 from twins import heights as reference
+from weftex.results import joining
+from weftex.results.pixels import PixelSynthesis
 
 
 def hills(shape, seed=3):
@@ -29,32 +31,43 @@ def test_joined_heights_are_the_slow_twin(wrap, blend, scale):
     assert abs(joined - laid).max() > 0.02
 
 
-@pytest.mark.parametrize("scale", [1, 2])
-def test_cells_are_joined_each_by_itself_and_what_lies_between_stays(scale):
+@pytest.mark.parametrize("scale", [1, 3])
+def test_lines_between_nodes_are_joined_first_and_then_the_cells(scale, monkeypatch):
+    monkeypatch.setattr(joining, "_HEIGHTS", 4.0)  # few pixels, as cells are small here
+    monkeypatch.setattr(reference, "REACH", 4.0)
     method = weftex.PatchSampling(patch_size=5, boundary_width=2, blend="cut")
     result = method.fit(weftex.Exemplar(SAMPLE)).sample(weftex.Canvas(18, 26, (True, True)), seed=3)
-    heights, (high, wide, kept) = hills((30 * scale, 34 * scale)), (9, 13, 2)
-    laid = result.render(heights)
-    result.cells = np.array([(0, 2, 7), (0, 11, 16), (1, 2, 11), (1, 15, 24)])
-    joined = result.render(heights, role="height")
-    y, x = (np.arange(n * scale) % (k * scale) for n, k in ((18, high), (26, wide)))
-    fixed = np.logical_or.outer(
-        abs(y - (high * scale - 1) / 2) > (high / 2 - kept) * scale,
-        abs(x - (wide * scale - 1) / 2) > (wide / 2 - kept) * scale,
-    )
-    expected = reference.joined(laid, heights, *result.layers(), (True, True), scale, fixed)
+    heights = hills((30 * scale, 34 * scale))
+    ends = (-1, 1, 8, 10, 17, 19), (-2, 2, 11, 15, 24, 28)
+    around = [np.arange(some[0], some[-1]) for some in ends]
+    y, x = np.moveaxis(result.source, 2, 0)
+    index = (y * 34 + x).take(around[0], 0, mode="wrap").take(around[1], 1, mode="wrap")
+    cells = np.array([(axis, end) for axis in (0, 1) for end in ends[axis]])
+    plane = PixelSynthesis(result.canvas, index.astype(np.int32), cells, exemplar=result.sample)
+    all_of_it = weftex.Canvas(*index.shape)
+    whole = PixelSynthesis(all_of_it, plane.index, exemplar=result.sample)
+    laid = whole.render(heights)
+    at_line = [
+        (np.searchsorted(some, np.repeat(side, scale), "right") % 2).astype(bool)
+        for some, side in zip(ends, around, strict=True)
+    ]
+    lines, nodes = (f.outer(*at_line) for f in (np.logical_or, np.logical_and))
+    told = laid, heights, *whole.layers(), (False, False), scale
+    first = reference.joined(*told, np.where(nodes | ~lines, laid, np.nan), lines)
+    expected = reference.joined(*told, np.where(lines, first, np.nan))
+    expected = expected[scale * -ends[0][0] :, scale * -ends[1][0] :][: 18 * scale, : 26 * scale]
+    joined = plane.render(heights, role="height")
     assert np.allclose(joined, expected, atol=1e-3 * np.ptp(heights))
-    assert np.array_equal(joined[fixed], laid[fixed]) and abs(joined - laid).max() > 0.02
-    part = result.render(heights, role="height", window=(3, 11, 8, 5))
+    part = plane.render(heights, role="height", window=(3, 11, 8, 5))
     assert np.array_equal(part, joined[3 * scale : 11 * scale, 11 * scale : 16 * scale])
+    moved = abs(joined - plane.render(heights)) > 0.02
+    assert moved[:, :scale].any() and moved[4 * scale : 5 * scale].any()
 
 
 def test_blocks_do_not_show(monkeypatch):
-    from weftex.results import joining as module
-
     result, values = make("cut", (True, True)), hills((30, 34))
     whole = result.render(values, role="height")
-    monkeypatch.setattr(module, "_BLOCK", 16)
+    monkeypatch.setattr(joining, "_BLOCK", 16)
     blocks = result.render(values, role="height")
     assert np.allclose(blocks, whole, atol=1e-3)
     result.threads = 3
@@ -82,10 +95,8 @@ def test_known_pixels_stay():
 @pytest.mark.parametrize("wrap", [(False, False), (True, False)])
 @pytest.mark.parametrize("role", ["height", "color"])
 def test_a_window_of_a_result_is_that_part_of_it(monkeypatch, wrap, role):
-    from weftex.results import joining as module
-
-    monkeypatch.setattr(module, "_BLOCK", 16)
-    monkeypatch.setattr(module, "_MARGIN", 1)
+    monkeypatch.setattr(joining, "_BLOCK", 16)
+    monkeypatch.setattr(joining, "_MARGIN", 1)
     result, values = make("cut", wrap), hills((60, 68))
     result.tone_reach = 4.0
     window = (5, 7, 20, 18)

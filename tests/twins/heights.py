@@ -5,8 +5,11 @@ import numpy as np
 REACH = 24
 
 
-def joined(made, sample, coordinates, shares, wrap, scale=1, fixed=None):
-    """The heights (H, W) with the least sum of (f' - g)^2 + ((f - h) / reach)^2; some `fixed`."""
+def joined(made, sample, coordinates, shares, wrap, scale=1, given=None, within=None):
+    """The heights (H, W) with the least sum of (f' - g)^2 + ((f - h) / reach)^2.
+
+    Those `given` stay (NaN: not given); slopes count between pixels `within` a part.
+    """
     height, width = made.shape
     made = made.astype(float)
     matrix = np.eye(made.size) / (REACH * scale) ** 2
@@ -36,6 +39,8 @@ def joined(made, sample, coordinates, shares, wrap, scale=1, fixed=None):
                 if (b == height and not wrap[0]) or (a == width and not wrap[1]):
                     continue
                 b, a = b % height, a % width
+                if within is not None and not (within[v, u] and within[b, a]):
+                    continue
                 ahead, one = told(v, u, step)
                 behind, other = told(b, a, (-step[0], -step[1]))
                 slope = made[b, a] - made[v, u]
@@ -49,7 +54,7 @@ def joined(made, sample, coordinates, shares, wrap, scale=1, fixed=None):
                     matrix[k, q] += sign
                     matrix[k, p] -= sign
                     right[k] += sign * slope
-    if fixed is not None:
-        matrix[fixed.ravel()] = np.eye(made.size)[fixed.ravel()]
-        right[fixed.ravel()] = made[fixed]
+    if given is not None:
+        fixed = np.isfinite(given.ravel())
+        matrix[fixed], right[fixed] = np.eye(made.size)[fixed], given.ravel()[fixed]
     return np.linalg.solve(matrix, right).reshape(made.shape)

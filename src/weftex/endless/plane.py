@@ -119,7 +119,7 @@ def usable_corners(exemplar: Exemplar, belt: int) -> Bytes:
 class Plane:
     """One plane: a model, a seed and a period; a subclass may name its blocks by another rule."""
 
-    kept = 1  # pixels on both sides of a line of nodes, whose tones stay
+    half_line = 1  # pixels on both sides of a line between nodes, which is joined by itself
 
     def __init__(self, model: Filler, asked: PlaneRequest, grid: Grid | None = None) -> None:
         self.model, self.asked = model, asked
@@ -139,10 +139,14 @@ class Plane:
         exemplar, reach = self.model.exemplar, getattr(self.model.method, "tone_reach", 0.0)
         cells, frame = None, box
         if reach or any(r.kind == "height" for r in (exemplar.role, *exemplar.roles.values())):
+            half = self.half_line
             found = [
-                (k, axis.node(i) + self.kept - first, axis.node(i + 1) - self.kept - first)
+                (k, axis.node(i) + side - first)
                 for k, (axis, (first, last)) in enumerate(zip(self.grid[1:], box, strict=True))
-                for i in range(axis.last_before(first), axis.last_before(last - 1) + 1)
+                for i in range(
+                    axis.last_before(first + half), axis.last_before(last - half - 1) + 2
+                )
+                for side in (-half, half)
             ]
             cells = np.array(found, np.int64)
             ends = zip(box, frame_of(cells, box.shape), strict=True)

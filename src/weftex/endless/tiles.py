@@ -70,7 +70,7 @@ class TilePlane(Plane):
     ) -> None:
         self.torus, n, belt = torus(colors), colors**2, belt_of(size)
         loose = loose_in(belt) if model.block_sizes().loose else 0
-        self.kept = belt // 2 - loose  # pixels on both sides of a border that all tiles share
+        self.half_line = belt // 2 - loose  # pixels on both sides of a border that all tiles share
         axes = (Axis(n * side, n, wraps=True) for side in size)
         super().__init__(model, asked, Grid(Sizes(min(size), belt, loose), *axes))
         self._corners = typical_pieces(model.exemplar, belt, colors, asked.seed, vectors)

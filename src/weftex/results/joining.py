@@ -9,8 +9,10 @@ analysis of the 2D screened Poisson equation (2008), doi:10.1007/978-3-540-88688
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from itertools import product
+import math
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from functools import cache
+from itertools import pairwise, product
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -20,13 +22,14 @@ from weftex.exemplar import Exemplar
 from weftex.raster.arrays import Floats, Mask
 from weftex.raster.mixing import Kind
 from weftex.results import height_kernels as kernels
-from weftex.results.sources import Span, Window
+from weftex.results.sources import Place, Span, Window
 from weftex.threads import thread_map
 
 _FEW = 32  # different colors: a drawing or a map of labels, which has no tones between
 _HEIGHTS = 24.0  # sample pixels in which what raises an edge of a height map falls to a third
 _MARGIN = 8  # reaches from which on nothing is felt
 _BLOCK = 1024  # pixels a side that are solved at once
+_SIZES = 32  # whose multiples are quick to transform
 _LEAST = 1e-9  # pixels of reach, which change nothing; the square of less may be 0
 _GRAIN = 64  # of a level, to which shifts are rounded, as machines differ in last digits
 _LARGEST = 1e30  # whose squares are numbers
@@ -42,13 +45,13 @@ class PastedPieces(NamedTuple):
     scale: int
     threads: int
     parts: NDArray[np.uint16] | None = None  # of the sample (H, W), between which steps stay
-    #: See `spans_of`: steps are spread within each cell, and what lies between stays.
+    #: See `spans_of`: steps are spread along each line between two nodes, then within each cell.
     cells: NDArray[np.int64] | None = None
 
 
 def spans_of(cells: NDArray[np.int64]) -> list[list[Span]]:
-    """Rows and columns of cells, stored as axis, first, and the one after the last (n, 3)."""
-    return [[(a, b) for k, a, b in cells.tolist() if k == axis] for axis in (0, 1)]
+    """Rows and columns of lines of nodes and of cells in turn, stored as axis and end (n, 2)."""
+    return [list(pairwise(cells[cells[:, 0] == axis, 1].tolist())) for axis in (0, 1)]
 
 
 def reach_of(given: Exemplar, tones: float, hole: NDArray[np.bool_] | None) -> float:
@@ -67,15 +70,12 @@ def reach_of(given: Exemplar, tones: float, hole: NDArray[np.bool_] | None) -> f
 
 def has_few_colors(colors: NDArray[Any]) -> bool:
     """Whether at most 32 of the colors (N, C) differ, as in drawings and label maps."""
-
-    def few(left: NDArray[Any]) -> bool:
+    for left in (colors[: _FEW**2], colors):
         for _ in range(_FEW):
-            if not len(left):
-                break
-            left = left[(left != left[0]).any(axis=1)]  # not np.unique, which loads masked arrays
-        return not len(left)
-
-    return few(colors[: _FEW**2]) and few(colors)
+            left = left[(left != left[:1]).any(axis=1)]  # not np.unique, which loads masked arrays
+        if len(left):
+            return False
+    return True
 
 
 def join_steps(laid: PastedPieces, given: Exemplar, reach: float, window: Window) -> NDArray[Any]:
@@ -90,45 +90,79 @@ def join_steps(laid: PastedPieces, given: Exemplar, reach: float, window: Window
     source = given.pixels.reshape(*given.shape, -1)
     result = made.reshape(*made.shape[:2], -1)
     least, most = (np.array(ends, np.float64) for ends in ends_of(source, given.role.kind))
-    margin, block = int(_MARGIN * reach), max(1, _BLOCK // laid.scale)
+    block = max(1, _BLOCK // laid.scale)
     blocks = ([(at, min(at + block, n)) for at in range(0, n, block)] for n in laid.shape)
-    spans = blocks if laid.cells is None else spans_of(laid.cells)
-    rows, columns = (
-        [(first, last) for first, last in some if first < start + n and start < last]
+    spans = list(blocks) if laid.cells is None else spans_of(laid.cells)
+    shown = (
+        [k for k, (first, last) in enumerate(some) if first < start + n and start < last]
         for some, start, n in zip(spans, window[:2], window[2:], strict=True)
     )
+    places = [(y, x) for y, x in product(*shown) if laid.cells is None or y % 2 or x % 2]
 
-    def join(cell: tuple[Span, Span]) -> None:
-        around, odd = (margin if laid.cells is None else 0), None
-        steps, lines, samples = _divergence(laid, source, cell, around)
-        if laid.cells is not None:
-            lines, odd = _mirrored(lines, margin * laid.scale)
-        ends = [
-            (max(first, start), min(last, start + n))
-            for (first, last), start, n in zip(cell, window[:2], window[2:], strict=True)
-        ]
-        inside, here = (
-            tuple(
-                slice((start - at) * laid.scale, (end - at) * laid.scale)
-                for (start, end), at in zip(ends, first, strict=True)
-            )
-            for first in ((cell[0][0] - margin, cell[1][0] - margin), window[:2])
-        )
-        # A channel at a time, as new memory is slow.
-        spread = _spreading((len(lines[0]), len(lines[1])), reach * laid.scale)
-        masks = [mask.take(lines[0], 0).take(lines[1], 1) for mask in samples]
-        for one, k in ((steps[k], slice(k, k + 1)) for k in range(len(steps))):
-            one = one.take(lines[0], 0).take(lines[1], 1)
-            if odd is not None:
-                one *= odd
-            each = [spread(one * mask, *inside) * mask[inside] for mask in masks]
-            shifts = np.sum(each, axis=0) if masks else spread(one, *inside)
-            kernels.add_shifts(result[here][..., k], shifts[None], least[k], most[k], _GRAIN)
+    @cache
+    def line(y: int, x: int) -> Floats:
+        """The shifts (C, H, W) of a line between two nodes."""
+        span = spans[0][y], spans[1][x]
+        return np.stack([*_shifts(laid, source, reach, span, span, (y % 2 == 0, x % 2 == 0))])
 
-    with thread_map(max(1, min(laid.threads, len(rows) * len(columns)))) as map_:
-        for _ in map_(join, product(rows, columns)):
+    def join(place: Place) -> None:
+        (y, x), span = place, (spans[0][place[0]], spans[1][place[1]])
+        sides = zip(span, window[:2], window[2:], strict=True)
+        ends = [tuple(np.clip(side, start, start + n)) for side, start, n in sides]
+        found: Iterable[Floats]
+        if laid.cells is None:
+            found = _shifts(laid, source, reach, span, ends)
+        elif y % 2 and x % 2:
+            beside = [line(y - 1, x)[:, -1], line(y + 1, x)[:, 0]]
+            beside += [line(y, x - 1)[..., -1], line(y, x + 1)[..., 0]]
+            found = _shifts(laid, source, reach, span, ends, beside=beside)
+        else:
+            rows, columns = _slices(ends, (span[0][0], span[1][0]), laid.scale)
+            found = line(y, x)[:, rows, columns]
+        here = result[_slices(ends, window, laid.scale)]
+        for k, shifts in enumerate(found):
+            of = slice(k, k + 1)
+            kernels.add_shifts(here[..., of], shifts[None], least[of], most[of], _GRAIN)
+
+    with thread_map(max(1, min(laid.threads, len(places)))) as map_:
+        for _ in map_(join, places):
             pass  # the first that fails ends it
     return result.reshape(made.shape)
+
+
+def _slices(ends: Iterable[Span], firsts: Iterable[int], scale: int) -> tuple[slice, ...]:
+    """Lines of the output between some ends, in finer pixels after the first ones."""
+    pairs = zip(ends, firsts, strict=False)
+    return tuple(slice((a - at) * scale, (b - at) * scale) for (a, b), at in pairs)
+
+
+def _shifts(
+    laid: PastedPieces,
+    sample: NDArray[Any],
+    reach: float,
+    span: Sequence[Span],
+    ends: Sequence[Span],
+    thin: tuple[bool, bool] = (False, False),
+    beside: Sequence[Floats] = (),
+) -> Iterator[Floats]:
+    """The shifts of each channel in a part of a block, of a cell, or of a `thin` line of nodes.
+
+    `beside` are those of the lines above, below, to the left and to the right of a cell.
+    """
+    steps, sides, samples = _divergence(laid, sample, span, int(_MARGIN * reach), thin)
+    for axis, at, shifts in zip((1, 1, 2, 2), (0, -1, 0, -1), beside, strict=False):
+        cell = steps[:, laid.scale : -laid.scale, laid.scale : -laid.scale]
+        cell.swapaxes(1, axis)[:, at] += shifts
+    down, along = (side.places for side in sides)
+    part = _slices(ends, (side.first for side in sides), laid.scale)
+    spread = _spreading((len(down), len(along)), reach * laid.scale)
+    masks = [mask.take(down, 0).take(along, 1) for mask in samples]
+    for one in steps:  # a channel at a time, as new memory is slow
+        one = one.take(down, 0).take(along, 1)
+        if laid.cells is not None:
+            one *= np.outer(sides[0].signs, sides[1].signs)
+        each = [spread(one * mask, *part) * mask[part] for mask in masks]
+        yield np.sum(each, axis=0) if masks else spread(one, *part)
 
 
 def has_squares(*pictures: NDArray[Any]) -> bool:
@@ -147,61 +181,67 @@ def ends_of(source: NDArray[Any], kind: str) -> tuple[Any, Any]:
 
 
 class _Lines(NamedTuple):
-    """A block with its margin along one axis."""
+    """What is solved along one axis: a block with its margin, a cell, or a line of nodes."""
 
     runs: list[tuple[int, int]]  # first and number of the output's lines to read
     around: bool  # whether all lines are read and the first one follows the last
-    inside: NDArray[np.int64]  # places among the lines read, at the map's scale; mirrored outside
+    places: NDArray[np.int64]  # among the lines read, at the map's scale; mirrored outside
+    first: int  # the output's line at the first place
+    signs: Any = 1.0  # of what is mirrored
 
 
-def _lines(span: Span, n: int | None, wraps: bool, margin: int, scale: int) -> _Lines:
-    """Return some of `n` lines, or None if there are always more, and those of a margin."""
-    first, last = span
-    low, high = first - margin - 1, last + margin + 1  # a line more, for edges that lead there
-    inside = np.arange((first - margin) * scale, (last + margin) * scale)
-    if n is None:
-        return _Lines([(low, high - low)], False, inside - low * scale)
+def _lines(span: Span, n: int, wraps: bool, margin: int, scale: int) -> _Lines:
+    """Return some of `n` lines and those of a margin."""
+    first, last = span[0] - margin, span[1] + margin
+    low, high = first - 1, last + 1  # a line more, for edges that lead there
+    places = np.arange(first * scale, last * scale)
     if wraps and high - low >= n:
-        return _Lines([(0, n)], True, inside % (n * scale))
+        return _Lines([(0, n)], True, places % (n * scale), first)
     if wraps:
         start, before = low % n, min(high - low, n - low % n)
         runs = [(start, before), (0, high - low - before)][: 1 + (before < high - low)]
-        return _Lines(runs, False, inside - low * scale)
+        return _Lines(runs, False, places - low * scale, first)
     start = max(low, 0)
-    inside %= 2 * n * scale
-    inside = np.minimum(inside, 2 * n * scale - 1 - inside) - start * scale
-    return _Lines([(start, min(high, n) - start)], False, inside)
+    places %= 2 * n * scale
+    places = np.minimum(places, 2 * n * scale - 1 - places) - start * scale
+    return _Lines([(start, min(high, n) - start)], False, places, first)
 
 
-def _mirrored(
-    lines: list[NDArray[np.int64]], margin: int
-) -> tuple[list[NDArray[np.int64]], Floats]:
-    """Return the lines of a cell and of a margin, and the signs (H, W) by which steps are mirrored.
+def _mirrored(span: Span, thin: bool, margin: int, scale: int) -> _Lines:
+    """Return the lines of a cell and of a margin: odd around those beside the cell, so 0 there.
 
-    What is odd around the first line beyond a cell is 0 there, so that line does not move.
+    Across a `thin` line of nodes all is even: there is no slope at its sides.
     """
-    found, signs = [], []
-    for line in lines:
-        last = len(line) + 1
-        place = np.arange(1 - margin, last + margin) % (2 * last)
-        signs.append(np.sign(last - place) * (place > 0))
-        found.append(line[(np.minimum(place, 2 * last - place) - 1) % len(line)])
-    return found, np.outer(*signs).astype(np.float64)
+    (first, last), n = span, (span[1] - span[0]) * scale
+    if thin:
+        places = np.arange(math.lcm(2 * n, _SIZES)) % (2 * n)
+        places = np.minimum(places, 2 * n - 1 - places)
+        return _Lines([(first, last - first)], False, places, first, np.ones(len(places)))
+    places = np.arange(1 - margin * scale, n + 1 + margin * scale) % (2 * n + 2)
+    signs = np.sign(n + 1 - places) * (places > 0)
+    places = (np.minimum(places, 2 * n + 2 - places) - 1) % n + scale
+    return _Lines([(first - 1, last - first + 2)], False, places, first - margin, signs)
 
 
 def _divergence(
-    laid: PastedPieces, sample: NDArray[Any], cell: tuple[Span, Span], margin: int
-) -> tuple[Floats, list[NDArray[np.int64]], list[Mask]]:
+    laid: PastedPieces,
+    sample: NDArray[Any],
+    span: Sequence[Span],
+    margin: int,
+    thin: tuple[bool, bool],
+) -> tuple[Floats, list[_Lines], list[Mask]]:
     """Return the sum of g - h' over the edges into each pixel minus the edges out of it (C, H, W).
 
-    Also returns the rows and columns of it that are a block and its margin, or a cell, and the
-    pixels of each part of the sample if there are several.
+    Also returns what is solved along both axes, and the pixels of each part of the sample if there
+    are several.
     """
-    sides = laid.shape if laid.cells is None else (None, None)
-    rows, columns = (
-        _lines(span, n, wraps, margin, laid.scale)
-        for span, n, wraps in zip(cell, sides, laid.wrap, strict=True)
-    )
+    axes = zip(span, laid.shape, laid.wrap, thin, strict=True)
+    rows, columns = sides = [
+        _lines(ends, n, wraps, margin, laid.scale)
+        if laid.cells is None
+        else _mirrored(ends, even, margin, laid.scale)
+        for ends, n, wraps, even in axes
+    ]
     windows = [[(top, left, high, wide) for left, wide in columns.runs] for top, high in rows.runs]
     layers_of = [[laid.layers(window) for window in row] for row in windows]
     made = _as_one([[laid.pixels(window) for window in row] for row in windows])
@@ -225,7 +265,7 @@ def _divergence(
     places = coordinates[:height, :, 0].transpose(2, 0, 1)
     own = part[:0] if laid.parts is None else part[tuple(places)]
     masks = (own == number for number in range(int(own.max(initial=0)) + 1))
-    return steps, [rows.inside, columns.inside], [mask for mask in masks if mask.any()]
+    return steps, sides, [mask for mask in masks if mask.any()]
 
 
 def _as_one(pieces: list[list[NDArray[Any]]]) -> NDArray[Any]:
@@ -254,7 +294,7 @@ def _spreading(shape: tuple[int, int], reach: float) -> Callable[[Floats, slice,
 
     Borders of the canvas are ignored.
     """
-    size = [-(-side // 32) * 32 for side in shape]  # quick to transform
+    size = [-(-side // _SIZES) * _SIZES for side in shape]
     turns = [2 - 2 * np.cos(2 * np.pi * np.arange(side) / side) for side in size]
     factors = 1 / (np.add.outer(turns[0], turns[1][: size[1] // 2 + 1]) + max(reach, _LEAST) ** -2)
     spectrum = np.empty(factors.shape, np.complex128)  # for all channels, as new memory is slow

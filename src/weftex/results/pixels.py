@@ -23,7 +23,7 @@ from weftex.results.synthesis import Synthesis
 class PixelSynthesis(Synthesis):
     """A result with one source per pixel: `index` (H, W) is y * width + x, -1 for a known pixel.
 
-    Of a part of a plane it has whole `cells`, see `spans_of`, and a pixel around them.
+    Of a part of a plane it has whole `cells` with the lines around them, see `spans_of`.
     """
 
     ARRAYS = {"index": np.int32}  # noqa: RUF012
@@ -123,9 +123,9 @@ class PixelSynthesis(Synthesis):
     @classmethod
     def _check(cls, canvas: Canvas, sample: tuple[int, int], arrays: dict[str, Any]) -> None:
         index, cells = arrays["index"], arrays.get("cells")
-        for spans in () if cells is None else spans_of(cells):
-            ends = [end for span in spans for end in span]
-            if ends != sorted({*ends}):
+        for spans, n in zip(() if cells is None else spans_of(cells), canvas.shape, strict=False):
+            ends = [first for first, _ in spans] + [last for _, last in spans[-1:]]
+            if not len(spans) % 2 or ends != sorted({*ends}) or not ends[0] <= 0 < n <= ends[-1]:
                 raise DamageError("its cells are invalid")
         if index.shape != tuple(end - first for first, end in frame_of(cells, canvas.shape)):
             raise DamageError("its sources do not fit its size")
@@ -140,8 +140,7 @@ def frame_of(cells: NDArray[np.int64] | None, shape: tuple[int, int]) -> list[Sp
     """The rows and the columns of the index of a result of a shape."""
     spans = [[], []] if cells is None else spans_of(cells)
     return [
-        (min([0, *(a - 1 for a, _ in some)]), max([n, *(b + 1 for _, b in some)]))
-        for some, n in zip(spans, shape, strict=True)
+        (some[0][0], some[-1][1]) if some else (0, n) for some, n in zip(spans, shape, strict=True)
     ]
 
 
