@@ -105,7 +105,6 @@ WRONG = [
     ("analyze sample.png photo.png", "unexpected argument 'photo.png'"),
     ("analyze sample.png --lattice 1,2,3", "lattice is '1,2,3'; it must be 4 numbers"),
     ("analyze sample.png --lattice 900,0,0,20", "it must be smaller"),
-    ("analyze sample.png --runners-up 25", "runners_up is 25; it must be from 0 to 24"),
     ("estimate sample.png -o b --relief -1", "above 0"),
     ("estimate sample.png photo.png -o b --maps rough", "maps has 'rough'"),
     ("atlas sample.png -o out --colors 4", "--colors is '4'; it must be from 2 to 3"),

@@ -122,7 +122,6 @@ def maps_of(exemplar: Exemplar, main: str) -> list[dict[str, Any]]:
 
 
 _LARGEST = 2**21  # pixels of a sample that is analyzed as a whole; a drag must be quick
-_RUNNERS_UP = 4
 _DEGREE = 2  # of the light that the button takes off
 
 
@@ -150,7 +149,7 @@ def _analysis(loaded: PreparedMaterial) -> dict[str, Any]:
             "text": f"{width}x{height}, analyzed on a smaller copy\n{choice}",
         }
     else:
-        found = weftex.analyze(exemplar, runners_up=_RUNNERS_UP)
+        found = weftex.analyze(exemplar)
         choice, rated, others = found.choice, found.ratings.found, found.ratings.runners_up
         exact = found.lattice
         more = {
@@ -167,7 +166,6 @@ def _analysis(loaded: PreparedMaterial) -> dict[str, Any]:
     return more | {
         "scale": found.scale,
         "lattice": _own(exemplar, found.lattice, rated),
-        "colors": found.colors,
         "auto": choice.as_dict(),
         # What would help, each with what is to be added to the material's description.
         "mending": [{"what": k, "spec": {k: v}} for k, v in needed.items() if k not in loaded.spec],

@@ -8,15 +8,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-import numpy as np
-
 from weftex.analysis.autocorrelations import autocorrelations
 from weftex.analysis.canvas_lattice import checked_lattice
 from weftex.analysis.lattice import Lattice, Rated, lattice_in, rate_lattices
 from weftex.analysis.overlay import courses
 from weftex.analysis.properties import Evenness, regularity
 from weftex.analysis.scale import structure_scale
-from weftex.errors import InvalidInputError, wrong_value
+from weftex.errors import InvalidInputError
 from weftex.exemplar import Exemplar, Sample, load_exemplar
 from weftex.progress import counted
 from weftex.quality import borders_of
@@ -25,8 +23,7 @@ from weftex.tasks.auto import Auto
 from weftex.tasks.auto.rule import Choice
 
 _WIDTH = 100  # characters of a line
-_RUNNERS_UP = 3  # that are listed by default
-_MOST_RUNNERS_UP = 24  # pairs that are rated by all their multiples
+_RUNNERS_UP = 4
 
 
 @dataclass(frozen=True)
@@ -54,8 +51,8 @@ class Analysis:
     ----------
     name, dtype, maps : str, str, tuple of str
         Name of the sample; type of its pixels; names of its maps.
-    height, width, channels, colors : int
-        Number of rows; number of columns; number of channels; number of different colors.
+    height, width, channels : int
+        Number of rows; number of columns; number of channels.
     alpha : bool
         Whether the last channel is alpha.
     scale : float
@@ -90,7 +87,6 @@ class Analysis:
     dtype: str
     alpha: bool
     maps: tuple[str, ...]
-    colors: int
     scale: float
     confidence: float
     scale_source: str
@@ -127,7 +123,6 @@ class Analysis:
         rows = [
             (self.name, kind + (" with alpha" if self.alpha else "")),
             *([("maps", ", ".join(self.maps))] if self.maps else []),
-            ("colors", str(self.colors)),
             ("scale", f"{self.scale:g} px {certainty}".replace("things", "features")),
             ("regularity", f"{self.regularity:g}"),
             *self._lattices(),
@@ -158,9 +153,7 @@ class Analysis:
         return rows
 
 
-def analyze(
-    sample: Sample, *, lattice: Sequence[float] | str | None = None, runners_up: int = _RUNNERS_UP
-) -> Analysis:
+def analyze(sample: Sample, *, lattice: Sequence[float] | str | None = None) -> Analysis:
     """Analyze a sample: scale, lattice, evenness, tiling, and the method for it.
 
     Parameters
@@ -170,8 +163,6 @@ def analyze(
     lattice : Lattice, (x1, y1, x2, y2) or str, optional
         Also rate this lattice; a text is "x1,y1,x2,y2". For rows, one vector is the step from row
         to row. The other is one pixel long, and has the direction of the rows.
-    runners_up : int
-        Number of other lattices to list, 0 to 24.
 
     Returns
     -------
@@ -190,11 +181,9 @@ def analyze(
     >>> round(found.scale), found.confidence > 0.9, found.tiles
     (12, True, (False, False))
     """
-    if isinstance(runners_up, bool) or runners_up not in range(_MOST_RUNNERS_UP + 1):
-        raise wrong_value("runners_up", runners_up, f"from 0 to {_MOST_RUNNERS_UP}")
     exemplar = load_exemplar(sample)
     given = None if lattice is None else checked_lattice(lattice, exemplar)
-    with counted(8, "analysis") as step:
+    with counted(7, "analysis") as step:
         model = Auto().fit_exemplar(exemplar)
         look = model.findings
         step(1)
@@ -206,12 +195,10 @@ def analyze(
         borders = borders_of(exemplar)
         alike = regularity(exemplar)
         step(1)
-        rated, others = rate_lattices(exemplar, own, runners_up=runners_up, fields=seen)
+        rated, others = rate_lattices(exemplar, own, runners_up=_RUNNERS_UP, fields=seen)
         asked = None
         if given is not None:
             asked, _ = rate_lattices(exemplar, given, runners_up=0, fields=seen)
-        step(1)
-        colors, windows = _count_colors(exemplar), _windows(exemplar)
         step(1)
         choice = model.choose((2 * exemplar.shape[0], 2 * exemplar.shape[1]))
     return Analysis(
@@ -222,7 +209,6 @@ def analyze(
         dtype=exemplar.pixels.dtype.name,
         alpha=exemplar.alpha,
         maps=tuple(sorted(exemplar.maps)),
-        colors=colors,
         scale=found.scale,
         confidence=found.confidence,
         scale_source=found.source,
@@ -233,7 +219,7 @@ def analyze(
         tiles=(borders[0].badness <= 1, borders[1].badness <= 1),
         evenness=look.evenness,
         choice=choice,
-        windows=windows,
+        windows=_windows(exemplar),
     )
 
 
@@ -258,19 +244,6 @@ def _words(lattice: Lattice) -> str:
         return said
     x, y = lattice.vectors[0]
     return f"{'columns' if abs(x) > abs(y) else 'rows'} {said} apart"
-
-
-def _count_colors(exemplar: Exemplar) -> int:
-    """Return the number of different pixels of any dtype."""
-    pixels = exemplar.pixels.reshape(*exemplar.shape, -1)
-    pixels = pixels if exemplar.mask is None else pixels[exemplar.mask]
-    pixels = np.ascontiguousarray(pixels.reshape(-1, pixels.shape[-1]) + pixels.dtype.type(0))
-    size = pixels.shape[1] * pixels.itemsize
-    if size > 8:
-        return len(np.unique(pixels, axis=0))
-    whole = np.zeros((len(pixels), 8), np.uint8)  # numbers sort faster than rows
-    whole[:, :size] = pixels.view(np.uint8).reshape(len(pixels), size)
-    return len(np.unique(whole.view(np.uint64)))
 
 
 def _windows(exemplar: Exemplar) -> dict[str, int | None]:

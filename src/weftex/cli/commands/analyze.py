@@ -31,8 +31,6 @@ def run(argv: list[str]) -> None:
     add("--overlay", metavar="FILE", help="write the sample with its lattice drawn over it")
     text = "also rate and draw these lattice vectors; rows P apart: 0,P,1,0"
     add("--lattice", metavar="X1,Y1,X2,Y2", help=text)
-    text = "number of alternative lattices to list, up to 24; --lattice draws one; default: 3"
-    add("--runners-up", type=int, default=3, metavar="N", help=text)
     parser.share("--allow-huge")
     args = parser.parse(argv)
     if args.overlay is not None:
@@ -40,7 +38,7 @@ def run(argv: list[str]) -> None:
 
     def work(bar: Bar, outputs: Outputs) -> tuple[Exemplar, Analysis]:
         exemplar = load_sample(args.sample, args, "maps")
-        return exemplar, analyze(exemplar, lattice=args.lattice, runners_up=args.runners_up)
+        return exemplar, analyze(exemplar, lattice=args.lattice)
 
     (exemplar, found), _ = run_work(work, False)
     if args.overlay is not None:
