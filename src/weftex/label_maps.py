@@ -24,6 +24,7 @@ __all__ = ["Gradient"]
 _SHOWN = 6  # colors that a message lists
 # The paper's sigma is 80 on a picture of 200 pixels, whose transition takes all of it.
 _SIGMAS = 2.5
+_CIRCLES = 8  # at least so many radii of circles fit beside each other, for each transition
 
 
 @dataclass(frozen=True)
@@ -72,6 +73,8 @@ class Gradient:
         """
         count, (height, width) = len(scales), size
         starts, sigma = self._transitions(count)
+        most = max(1, min(size) // (_CIRCLES * max(1, count - 1)))
+        radii = [max(1, min(scale, most)) for scale in scales]
         pairs = [(a, b) for a in range(count) for b in range(a + 1, count)]
         mixed = np.full((count, count), -1, np.int32)
         for n, (a, b) in enumerate(pairs):
@@ -80,7 +83,7 @@ class Gradient:
         left, number = height * width, 0
         while left:
             # The last gaps are aimed at, or they would take for ever.
-            bits = draw(seed, "circle", number, np.arange(3))
+            bits = draw(seed, "circle", number, np.arange(4))
             if number % 2:
                 gaps = np.flatnonzero(labels < 0)
                 y, x = divmod(int(gaps[int(bits[0] % np.uint64(len(gaps)))]), width)
@@ -90,7 +93,9 @@ class Gradient:
             way = self._way(y, x, size)
             beyond = [max(0.0, way - start) for start in starts]
             label = sum(chance >= math.exp(-(b**2) / (2 * sigma**2)) for b in beyond)
-            radius = max(1, scales[label])
+            number, radius = number + 1, radii[label]
+            if int(bits[3] >> np.uint64(11)) * radius**2 >= min(radii) ** 2 << 53:
+                continue  # fewer of the larger ones, so that they cover no more
             rows = slice(max(0, y - radius), min(y + radius + 1, height))
             columns = slice(max(0, x - radius), min(x + radius + 1, width))
             v, u = np.ogrid[rows, columns]
@@ -100,7 +105,6 @@ class Gradient:
             met = inside & (part >= 0) & (part < count) & (part != label)
             part[inside & (part < 0)] = label
             part[met] = mixed[label, part[met]]
-            number += 1
         used = [n for n in range(len(pairs)) if (labels == count + n).any()]
         for new, old in enumerate(used):
             labels[labels == count + old] = count + new
