@@ -12,6 +12,7 @@ examples:
 from __future__ import annotations
 
 import argparse
+import json
 import os
 import string
 from collections.abc import Iterator, Sequence
@@ -86,7 +87,7 @@ def run(argv: list[str]) -> None:
         kept.make_folder(args.output)
         manifest = Manifest(args.output)
         try:
-            left = left_of(jobs, args, manifest)
+            left = left_of(jobs, args, manifest, recipe)
             failures = _do(left, manifest, recipe, args, bar)
             _write_contact_sheet(args.output, manifest)
         finally:
@@ -267,12 +268,26 @@ def _check_name(stem: str, suffix: str) -> None:
         )
 
 
-def left_of(jobs: Sequence[Job], args: argparse.Namespace, manifest: Manifest) -> list[Job]:
+def _told(recipe: Recipe) -> dict[str, Any]:
+    """A recipe as records have it: JSON without a sample and a seed, which they have themselves."""
+    options = {k: v for k, v in recipe.as_json().items() if k not in ("seed", "task")}
+    spec = {k: v for k, v in recipe.materials[0].items() if k != "path"}
+    told: dict[str, Any] = json.loads(json.dumps({**options, "materials": spec}))
+    return told
+
+
+def left_of(
+    jobs: Sequence[Job], args: argparse.Namespace, manifest: Manifest, recipe: Recipe
+) -> list[Job]:
     """Return the jobs that are to be done; raises where outputs must not be replaced."""
-    left = []
+    left, asked = [], _told(recipe)
+    made = {record["output"]: record for record in manifest.records}
     for job in jobs:
         paths = {one: os.path.join(args.output, one) for one in job.outputs.values()}
         there = [one for one, path in paths.items() if os.path.lexists(path)]
+        for one in there if args.skip_existing else ():
+            if made.get(one, {}).get("recipe", asked) != asked:
+                raise FileError(f"{paths[one]} was made with other options; --force replaces it")
         if args.skip_existing and len(there) >= (args.keep_best or len(job.outputs)):
             continue
         foreign = [one for one in there if one not in manifest]
@@ -368,6 +383,7 @@ class Maker:
             "size": [result.shape[1], result.shape[0]],
             "method": used.pop("method"),
             "parameters": used,
+            "recipe": _told(self.recipe),
         } | about
 
     def _write(self, result: Synthesis, record: dict[str, Any]) -> str:
