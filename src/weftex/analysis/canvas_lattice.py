@@ -14,13 +14,16 @@ from weftex.canvas import Canvas
 from weftex.errors import InvalidInputError
 from weftex.exemplar import Exemplar
 from weftex.parameters import numbers_of
+from weftex.random import draw
 from weftex.raster.arrays import Floats, Ints
 from weftex.results.pixels import rearranged
 
 _UNIT = 1 << 16  # positions are in 1/65536 pixel
 _SMALLEST_SAMPLE = 32  # side below which noise may look like a lattice by chance
 _ALONG = 1.01  # pixels: a vector as short as that says nothing but a direction
-_SIZES_TRIED = 256  # pixels on both sides of a size among which a better one is looked for
+_FARTHEST = 1 << 16  # pixels, before which outputs begin on a lattice
+_SIZES_TRIED = 256  # pixels on both sides of a size where a better one is looked for
+_MOST_TRIED = 1 << 10  # if there is none, up to so many
 _SURE = 0.6  # confidence from which blocks may be laid by a lattice
 _TILES = 3  # that a sample must show, so that a block has more than one place to come from
 #: Strain of a lattice that goes around a canvas, from which it shows. Joints of bricks, tiles and a
@@ -168,6 +171,16 @@ def found_vectors(exemplar: Exemplar) -> tuple[float, ...]:
     return tuple(part for vector in lattice.reduced().vectors for part in vector)
 
 
+def first_place(canvas: Canvas, seed: int) -> Ints:
+    """The row and column of the endless lattice where a canvas begins, by chance.
+
+    So small outputs differ. Known pixels, planes, and axes that wrap have places of their own.
+    """
+    own = canvas.wrap if canvas.hole is None and canvas.shown is None else (True, True)
+    drawn = draw(seed, "phase", np.arange(2)) % np.uint64(_FARTHEST)
+    return np.where(own, canvas.origin, drawn.astype(np.int64))
+
+
 def fitted_sample(
     exemplar: Exemplar, vectors: tuple[float, ...] | None, canvas: Canvas
 ) -> tuple[Canvas, tuple[NDArray[np.int32], tuple[float, ...], Exemplar] | None]:
@@ -236,13 +249,16 @@ def _strain(change: Floats) -> float:
 
 
 def fitting_sizes(
-    vectors: tuple[float, ...], canvas: Canvas | Around, limit: float = FITTING_STRAIN
+    vectors: tuple[float, ...],
+    canvas: Canvas | Around,
+    limit: float = FITTING_STRAIN,
+    near: int = _SIZES_TRIED,
 ) -> list[tuple[int, int]]:
     """Return the nearest size that strains a lattice at most this much, and the nearest larger."""
     x1, y1, x2, y2 = vectors
     pair, sides = np.array([[y1, x1], [y2, x2]]), list[list[int]]()
     for axis, (side, wraps) in enumerate(zip(canvas.shape, canvas.wrap, strict=True)):
-        tried = np.arange(max(1, side - _SIZES_TRIED), side + _SIZES_TRIED + 1)
+        tried = np.arange(max(1, side - near), side + near + 1)
         around = tried[:, None] * np.eye(2)[axis]
         times = np.rint(around @ np.linalg.inv(pair))
         off = np.hypot(*(times @ pair - around).T) / tried
@@ -257,4 +273,6 @@ def fitting_sizes(
     found = list(islice(good, 1))
     if found and (found[0][0] < height or found[0][1] < width):
         found += islice((one for one in good if one[0] >= height and one[1] >= width), 1)
+    if not found and near < min(max(canvas.shape) // 2, _MOST_TRIED):
+        return fitting_sizes(vectors, canvas, limit, 2 * near)
     return found

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from weftex.analysis.canvas_lattice import VISIBLE_STRAIN, CanvasLattice, given_lattice
+from weftex.analysis.canvas_lattice import VISIBLE_STRAIN, CanvasLattice, first_place, given_lattice
 from weftex.analysis.rows import rows_around
 from weftex.guides import Guiding
 from weftex.methods.graphcut.placement import Matches, Patch, size_on
@@ -94,6 +94,7 @@ class EntirePatchMatching:
             self._lattice = CanvasLattice(lattice, self.canvas, VISIBLE_STRAIN)
             shortest = min(np.hypot(*vector) for vector in given_lattice(lattice).reduced().vectors)
             self._drift = min(max(float(shortest) / _DRIFT, _LEAST), _MOST)
+            self._first = first_place(self.canvas, growth.seed)
 
     def matches(
         self, pixel: tuple[int, int], number: int, centered: bool, map_: Callable[..., Any] = map
@@ -168,7 +169,7 @@ class EntirePatchMatching:
         self, lattice: CanvasLattice, shape: tuple[int, int], pixel: tuple[int, int], most: float
     ) -> Mask:
         """Mark the pixels that lattice shifts lead to a pixel of the canvas, `most` pixels off."""
-        first = lattice.phase(*np.add(pixel, self.canvas.origin)) / _UNIT
+        first = lattice.phase(*np.add(pixel, self._first)) / _UNIT
         y, x = (np.arange(n) - at for n, at in zip(shape, first, strict=True))
         rest = []  # of multiples of the vectors
         for down, along in np.linalg.inv(lattice.sample).T:
