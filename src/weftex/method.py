@@ -16,7 +16,7 @@ from weftex.endless.boxes import A_BLOCK, Box, PlaneRequest, as_period, box_of, 
 from weftex.endless.grid import Sizes
 from weftex.errors import InvalidInputError, UnsupportedError, did_you_mean, is_whole, wrong_value
 from weftex.exemplar import Exemplar, Sample, load_exemplar
-from weftex.parameters import check_value, numbers_of
+from weftex.parameters import checked_value, numbers_of
 from weftex.progress import ProgressCallback, listening
 from weftex.random import seed_number
 from weftex.registry import supporting
@@ -259,13 +259,10 @@ class Method(ABC):
     def __post_init__(self) -> None:
         for field in dataclasses.fields(self):
             value = getattr(self, field.name)
-            if field.metadata["count"] and value is not None:
-                object.__setattr__(
-                    self, field.name, numbers_of(field.name, value, field.metadata["count"])
-                )
-            else:
-                check_value(field, value)
-            if getattr(self, field.name) != field.default and not self.takes(field.name):
+            count = field.metadata["count"] if value is not None else 0
+            value = numbers_of(field.name, value, count) if count else checked_value(field, value)
+            object.__setattr__(self, field.name, value)
+            if value != field.default and not self.takes(field.name):
                 other, values = field.metadata["needs"]
                 allowed, found = " or ".join(f"'{v}'" for v in values), self.meant(other)
                 here = "" if found == getattr(self, other) else f"; here it is '{found}'"

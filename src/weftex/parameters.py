@@ -87,16 +87,16 @@ def guide_parameter(help: str, default: float = 0.3) -> Any:
     return parameter(default, help, low=0.01, high=100.0, needs_canvas="guide")
 
 
-def check_value(field: dataclasses.Field[Any], value: Any) -> None:
-    """Raise `InvalidInputError` unless a parameter may have this value."""
+def checked_value(field: dataclasses.Field[Any], value: Any) -> Any:
+    """A value of a parameter as int, float or str; raises `InvalidInputError` for others."""
     meta, name = field.metadata, field.name
     if value is None and field.default is None:
-        return
+        return None
     if meta["choices"]:
         known = meta["choices"]
         if not isinstance(value, str) or value not in known:
             raise InvalidInputError(f"{name} is {shown(value)}{did_you_mean(str(value), known)}")
-        return
+        return str(value)
     whole = "int" in str(field.type)
     kind = numbers.Integral if whole else numbers.Real
     if not isinstance(value, kind) or isinstance(value, bool) or value != value:
@@ -109,6 +109,10 @@ def check_value(field: dataclasses.Field[Any], value: Any) -> None:
         raise wrong_value(name, value, "at most 2**63 - 1")
     if meta["parity"] and value and value % 2 != (meta["parity"] == "odd"):
         raise wrong_value(name, value, meta["parity"])
+    exact: int | float = (
+        int(value) if isinstance(value, numbers.Integral) and whole else float(value)
+    )
+    return exact
 
 
 def numbers_of(name: str, value: Any, count: int) -> tuple[float, ...]:

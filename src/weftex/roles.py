@@ -98,7 +98,8 @@ ROLES = {role.name: role for role in (
     Role("clearcoat", "data", ("clearcoat", "clear coat", "coat")),
     Role("sheen", "data", ("sheen",)),
     Role("position", "data", ("position", "pos")),
-    Role("id", "labels", ("id", "ids", "label", "labels", "idmask", "id mask")),
+    Role("id", "labels",
+         ("id", "ids", "label", "labels", "idmask", "id mask", "segmentation", "classes")),
     _packed("orm", "ao roughness metallic", "orm", "arm", "occlusion roughness metallic",
             "occlusionroughnessmetallic"),
     _packed("rma", "roughness metallic ao", "rma"),
@@ -130,8 +131,8 @@ def as_role(role: Any) -> Role:
     if isinstance(role, Role):
         return role
     if not isinstance(role, str) or role not in ROLES:
-        near = did_you_mean(role, ROLES) if isinstance(role, str) else ""
-        raise InvalidInputError(f"role is {shown(role)}; known: {', '.join(ROLES)}{near}")
+        near = did_you_mean(role, ROLES) if isinstance(role, str) else "; it must be a text"
+        raise InvalidInputError(f"role is {shown(role)}{near}")
     return ROLES[role]
 
 

@@ -69,6 +69,10 @@ def load_exemplar(
         return sample
     if isinstance(sample, (str, os.PathLike)):
         return read_material(sample, files).exemplar(**options)
+    if isinstance(sample, (list, tuple)):
+        raise InvalidInputError(
+            "the sample is a list; weftex.prepare.together makes one of several"
+        )
     image: Any = sample
     if hasattr(image, "getbands"):  # a PIL image, without importing PIL
         if image.mode in ("P", "1", "PA"):

@@ -246,6 +246,7 @@ def check_fit(given: str, form: Format, pixels: NDArray[Any], alpha: bool) -> No
     elif not form.holds(dtype, colors, alpha):
         able = [key for key in sorted(FORMATS) if FORMATS[key].holds(dtype, colors, alpha)]
         what = f"{dtype} pixels of {colors} channel{'s'[: colors > 1]}{' and alpha' * alpha}"
+        what += " (if the last is alpha: alpha=True)" * (colors in (2, 4) and not alpha)
         problem = f"'{suffix}' cannot hold {what}; use {', '.join(able)}"
     elif max(shape[:2]) > form.side:
         problem = f"'{suffix}' holds at most {form.side} pixels a side, not {max(shape[:2])}"

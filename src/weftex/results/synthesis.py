@@ -377,6 +377,8 @@ class Synthesis(Displayable, SourceMap):
         ------
         FileError
             If the file is missing, damaged, or something else.
+        InvalidInputError
+            If the sample has another size.
         """
         with one_line_errors(path, "a saved weftex result"):
             facts, arrays = read_result(path)
@@ -388,6 +390,9 @@ class Synthesis(Displayable, SourceMap):
         if hole is not None:
             canvas = Canvas(*facts.shape, facts.wrap, known, hole)
         sample = None if exemplar is None else as_made_from(load_exemplar(exemplar), facts.turn)
+        if sample is not None and sample.shape != facts.sample_shape:
+            sizes = (size_words(shape) for shape in (sample.shape, facts.sample_shape))
+            raise InvalidInputError("the sample is {}; this result's was {}".format(*sizes))
         about: dict[str, Any] = {name: getattr(facts, name) for name in ABOUT}
         return kind(canvas, exemplar=sample, **own, **about)
 
