@@ -61,18 +61,15 @@ class Field:
     def values(self, x: Floats, y: Floats, pairs: Floats) -> Floats:
         """Return the correlation at shifts (n, m) of n pairs, or the highest around them."""
         # A neighbor of a place between close multiples would itself be a multiple.
-        coarse = (shortest(pairs) >= _CLOSE).astype(np.int64)
-        return self.tables[coarse, *self._at(x, y)]
+        return self.tables[(shortest(pairs) >= _CLOSE).astype(np.int64), *self._at(x, y)]
 
     def around(self, x: Floats, y: Floats) -> Floats:
         """Return the highest correlation around each shift."""
-        found: Floats = self.tables[1][self._at(x, y)]
-        return found
+        return np.asarray(self.tables[1][self._at(x, y)])
 
     def shares(self, x: Floats, y: Floats) -> Floats:
         """Return the share of the sample that overlaps at each shift."""
-        found: Floats = (1 - abs(x) / self.width) * (1 - abs(y) / self.height)
-        return found
+        return np.asarray((1 - abs(x) / self.width) * (1 - abs(y) / self.height))
 
     def _at(self, x: Floats, y: Floats) -> tuple[Ints, Ints]:
         found = []
@@ -140,7 +137,7 @@ def fit_vectors(correlation: Floats, vectors: Floats, reach: int) -> tuple[Float
     # Far shifts compare a small part of the sample; half of each side is enough.
     far = 0.6 * np.array([width, height])
     while True:
-        times = _all_times(min(limit, _most_times(vectors, far)), len(vectors))
+        times = all_times(min(limit, _most_times(vectors, far)), len(vectors))
         places = times @ vectors
         keep = (abs(places) <= far).all(axis=1)
         times, nearest = times[keep], np.rint(places[keep]).astype(int)
@@ -171,8 +168,8 @@ def _most_times(vectors: Floats, far: Floats) -> int:
 
 
 @lru_cache(maxsize=64)
-def _all_times(limit: int, number: int) -> Ints:
-    """Multiples of one or two vectors up to a number of times each; not the zero shift."""
+def all_times(limit: int, number: int) -> Ints:
+    """Return multiples of one or two vectors up to a number of times each; not the zero shift."""
     ranges = [np.arange(-limit, limit + 1)] * number
     times = np.stack(np.meshgrid(*ranges), axis=-1).reshape(-1, number)
     times = times[times.any(axis=1)]
@@ -189,5 +186,4 @@ def highest_around(table: Floats) -> Floats:
 
 def shortest(pairs: Floats) -> Floats:
     """Return the length of the shorter vector of each pair, (n, 1)."""
-    lengths: Floats = np.hypot(pairs[..., 0], pairs[..., 1]).min(axis=1)[:, None]
-    return lengths
+    return np.asarray(np.hypot(pairs[..., 0], pairs[..., 1]).min(axis=1)[:, None])

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from weftex.analysis.autocorrelations import all_times
 from weftex.analysis.pairs import PHASES
 from weftex.raster.arrays import Floats
 
@@ -68,8 +69,7 @@ class Bonds:
 
     def of(self, vectors: Floats) -> float | None:
         """The confidence of the bond that a lattice has; None if it is no bond of these rows."""
-        times = np.stack(np.meshgrid(*[np.arange(-_SUMS, _SUMS + 1)] * 2), axis=-1).reshape(-1, 2)
-        sums = times[times.any(axis=1)] @ vectors
+        sums = all_times(_SUMS, 2) @ vectors
         steps, places = sums @ self.rows / self.distance**2, sums @ self.along
         off = _OFF + _SLANT * abs(places) / self.distance
         same, next_one = (abs(steps) < off) & (places > 0), abs(steps - 1) < off
@@ -126,8 +126,7 @@ def _along(
         np.stack([np.convolve(row, window, "same") for row in part])
         for part in (table * share, share)
     )
-    found = np.where(share > 0, soft / np.maximum(known, 1e-9), 0)
-    return found, share
+    return np.where(share > 0, soft / np.maximum(known, 1e-9), 0), share
 
 
 def _between(values: Floats, x: Floats, y: Floats) -> Floats:

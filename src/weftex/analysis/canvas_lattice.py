@@ -89,15 +89,13 @@ class CanvasLattice:
             # A little on, so that multiples of whole vectors do not fall between two cells.
             part = along - np.floor(along) + 2.0**-20
             number.append((part * count).astype(np.int64) % count)
-        result: Ints = number[0] * counts[1] + number[1]
-        return result
+        return np.asarray(number[0] * counts[1] + number[1])
 
     def phase(self, y: NDArray[np.integer], x: NDArray[np.integer]) -> Ints:
         """Return the positions in the sample's first tile (eq. 3.29), (..., 2) in 1/65536 pixel."""
         parts = [along - np.floor(along) for along in self.multiples(y, x)]
         place = [parts[0] * self.sample[0, k] + parts[1] * self.sample[1, k] for k in (0, 1)]
-        result: Ints = np.rint(np.stack(place, axis=-1) * _UNIT).astype(np.int64)
-        return result
+        return np.asarray(np.rint(np.stack(place, axis=-1) * _UNIT), np.int64)
 
     def steps(self, height: int, width: int) -> Ints:
         """Return all multiples (n, 2) that lead from the first tile into a box at (0, 0).
@@ -112,8 +110,7 @@ class CanvasLattice:
         found = found.reshape(-1, 2)
         tile = np.stack([0 * self.sample[0], *self.sample, self.sample.sum(axis=0)])
         near = (found + tile.max(axis=0) > -1) & (found + tile.min(axis=0) < (height, width))
-        result: Ints = np.rint(found[near.all(axis=1)] * _UNIT).astype(np.int64)
-        return result
+        return np.asarray(np.rint(found[near.all(axis=1)] * _UNIT), np.int64)
 
 
 def check_lattice(vectors: tuple[float, ...], exemplar: Exemplar) -> None:
@@ -163,10 +160,7 @@ def checked_lattice(vectors: Sequence[float] | str, exemplar: Exemplar) -> Latti
 
 def found_vectors(exemplar: Exemplar) -> tuple[float, ...]:
     """Return the lattice of a sample as x1, y1, x2, y2; x1, y1 for rows; () without one."""
-    if min(exemplar.shape) < _SMALLEST_SAMPLE:
-        return ()
-    lattice = find_lattice(exemplar)
-    if lattice is None:
+    if min(exemplar.shape) < _SMALLEST_SAMPLE or (lattice := find_lattice(exemplar)) is None:
         return ()
     return tuple(part for vector in lattice.reduced().vectors for part in vector)
 

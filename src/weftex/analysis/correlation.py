@@ -58,8 +58,7 @@ def correlate(
         below += np.sqrt(spread * spread[::-1, ::-1])
     above += count * _unwrapped(np.fft.irfft2(spectrum, size), far)
     result = np.divide(above, below, out=np.zeros(below.shape), where=below > 0)
-    clipped: Floats = np.clip(result, -1, 1, out=result)
-    return clipped
+    return np.asarray(np.clip(result, -1, 1, out=result))
 
 
 def correlation_and_power(
@@ -109,8 +108,7 @@ def whitened(flat: Relief, power: Floats | None = None) -> tuple[Floats, float]:
     found *= (shared >= _LEAST) / np.maximum(shared, _LEAST)
     found /= max(float(found[far]), 1e-12)
     enough = shared >= _ENOUGH
-    chance = median(abs(found[enough]) * np.sqrt(shared[enough])) / 0.6745
-    return found, chance
+    return found, median(abs(found[enough]) * np.sqrt(shared[enough])) / 0.6745
 
 
 def _normalized(levels: Floats, power: Floats, reach: tuple[int, int] | None) -> Floats:
@@ -125,17 +123,14 @@ def _normalized(levels: Floats, power: Floats, reach: tuple[int, int] | None) ->
     for level in np.ascontiguousarray(levels):
         most = kernels.overlap_sums(level, rows, columns, down, along, sums, squares)
         kernels.add_channel(sums, squares, high, wide, _FLAT * most, above, below)
-    products = np.fft.irfft2(power, _padded((height, width), reach))
-    kernels.divide(above, below, high, wide, products)
+    kernels.divide(above, below, high, wide, np.fft.irfft2(power, _padded((height, width), reach)))
     return above
 
 
 def _farthest(shape: tuple[int, ...], reach: tuple[int, int] | None) -> tuple[int, int]:
     """Return the farthest shift, downwards and to the right."""
-    down, along = (
-        shape if reach is None else (min(n, r + 1) for n, r in zip(shape, reach, strict=True))
-    )
-    return down - 1, along - 1
+    down, along = shape[0] - 1, shape[1] - 1
+    return (down, along) if reach is None else (min(down, reach[0]), min(along, reach[1]))
 
 
 def _padded(shape: tuple[int, ...], reach: tuple[int, int] | None = None) -> tuple[int, int]:

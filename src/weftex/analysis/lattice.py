@@ -251,8 +251,7 @@ def rate_lattices(
     field, step = fields.field, fields.flat.step
 
     def rated(vectors: Floats) -> Rated:
-        reach = reach_of(field, vectors)
-        found = rate(field, vectors[None], reach, goodness, exact=True)
+        found = rate(field, vectors[None], reach_of(field, vectors), goodness, exact=True)
         return Rated(
             _plain(vectors * step),
             round(float(found.goodness[0]), 4),

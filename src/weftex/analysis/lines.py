@@ -213,19 +213,15 @@ def rated(flat: Relief, vector: Floats) -> Courses:
 
 def checked(flat: Relief, vectors: Floats) -> Courses | None:
     """Return the weaker evidence of stripes along the two vectors, as checked cloth has."""
-    stripes = _tones(flat)
+    gray = mixed(flat.levels)
+    # Levels in place of edges, of any direction, averaged as edges are for all directions.
+    tones = Joints(np.stack([gray, 0 * gray, gray]), flat.usable >= 0.5)
+    stripes = tones.averaged(max(1, round(max(gray.shape) / _SIDES[0])))
     turned = vectors[::-1, ::-1] * [-1, 1]  # at right angles to the other vector
     rows = turned * (np.linalg.det(vectors) / (turned**2).sum(axis=1))[:, None]
     if np.hypot(*rows.T).min() < _CLOSEST * stripes.step:
         return None
     return min((_rated(stripes, row) for row in rows), key=lambda one: one.contrast * one.alike)
-
-
-def _tones(flat: Relief) -> Joints:
-    """Return the levels in place of the edges, averaged as these are for all directions."""
-    gray = mixed(flat.levels)
-    tones = Joints(np.stack([gray, 0 * gray, gray]), flat.usable >= 0.5)  # of any direction
-    return tones.averaged(max(1, round(max(gray.shape) / _SIDES[0])))
 
 
 def _rated(joints: Joints, vector: Floats) -> Courses:

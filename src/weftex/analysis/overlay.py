@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from weftex.analysis.autocorrelations import autocorrelations
+from weftex.analysis.autocorrelations import all_times, autocorrelations
 from weftex.analysis.canvas_lattice import checked_lattice
 from weftex.analysis.lattice import Lattice, Rated, rate_lattices
 from weftex.analysis.relief import smaller_copy
@@ -147,9 +147,7 @@ def courses(lattice: Lattice) -> str:
     shortest = lattice.reduced().vectors
     if len(shortest) == 1:
         return f"{_number(math.hypot(*shortest[0]))} px"
-    vectors = np.array(shortest)
-    times = np.stack(np.meshgrid(np.arange(-4, 5), np.arange(-4, 5)), axis=-1).reshape(-1, 2)
-    sums = times @ vectors
+    sums = all_times(4, 2) @ np.array(shortest)
     found = []
     for axis in (0, 1):
         along, aside = abs(sums[:, axis]), abs(sums[:, 1 - axis])

@@ -58,8 +58,7 @@ def rated_pairs(field: Field, goodness: str) -> list[tuple[Floats, float]]:
         found = fitted(field, pairs[k])
         if any(abs(found - other).max() < 0.5 for other, _ in tried):
             continue
-        reach = reach_of(field, found)
-        rated = rate(field, found[None], reach, goodness, exact=True)
+        rated = rate(field, found[None], reach_of(field, found), goodness, exact=True)
         tried.append((found, float(rated.goodness[0])))
     return tried
 
@@ -93,9 +92,8 @@ def _candidates(peaks: Peaks) -> Floats:
     wide = (peaks.dominance >= 2) & (lengths >= SHORTEST)
     octave = np.log2(np.maximum(lengths, 1)).astype(int)
     # Multiples outnumber the vectors themselves, so each octave of lengths has its own highest.
-    chosen = np.concatenate(
-        [np.flatnonzero(wide & (octave == k))[:_PEAKS] for k in range(octave.max(initial=0) + 1)]
-    )
+    octaves = range(octave.max(initial=0) + 1)
+    chosen = np.concatenate([np.flatnonzero(wide & (octave == k))[:_PEAKS] for k in octaves])
     chosen = chosen[np.argsort(lengths[chosen], kind="stable")]
     shifts, dominance = peaks.shifts[chosen], peaks.dominance[chosen]
     i, j = np.triu_indices(len(shifts), 1)
@@ -138,8 +136,7 @@ def rate(field: Field, pairs: Floats, reach: int, kind: str, *, exact: bool = Fa
         else:
             value = _above_chance(contrasts, weights, times, field.unsure)
     number = count if exact else 2 * field.width * field.height / np.maximum(area, 1)
-    goodness = goodness_of(value, number)
-    return Rating(np.where(both, goodness, 0), value, count)
+    return Rating(np.where(both, goodness_of(value, number), 0), value, count)
 
 
 def goodness_of(mean: Floats | float, number: Floats | float) -> Floats:
@@ -268,5 +265,4 @@ def _above_chance(contrasts: Floats, weights: Floats, times: Floats, unsure: flo
 
 
 def _mean(values: Floats, weights: Floats | Mask) -> Floats:
-    mean: Floats = (values * weights).sum(axis=1) / np.maximum(weights.sum(axis=1), 1e-9)
-    return mean
+    return np.asarray((values * weights).sum(axis=1) / np.maximum(weights.sum(axis=1), 1e-9))

@@ -34,8 +34,7 @@ def patch_size_of(exemplar: Exemplar, share: float) -> int:
     side = min(exemplar.shape)
     if side > _SMALL:
         small, step = smaller_copy(exemplar, LOOK)
-        scale = structure_scale(small).scale * step
-        side = min(side, max(_SMALL, round(_SCALES * scale)))
+        side = min(side, max(_SMALL, round(_SCALES * structure_scale(small).scale * step)))
     return max(1, round(share * side))
 
 

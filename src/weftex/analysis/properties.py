@@ -48,10 +48,8 @@ def highest_return(correlation: Floats) -> float:
         if reached <= best:
             break  # no other shift can come back any higher
         steps = np.linspace(0, 1, 1 + max(int(y[k]), abs(int(x[k]) - center)))
-        way = half[
-            np.rint(steps * y[k]).astype(int), center + np.rint(steps * (x[k] - center)).astype(int)
-        ]
-        best = max(best, reached - max(0.0, float(way.min())))
+        down, along = (np.rint(steps * far).astype(int) for far in (y[k], x[k] - center))
+        best = max(best, reached - max(0.0, float(half[down, center + along].min())))
     return best
 
 
@@ -138,8 +136,7 @@ class Evenness:
     @property
     def lit_unevenly(self) -> bool:
         """Whether uneven light should be removed; False if large forms may be the cause."""
-        lit = self.light > _LIGHT and self.light_range > _LIGHT_RANGE
-        return lit and self.large_forms <= FORMS
+        return self.light > _LIGHT and self.light_range > _LIGHT_RANGE and self.large_forms <= FORMS
 
 
 def evenness(exemplar: Exemplar) -> Evenness:

@@ -102,8 +102,7 @@ def means(values: NDArray[Any], step: int) -> Floats:
     high, wide = min(step, height), min(step, width)  # a thin sample has fewer
     rows, columns = height // high, width // wide
     cut = values[..., : rows * high, : columns * wide].reshape(*first, rows, high, columns, wide)
-    found: Floats = cut.mean(axis=(-3, -1), dtype=np.float64)
-    return found
+    return np.asarray(cut.mean(axis=(-3, -1), dtype=np.float64))
 
 
 def _moments(values: Floats, down: Floats, along: Floats) -> Floats:

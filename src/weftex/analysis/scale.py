@@ -169,8 +169,7 @@ def _fall(correlation: Floats) -> Floats:
     distance = np.rint(np.hypot(y, x)).astype(np.int64).ravel()
     near = max(2, min(height, width) // 2)
     sums = np.bincount(distance, correlation.ravel())[:near]
-    fall: Floats = sums / np.bincount(distance)[:near] / correlation.max()
-    return fall
+    return np.asarray(sums / np.bincount(distance)[:near] / correlation.max())
 
 
 def _padded(flat: Relief) -> tuple[int, int]:

@@ -44,8 +44,7 @@ def _divide(field: Field, vectors: Floats) -> Floats:
         for across in (n for n in range(1, index + 1) if index % n == 0):
             for slant in range(index // across):
                 whole = np.array([[across, 0.0], [slant, index // across]])
-                finer = np.linalg.inv(whole) @ vectors
-                basis = reduced(finer)
+                basis = reduced(np.linalg.inv(whole) @ vectors)
                 if np.hypot(*basis[0]) < SHORTEST:
                     continue
                 whole = np.rint(vectors @ np.linalg.inv(basis))
@@ -74,8 +73,7 @@ def _multiply(field: Field, vectors: Floats) -> Floats:
                     gap, _, count = _stand_out(field, vectors, whole)
                     higher = gap > 0.5
                 if higher and count >= _OWN:
-                    larger = reduced(whole @ vectors)
-                    return fitted(field, larger)
+                    return fitted(field, reduced(whole @ vectors))
     return vectors
 
 

@@ -46,8 +46,7 @@ def between_joints(flat: Relief, coarser: int = 0) -> float:
     octaves, left = _openings(np.where(joints, 0, 255).astype(np.uint8), 0)
     half = distance_at(left / left[0], 0.5)
     width = float(np.exp2(np.interp(half, np.arange(len(left)), octaves)))
-    distance: float = _PITCH * step * width
-    return distance
+    return float(_PITCH * step * width)
 
 
 def _along_runs(narrow: NDArray[np.float32]) -> NDArray[np.float32]:
@@ -126,5 +125,4 @@ def over_squares(levels: Bytes, size: int, pick: np.ufunc) -> Bytes:
 def _extremes(levels: Bytes, by: int, pick: np.ufunc) -> Bytes:
     """Return the extreme of each pixel and those `by` to the right, below, and both."""
     across: Bytes = pick(levels[:, :-by], levels[:, by:])
-    found: Bytes = pick(across[:-by], across[by:])
-    return found
+    return np.asarray(pick(across[:-by], across[by:]))
