@@ -236,8 +236,7 @@ class Exemplar(Displayable):
         for name, factor in factors.items():
             values = to_bytes(other.aligned(name), scale_to_bytes(self.aligned(name)))
             own.append(np.rint(np.minimum(values * factor, 255)).astype(np.uint8))
-        whole = own[0] if len(own) == 1 else np.concatenate(own, axis=2)
-        return np.ascontiguousarray(whole)
+        return np.ascontiguousarray(own[0] if len(own) == 1 else np.concatenate(own, axis=2))
 
     def as_matching(self, pixels: NDArray[Any]) -> NDArray[np.uint8]:
         """Map pixels of this sample's dtype and channels to bytes as the sample's own are.

@@ -243,9 +243,7 @@ def _by_role(
         return dict(paths), {stem: role or COLOR for stem, role in found.items()}
     previews = [stem for stem in paths if is_preview(stem)]
     if len(previews) < len(paths):
-        notes += [
-            f"{os.path.basename(paths[stem])} is ignored: it is a preview" for stem in previews
-        ]
+        notes += [f"{os.path.basename(paths[k])} is ignored: it is a preview" for k in previews]
         found = {stem: role for stem, role in found.items() if stem not in previews}
     known = {stem: role for stem, role in found.items() if role is not None}
     for stem in [stem for stem in found if is_name_of(stem, [*known])]:

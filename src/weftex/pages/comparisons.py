@@ -169,12 +169,11 @@ class Comparison(Page):
         if entry.result is None or entry.assessment is None:
             return [head, f"<p>It cannot make this: {escape(entry.note)}.</p>"]
         image = as_shown(self.exemplar, entry.result.image)
+        shown = (image, entry.method, "the result"), (entry.result.draw(), "Source", _COLORS)
         return [
             head,
             f"<p>{escape(entry.assessment.verdict())} {entry.seconds:.2f} s.</p>",
-            pictures(
-                [(image, entry.method, "the result"), (entry.result.draw(), "Source", _COLORS)]
-            ),
+            pictures(shown),
             parameters("Parameters", entry.result.provenance),
         ]
 

@@ -217,8 +217,7 @@ def report(
         made_maps = {} if result.exemplar is None else result.maps
     else:
         made = load_exemplar(result)
-        result = pixels = made.pixels
-        named, made_maps = made.name, made.maps
+        pixels, named, made_maps = made.pixels, made.name, made.maps
     if not isinstance(source, Synthesis | None):
         raise wrong_value("source", source, "a Synthesis or its file")
     maps = fault_maps(exemplar, pixels, source)

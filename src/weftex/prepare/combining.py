@@ -174,9 +174,9 @@ def _constant(exemplar: Exemplar, like: Exemplar, key: str, value: float | str) 
     levels = [0.5, 0.5, 1.0, 1.0][: given.channels] if value == FLAT else [value] * given.channels
     if given.alpha:
         levels[-1] = 1.0
-    full = 1.0 if given.pixels.dtype.kind == "f" else float(np.iinfo(given.pixels.dtype).max)
-    pixels = np.empty((*shape, given.channels), given.pixels.dtype)
-    pixels[:] = np.array(levels) * full if full == 1 else np.rint(np.array(levels) * full)
+    dtype, values = given.pixels.dtype, np.array(levels)
+    values = values if dtype.kind == "f" else np.rint(values * np.iinfo(dtype).max)
+    pixels = np.full((*shape, given.channels), values, dtype)
     return given.changed(pixels=pixels.reshape(*shape, *given.pixels.shape[2:]))
 
 
@@ -211,9 +211,8 @@ def _as_color(exemplar: Exemplar, channels: int) -> Exemplar:
     if exemplar.channels - clear != 1 or channels - clear != 3:
         return exemplar
     pixels = exemplar.pixels.reshape(*exemplar.shape, -1)
-    return exemplar.changed(
-        pixels=np.concatenate([*[pixels[..., :1]] * 3, pixels[..., 1:]], axis=2)
-    )
+    pixels = np.concatenate([*[pixels[..., :1]] * 3, pixels[..., 1:]], axis=2)
+    return exemplar.changed(pixels=pixels)
 
 
 def _kind(exemplar: Exemplar) -> str:

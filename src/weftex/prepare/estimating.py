@@ -199,21 +199,18 @@ def _roughness(exemplar: Exemplar) -> Floats:
     """Return a guess: more where detail of two pixels is strong."""
     bright = _brightness(exemplar)
     detail = abs(bright - blurred(bright, _FINE, exemplar.tileable))
-    strong = blurred(detail, _AROUND, exemplar.tileable)
-    return _ROUGH + _ROUGHER * _shares(strong, 0.0)
+    return _ROUGH + _ROUGHER * _shares(blurred(detail, _AROUND, exemplar.tileable), 0.0)
 
 
 def _bytes(values: NDArray[Any]) -> NDArray[np.uint8]:
-    found: NDArray[np.uint8] = np.rint(values * 255).astype(np.uint8)
-    return found
+    return np.asarray(np.rint(values * 255), np.uint8)
 
 
 def _brightness(exemplar: Exemplar) -> Floats:
     """Return the mean of the color channels."""
     colors = exemplar.pixels.reshape(*exemplar.shape, -1)
     colors = tamed(colors[..., : exemplar.channels - exemplar.alpha])[0].astype(np.float64)
-    mean: Floats = colors.mean(axis=2)
-    return mean
+    return np.asarray(colors.mean(axis=2))
 
 
 def _surface(exemplar: Exemplar) -> Floats:

@@ -99,8 +99,7 @@ def landmarks_shown_again(
     again = any(2 * (mask & shown).sum() >= mask.sum() for mask in apart)
     if not again or has_joint_network(photo):
         return None
-    found: Mask = np.logical_or.reduce(apart)
-    return found
+    return np.asarray(np.logical_or.reduce(apart))
 
 
 def _distances(exemplar: Exemplar, radius: int) -> tuple[NDArray[np.float64], float]:

@@ -72,8 +72,7 @@ def even_light(sample: Sample, degree: int = 2) -> Exemplar:
     even = pixels.copy()
     bands = [_linear(pixels[..., k]) for k in range(exemplar.channels - exemplar.alpha)]
     for channel, linear in enumerate(_without_shadow(bands, usable)):
-        light = _light(linear, usable, degree)
-        even[..., channel] = _stored(linear / light, pixels.dtype)
+        even[..., channel] = _stored(linear / _light(linear, usable, degree), pixels.dtype)
     return exemplar.changed(pixels=even.reshape(exemplar.pixels.shape))
 
 
@@ -195,8 +194,7 @@ def _linear(stored: NDArray[Any]) -> Floats:
     if stored.dtype.kind == "f":
         return stored.astype(np.float64)
     top = np.iinfo(stored.dtype).max
-    linear: Floats = to_light(np.arange(top + 1) / top)[stored]
-    return linear
+    return to_light(np.arange(top + 1) / top).take(stored)
 
 
 def _stored(linear: Floats, dtype: np.dtype[Any]) -> NDArray[Any]:
@@ -204,5 +202,4 @@ def _stored(linear: Floats, dtype: np.dtype[Any]) -> NDArray[Any]:
     if dtype.kind == "f":
         most = np.finfo(dtype).max
         return np.clip(linear, -most, most).astype(dtype)
-    shares = to_stored(np.clip(linear, 0, 1))
-    return np.rint(shares * np.iinfo(dtype).max).astype(dtype)
+    return np.rint(to_stored(np.clip(linear, 0, 1)) * np.iinfo(dtype).max).astype(dtype)

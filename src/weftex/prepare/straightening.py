@@ -160,8 +160,7 @@ def _lattice_of(given: Lattice | Sequence[float] | str | None, exemplar: Exempla
 def _by_lattice(lattice: Lattice, exemplar: Exemplar) -> tuple[Floats, tuple[int, int]]:
     """Return the affine matrix (3, 3) that makes a lattice level, and the size of the result."""
     sides = _sides(lattice)
-    level = np.diag(np.hypot(*sides.T))
-    turn = np.linalg.inv(sides) @ level
+    turn = np.linalg.inv(sides) @ np.diag(np.hypot(*sides.T))
     height, width = exemplar.shape
     middle = np.array([width, height]) / 2
     # The part of the photo's proportions whose corners come from within it.
@@ -349,5 +348,4 @@ def _nearest(values: NDArray[Any], matrix: Floats, size: tuple[int, int]) -> NDA
     place = np.stack([x, y, np.ones(size)], axis=-1) @ np.linalg.inv(matrix)
     columns, rows = np.floor(place[..., :2] / place[..., 2:]).astype(int).transpose(2, 0, 1)
     height, width = values.shape[:2]
-    found: NDArray[Any] = values[rows.clip(0, height - 1), columns.clip(0, width - 1)]
-    return found
+    return np.asarray(values[rows.clip(0, height - 1), columns.clip(0, width - 1)])

@@ -170,8 +170,7 @@ def occlusion_from_height(
     open_sky = np.zeros(surface.shape, np.float32)
     for turn in 2 * np.pi * np.arange(_DIRECTIONS) / _DIRECTIONS:
         slope = np.zeros(surface.shape, np.float32)
-        places = {(round(r * np.sin(turn)), round(r * np.cos(turn))) for r in distances}
-        for y, x in sorted(places):
+        for y, x in sorted({(round(r * np.sin(turn)), round(r * np.cos(turn))) for r in distances}):
             other = padded[margin + y :, margin + x :][:rows, :columns]
             np.maximum(slope, (other - surface) / np.float32(np.hypot(y, x)), out=slope)
         open_sky += 1 / (1 + slope * slope)

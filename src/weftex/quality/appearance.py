@@ -85,9 +85,8 @@ def _features(channels: int, scale: int) -> NDArray[np.float32]:
         mixture = (bits[8:] % np.uint64(3)).astype(int) - 1
         mixture = mixture if mixture.any() else np.ones(channels, int)
         first, second = boxes = np.zeros((2, _WIDTH, _WIDTH), np.int16)
-        for box, (y, x), (h, w) in zip(
-            boxes, corners.reshape(2, 2), sizes.reshape(2, 2), strict=True
-        ):
+        parts = zip(boxes, corners.reshape(2, 2), sizes.reshape(2, 2), strict=True)
+        for box, (y, x), (h, w) in parts:
             box[y : y + h, x : x + w] = 1
         if k % 4:  # a mean of one box in every fourth
             first = first * second.sum() - second * first.sum()
@@ -191,11 +190,10 @@ def lattice_kept(sample: View, result: View, lattice: Lattice | None) -> float |
         (x, y), (height, width) = lattice.vectors[0], sample.shape
         if abs(_ROWS * x) > width or abs(_ROWS * y) > height:
             return None
-    halves = [half for pair in sample.halves for half in pair]
     own, made = (_contrast(view, lattice, sample.shape) for view in (sample, result))
     if own is None or made is None or own < _FAINT:
         return None
-    parts = [_contrast(half, lattice, sample.shape) for half in halves]
+    parts = [_contrast(half, lattice, sample.shape) for pair in sample.halves for half in pair]
     steady = [part for part in parts if part is not None]
     kept = bool(steady) and np.mean(steady) >= _STEADY * own
     return max(0.0, made / own) if kept else None
@@ -225,12 +223,7 @@ def _places(lattice: Lattice) -> tuple[Floats, Floats]:
 def _highest(correlation: Floats, places: Floats, reach: int) -> Floats:
     """Return the highest correlation within `reach` of each place."""
     side = np.arange(-reach, reach + 1)
-    x, y = np.rint(places).astype(int).T
-    rows = (y + correlation.shape[0] // 2)[:, None, None] + side[:, None]
-    columns = (x + correlation.shape[1] // 2)[:, None, None] + side
-    rows, columns = (
-        index.clip(0, limit - 1)
-        for index, limit in zip((rows, columns), correlation.shape, strict=True)
-    )
-    highest: Floats = correlation[rows, columns].max(axis=(1, 2))
-    return highest
+    (x, y), (height, width) = np.rint(places).astype(int).T, correlation.shape
+    rows = ((y + height // 2)[:, None, None] + side[:, None]).clip(0, height - 1)
+    columns = ((x + width // 2)[:, None, None] + side).clip(0, width - 1)
+    return np.asarray(correlation[rows, columns].max(axis=(1, 2)))

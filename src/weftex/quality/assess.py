@@ -210,7 +210,9 @@ def real_crops(sample: Exemplar) -> dict[str, float | None]:
         first, second = (_part(sample, box) for box in pair)
         if first is not None and second is not None:
             found += [assess(first, second.pixels), assess(second, first.pixels)]
-    return {name: _mean([getattr(one, name) for one in found]) for name in FIGURES}
+    values = {name: [getattr(one, name) for one in found] for name in FIGURES}
+    known = {name: [one for one in row if one is not None] for name, row in values.items()}
+    return {name: _rounded(float(np.mean(row))) if row else None for name, row in known.items()}
 
 
 def _part(sample: Exemplar, box: tuple[slice, ...] | slice) -> Exemplar | None:
@@ -218,11 +220,6 @@ def _part(sample: Exemplar, box: tuple[slice, ...] | slice) -> Exemplar | None:
     if pixels.size == 0 or (sample.mask is not None and not sample.mask[box].all()):
         return None
     return Exemplar(pixels, alpha=sample.alpha, name=sample.name)
-
-
-def _mean(values: list[float | None]) -> float | None:
-    known = [value for value in values if value is not None]
-    return round(float(np.mean(known)), _DIGITS) if known else None
 
 
 def _rounded(value: float | None) -> float | None:

@@ -62,8 +62,7 @@ def fault_maps(
         np.add.at(count, (places[known][:, 0], places[known][:, 1]), 1)
         usual = max(float(count.mean()), 1e-9)
         often = np.clip(np.log2((count + usual / 8) / usual) / 3, -1, 1)
-        shown = as_shown(pictured, pictured.pixels)
-        seldom = _marked(shown, np.maximum(-often, 0), (0, 90, 255))
+        seldom = _marked(as_shown(pictured, pictured.pixels), np.maximum(-often, 0), (0, 90, 255))
         maps["use"] = _marked(seldom, np.maximum(often, 0), (255, 150, 0), 1.0)
     return maps
 

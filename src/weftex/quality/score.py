@@ -84,10 +84,9 @@ class Scorer:
 
     def __init__(self, exemplar: Exemplar) -> None:
         self.exemplar = exemplar
-        side = min(exemplar.shape)
-        self._levels = max(1, 1 + round(math.log2(side / _SIDE)))
+        self._levels = max(1, 1 + round(math.log2(min(exemplar.shape) / _SIDE)))
         self.own = view_of(exemplar)
-        own = self._coarse(self.own)
+        own = self.own.pyramid(self._levels)[-1]
         self._width = max(2, min(own.shape) // 3)
         values = self._width**2 * own.values.shape[2]
         self._shift = next(s for s in range(9) if values * (255 >> s) ** 2 < _EXACT)
@@ -114,7 +113,7 @@ class Scorer:
 
     def windows(self, made: View) -> dict[str, float]:
         """Compare windows of a picture with the sample's; empty where the picture is too small."""
-        windows = self._windows(self._coarse(made))
+        windows = self._windows(made.pyramid(self._levels)[-1])
         if not len(windows) or not len(self._own):
             return {}
         apart, which = nearest(windows, self._own)
@@ -130,7 +129,7 @@ class Scorer:
 
     def broken_map(self, made: View) -> NDArray[np.float64] | None:
         """Return `broken` of the windows around each pixel, (H, W); None where there are none."""
-        coarse = self._coarse(made)
+        coarse = made.pyramid(self._levels)[-1]
         windows = self._windows(coarse)
         if not len(windows) or not len(self._own):
             return None
@@ -162,9 +161,6 @@ class Scorer:
         figures = self.figures(self.view(picture))
         score, broken = weigh(figures), figures.get("broken") or 0.0
         return Rating() if score is None else Rating(score, score + _BROKEN * math.log1p(broken))
-
-    def _coarse(self, view: View) -> View:
-        return view.pyramid(self._levels)[-1]
 
     def _windows(self, view: View) -> Windows:
         """Return the usable windows on a grid, in few enough bits that distances are exact."""

@@ -39,14 +39,9 @@ class StepModel:
             usable = [_whole(sample.usable, axis) for axis in (0, 1)]
             self.able = all(bool(place.any()) for place in usable)
         if self.able:
-            self._usual = [
-                float(np.quantile(value[place], _USUAL))
-                for value, place in zip(values, usable, strict=True)
-            ]
-            self._own = [
-                _own_rate(np.maximum(value - usual, 0), place)
-                for value, place, usual in zip(values, usable, self._usual, strict=True)
-            ]
+            self._usual = [float(np.quantile(values[k][usable[k]], _USUAL)) for k in (0, 1)]
+            over = [np.maximum(values[k] - self._usual[k], 0) for k in (0, 1)]
+            self._own = [_own_rate(over[k], usable[k]) for k in (0, 1)]
 
     def fits(self, result: View) -> bool:
         """Return whether sample and result are large enough to be measured."""
@@ -66,8 +61,7 @@ class StepModel:
         across = np.take(result.values, np.arange(-_BORDER, _BORDER), axis)
         around = View(across, np.ones(across.shape[:2], bool), result.axis, result.sample)
         found = self._surprise(around, axis)
-        places: NDArray[np.bool_] = np.take(found, found.shape[axis] // 2, axis) > usual
-        return places
+        return np.asarray(np.take(found, found.shape[axis] // 2, axis) > usual)
 
     def _surprise(self, view: View, axis: int) -> Floats:
         model = self._models[axis]
@@ -136,8 +130,7 @@ def _fit(gray: Floats, usable: NDArray[np.bool_]) -> Model | None:
     weights = np.linalg.solve(gram + ridge * np.eye(len(gram)), np.einsum("ni,n->i", around, step))
     left = (step - np.einsum("ni,i->n", around, weights)) ** 2
     activity = (around**2).mean(axis=1)
-    order = np.argsort(activity, kind="stable")
-    bins = np.array_split(order, min(24, len(places) // 50))
+    bins = np.array_split(np.argsort(activity, kind="stable"), min(24, len(places) // 50))
     knots = np.array([activity[part].mean() for part in bins])
     usual = np.array([left[part].mean() for part in bins]) + 1 / 6
     return weights, knots, np.maximum.accumulate(usual)
@@ -160,8 +153,7 @@ def _surprise(steps: Floats, model: Model) -> Floats:
     # Sums of all lines so far, less those of 17 lines ago.
     sums = np.pad(found.cumsum(axis=0, dtype=np.float64), [(1, 0), (0, 0)])
     pooled = 2 * _ALONG + 1
-    means: Floats = ((sums[pooled:] - sums[:-pooled]) / pooled).astype(np.float32)
-    return means
+    return np.asarray((sums[pooled:] - sums[:-pooled]) / pooled, np.float32)
 
 
 def _whole(usable: NDArray[np.bool_], axis: int) -> NDArray[np.bool_]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
@@ -77,8 +78,9 @@ class View:
         """Return the middle of a picture with longer sides than `widest`."""
         if max(self.shape) <= widest:
             return self
-        values, usable = middle(self.values, widest), middle(self.usable, widest)
-        return View(values, usable, self.axis, self.sample)
+        return View(
+            middle(self.values, widest), middle(self.usable, widest), self.axis, self.sample
+        )
 
     @cached_property
     def halves(self) -> tuple[tuple[View, View], ...]:
@@ -124,9 +126,7 @@ def view_beside(own: View, sample: Exemplar, result: NDArray[Any]) -> View:
     pixels = check_pixels(result, "result")
     theirs = sample.pixels
     if (pixels.shape[2:] or (1,)) != (theirs.shape[2:] or (1,)) or pixels.dtype != theirs.dtype:
-        kinds = [
-            f"{p.dtype} with {np.prod(p.shape[2:], dtype=int)} channels" for p in (pixels, theirs)
-        ]
+        kinds = [f"{p.dtype} with {math.prod(p.shape[2:])} channels" for p in (pixels, theirs)]
         raise InvalidInputError(
             f"the result is {kinds[0]}, the sample {kinds[1]}; dtype and channels must be equal"
         )
@@ -145,8 +145,7 @@ def _axis(pixels: NDArray[np.uint8]) -> NDArray[np.int64]:
         return np.ones(len(vectors), np.int64)
     first = vectors[:, -1] / abs(vectors[:, -1]).max()
     first = first if first.sum() >= 0 else -first
-    whole: NDArray[np.int64] = np.rint(127 * first).astype(np.int64)
-    return whole
+    return np.asarray(np.rint(127 * first), np.int64)
 
 
 def window_corners(usable: NDArray[np.bool_], width: int) -> NDArray[np.int64]:
