@@ -139,9 +139,8 @@ class Parser(argparse.ArgumentParser):
         import shutil
 
         self._columns = shutil.get_terminal_size().columns
-        words = [
-            self._get_formatter()._format_args(a, a.dest) for a in self._get_positional_actions()
-        ]
+        formatter = self._get_formatter()
+        words = [formatter._format_args(a, a.dest) for a in self._get_positional_actions()]
         required = [action for action in self._actions if action.required and action.option_strings]
         words += [f"{action.option_strings[0]} {action.metavar}" for action in required]
         self.usage = " ".join([self.prog, *words, "[options]"])

@@ -20,9 +20,7 @@ Result = TypeVar("Result")
 
 _PATIENCE = 0.6  # seconds that work in hand has to end by itself
 #: Signals that stop a command; SIGHUP is that its terminal is closed.
-_SIGNALS = [
-    getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name)
-]
+_SIGNALS = [getattr(signal, one) for one in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, one)]
 _heard: list[int] = []
 #: Whether a program runs the command: messages are JSON, and closing standard input stops it.
 for_program = False
@@ -86,6 +84,7 @@ class Bar(progress.Bar):
     def __init__(self, quiet: bool) -> None:
         super().__init__()
         self._at_stop: list[Callable[[], None]] = []
+        self.at_stop = self._at_stop.append  # has something done when the work is stopped
         self._shows = not quiet and (for_program or sys.stderr.isatty())
         self.stopped = False
 
@@ -114,10 +113,6 @@ class Bar(progress.Bar):
         self.stopped = True
         for act in self._at_stop:
             act()
-
-    def at_stop(self, act: Callable[[], None]) -> None:
-        """Have this done when the work is stopped."""
-        self._at_stop.append(act)
 
 
 def refuse_input(path: str) -> None:

@@ -17,7 +17,8 @@ from weftex.raster.arrays import as_array, is_masked
 from weftex.roles import COLOR, Role, is_name_of, is_preview, role_of
 
 if TYPE_CHECKING:
-    from weftex.io.pictures import Picture, StrPath
+    from weftex.io.formats import StrPath
+    from weftex.io.pictures import Picture
 
 #: A path, "sample:NAME", an array, a PIL image or an Exemplar.
 Sample = str | os.PathLike[str] | NDArray[Any] | Exemplar | Any

@@ -15,7 +15,7 @@ from weftex.io.png import SIGNATURE
 
 StrPath = str | os.PathLike[str]
 
-__all__ = ["FORMATS", "TIFF", "kind_of", "suffix_of", "written_as"]
+__all__ = ["FORMATS", "SUFFIXES", "TIFF", "file_error", "kind_of", "suffix_of", "written_as"]
 
 SIGNATURES = {
     "png": (SIGNATURE,),
@@ -27,6 +27,8 @@ SIGNATURES = {
     "jpegxl": (b"\xff\x0a", b"\0\0\0\x0cJXL \r\n\x87\n"),
     "gif": (b"GIF87a", b"GIF89a"),
 }
+#: Suffixes of formats that are not called as their suffix.
+SUFFIXES = {"jpeg": ".jpg", "tiff": ".tif", "openexr": ".exr", "jpegxl": ".jxl"}
 #: Attributes of OpenImageIO, which turns CMYK into RGB while it reads.
 COLOR_SPACES = ("tiff:ColorSpace", "jpeg:ColorSpace")
 FLOATS = dict.fromkeys(("half", "float", "double"), "float")
@@ -153,9 +155,8 @@ def check_png(file: IO[bytes], given: str) -> None:
             raise file_error(given, "the file is cut short")
         body, check = file.read(length), int.from_bytes(file.read(4), "big")
         sides = [int.from_bytes(body[k : k + 4], "big") for k in (0, 4)]
-        header = position > len(SIGNATURE) or (
-            kind == b"IHDR" and 0 < min(sides) <= max(sides) <= 10**6
-        )
+        sized = kind == b"IHDR" and 0 < min(sides) <= max(sides) <= 10**6
+        header = position > len(SIGNATURE) or sized
         if not header or zlib.crc32(body, zlib.crc32(kind)) != check:
             raise file_error(given, "the file is damaged")
         position += 12 + length
@@ -171,9 +172,8 @@ def bits_of(path: str) -> int:
     if file is None:
         complaint(oiio)
         return 0
-    return {"half": 11, "float": 24, "double": 53}.get(str(file.spec().format)) or int(
-        8 * file.spec().format.size()
-    )
+    kind = file.spec().format
+    return {"half": 11, "float": 24, "double": 53}.get(str(kind)) or int(8 * kind.size())
 
 
 def check_spec(spec: Any, given: str, max_pixels: int | None) -> None:

@@ -7,7 +7,7 @@ import os
 import shutil
 import threading
 from collections.abc import Collection, Iterable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from typing import Any
 
 from weftex.errors import FileError
@@ -96,12 +96,10 @@ class Manifest:
         try:
             with open(self._path, encoding="utf-8") as file:
                 for line in file:
-                    try:
+                    with suppress(ValueError, RecursionError):
                         record = json.loads(line)
-                    except (ValueError, RecursionError):
-                        continue
-                    if isinstance(record, dict) and isinstance(record.get("output"), str):
-                        found.append(record)
+                        if isinstance(record, dict) and isinstance(record.get("output"), str):
+                            found.append(record)
         except FileNotFoundError:
             pass
         except (OSError, UnicodeDecodeError) as error:

@@ -182,9 +182,8 @@ def materialx_document(name: str, where: Mapping[str, Place], *, hextiled: bool 
         """Add a node whose inputs are values, or what other nodes make."""
         node = document.addNode(what, name, kind)
         for key, value in inputs.items():
-            (node.setConnectedNode if isinstance(value, mx.Node) else node.setInputValue)(
-                key, value
-            )
+            put = node.setConnectedNode if isinstance(value, mx.Node) else node.setInputValue
+            put(key, value)
         return node
 
     def picture(file: str, name: str, kind: str, what: str = "image", space: str = "") -> Any:
@@ -199,8 +198,7 @@ def materialx_document(name: str, where: Mapping[str, Place], *, hextiled: bool 
         if not hextiled and not place.width:
             return picture(place.file, f"{role}_image", "float")
         whole = picture(place.file, f"{role}_image", "color3" if hextiled else "vector4")
-        inputs = {"index": place.first, "in": whole}
-        return add("extract", f"{role}_channel", "float", inputs)
+        return add("extract", f"{role}_channel", "float", {"index": place.first, "in": whole})
 
     shader = add("standard_surface", f"{own}_surface", "surfaceshader", {})
     material = document.addMaterialNode(own, shader)
@@ -220,10 +218,8 @@ def materialx_document(name: str, where: Mapping[str, Place], *, hextiled: bool 
             shader.setConnectedNode("normal", node)
         elif role == "height":
             inputs = {"in2": 0.5, "in1": number(role, place)}
-            inputs = {
-                "scale": RELIEF,
-                "displacement": add("subtract", "height_from_middle", "float", inputs),
-            }
+            node = add("subtract", "height_from_middle", "float", inputs)
+            inputs = {"scale": RELIEF, "displacement": node}
             node = add("displacement", "relief", "displacementshader", inputs)
             material.setConnectedNode("displacementshader", node)
         elif role == "opacity":

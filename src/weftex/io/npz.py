@@ -62,8 +62,7 @@ class Arrays:
             first = form.read_magic(member) == (1, 0)
             read = form.read_array_header_1_0 if first else form.read_array_header_2_0
             shape, _, dtype = read(member)
-            said = math.prod(map(abs, shape)) * int(dtype.itemsize)
-            return said, entry.file_size - member.tell()
+            return math.prod(map(abs, shape)) * int(dtype.itemsize), entry.file_size - member.tell()
 
 
 def write_npz(

@@ -67,8 +67,7 @@ def pack_set(
         if not used or left:
             what = f"{', '.join(left)} of {key}" if used else key
             packer.notes.append(f"{what} is left out: preset {preset.name} has no file for it")
-    notes = tuple(packer.notes)
-    return OutputSet(folder, pictures, tuple(files), notes, name, preset.material)
+    return OutputSet(folder, pictures, tuple(files), tuple(packer.notes), name, preset.material)
 
 
 class _Packer:
@@ -179,8 +178,7 @@ class _Packer:
         dtype = self._dtype(wanted, suffix, given, parts)
         icc = first.icc if parts[0].role == "color" else None
         four = len(parts) > 1 and sum(width_of(part.role) for part in parts) in (2, 4)
-        half = first.half and dtype.kind == "f"
-        how = kept or four, icc, half, first.density
+        how = kept or four, icc, first.half and dtype.kind == "f", first.density
         return OutputFile(stem + suffix, tuple(parts), dtype, *how)
 
     def _dtype(

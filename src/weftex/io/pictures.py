@@ -43,6 +43,7 @@ from weftex.io.formats import (
     COLOR_SPACES,
     FORMATS,
     READ_AS,
+    StrPath,
     check_fit,
     check_spec,
     complaint,
@@ -63,8 +64,6 @@ from weftex.io.formats import (
 from weftex.io.png import read_density, write_png
 from weftex.raster.arrays import as_array
 from weftex.threads import thread_count
-
-StrPath = str | os.PathLike[str]
 
 __all__ = [
     "MAX_PIXELS",
@@ -272,11 +271,9 @@ def check_output(
     if os.path.isdir(target):
         raise file_error(given, "is a folder; name a file in it")
     if suffix not in known:
-        meant = ".png" if suffix == ".gif" else suffix
-        near = did_you_mean(meant, known) if suffix else f"; known: {', '.join(sorted(known))}"
-        raise file_error(
-            given, f"cannot write {f'{suffix!r}' if suffix else 'without a suffix'}{near}"
-        )
+        near = did_you_mean(".png" if suffix == ".gif" else suffix, known)
+        what = repr(suffix) if suffix else "without a suffix"
+        raise file_error(given, f"cannot write {what}{near}")
     if not os.path.isdir(folder):
         raise file_error(given, f"the folder {show(folder)} does not exist")
     if not os.access(folder, os.W_OK | os.X_OK):

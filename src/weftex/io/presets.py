@@ -92,8 +92,7 @@ def read_preset(preset: StrPath) -> Preset:
     if path.suffix != _SUFFIX:
         if given not in _names():
             own = f"; a preset of your own is a {_SUFFIX} file" if path.suffix else ""
-            near = did_you_mean(given, _names())
-            raise InvalidInputError(f"preset is {shown(given)}{near}{own}")
+            raise InvalidInputError(f"preset is {shown(given)}{did_you_mean(given, _names())}{own}")
         path = _FOLDER / f"{given}{_SUFFIX}"
     try:
         text = path.read_text("utf-8")

@@ -15,18 +15,15 @@ from contextlib import contextmanager, redirect_stdout
 
 from weftex.errors import FileError, InvalidInputError
 from weftex.io import temporary
-from weftex.io.formats import SIGNATURES, file_error
+from weftex.io.formats import SIGNATURES, SUFFIXES, file_error
 from weftex.io.pictures import MAX_PIXELS
 
 #: Options whose value is written, and what `-` stands for there; `-.exr` names another format.
 _WRITTEN = dict.fromkeys(("-o", "--output", "--overlay"), ".png")
 _WRITTEN["--save-source"] = ".npz"
 _PAGES = ("report", "compare")
-_SUFFIXES = {"jpeg": ".jpg", "tiff": ".tif", "openexr": ".exr", "jpegxl": ".jxl"}
 _STARTS = {
-    start: _SUFFIXES.get(kind, f".{kind}")
-    for kind, starts in SIGNATURES.items()
-    for start in starts
+    start: SUFFIXES.get(kind, f".{kind}") for kind, starts in SIGNATURES.items() for start in starts
 } | {b"RIFF": ".webp", b"PK\3\4": ".npz"}
 
 _folder = ""  # with its separator

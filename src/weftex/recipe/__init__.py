@@ -111,9 +111,8 @@ class Recipe:
         known = [*_ALL, *(name for name, one in declared.items() if local or not one.local)]
         for name in given:
             if name not in known:
-                raise InvalidInputError(
-                    f"{task} has no {shown(name)}{did_you_mean(str(name), known)}"
-                )
+                near = did_you_mean(str(name), known)
+                raise InvalidInputError(f"{task} has no {shown(name)}{near}")
         materials = _materials(task, given.get("materials"), local)
         seed = given.get("seed")
         if seed is None:
@@ -293,9 +292,8 @@ def _method(
         from weftex.tasks.fuse import split_parameters
 
         belts = method_class(name).belt_parameters & own.keys()
-        method, alone = split_parameters(
-            make_method(name, {}), own, as_canvas(1, options["tileable"])
-        )
+        canvas = as_canvas(1, options["tileable"])
+        method, alone = split_parameters(make_method(name, {}), own, canvas)
         method.for_belt(method.window_for(1), **alone)  # refuses what belts do not take
     else:
         method = make_method(name, own)

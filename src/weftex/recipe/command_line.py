@@ -113,9 +113,7 @@ def command_of(
     )
     for number, spec in enumerate(recipe.materials, 1):
         path, left = path_of(spec, names), dict(spec)
-        preparation = {
-            name: left.pop(name) for name in PREPARATION if name in left and not together
-        }
+        preparation = {k: left.pop(k) for k in PREPARATION if k in left and not together}
         if preparation:
             suffix = "/" if path.endswith("/") else os.path.splitext(output)[1]
             lines.append(["weftex", "prepare", path, "-o", path := f"prepared{number}{suffix}"])

@@ -136,6 +136,18 @@ def _several(check: Callable[[Any], Any], count: int = 0) -> Callable[[Any], tup
     return check_all
 
 
+def _fitting(check: Callable[[Any], Any], fits: Callable[[Any], bool]) -> Callable[[Any], Any]:
+    """A check for what another check returns, if it also fits."""
+
+    def check_both(value: Any) -> Any:
+        found = check(value)
+        if not fits(found):
+            raise ValueError
+        return found
+
+    return check_both
+
+
 def _listed(one: Kind, name: str, wanted: str, count: int = 0) -> Kind:
     """The kind of lists of values of one kind, written 'a,b'."""
     return Kind(
@@ -220,46 +232,25 @@ def _read_size(text: str) -> list[int]:
     return [height, width]
 
 
-def _size(value: Any) -> tuple[int, ...]:
-    sides = _several(_whole, 2)(value)
-    if min(sides) < 1:
-        raise ValueError
-    return sides
-
-
 def _size_text(size: tuple[int, int]) -> str:
     height, width = size
     return str(width) if width == height else f"{width}x{height}"
 
 
 SIZE = Kind(
-    "size", "WxH or N, 1 or more, such as 640x480, 2k or 2mx1.5m (meters)", _read_size, _size,
-    _size_text,
+    "size", "WxH or N, 1 or more, such as 640x480, 2k or 2mx1.5m (meters)", _read_size,
+    _fitting(_several(_whole, 2), lambda sides: min(sides) >= 1), _size_text,
     in_json="[height, width], 1 or more",
 )  # fmt: skip
-
-
-def _axes(value: Any) -> Any:
-    if not isinstance(value, bool) and value not in ("x", "y"):
-        raise ValueError
-    return value
-
-
 AXES = Kind(
-    "axes", "x, y or xy", lambda text: text == "xy" or text, _axes,
+    "axes", "x, y or xy", lambda text: text == "xy" or text,
+    _fitting(_a(bool, str), lambda axes: axes in (True, False, "x", "y")),
     lambda value: "xy" if value is True else str(value),
     in_json="true, false, 'x' or 'y'", bare="xy", values="x|y|xy",
 )  # fmt: skip
-
-
-def _vectors_or_corners(value: Any) -> Any:
-    if value != "" and len(NUMBERS.read(_word(value))) not in (4, 8):
-        raise ValueError
-    return value
-
-
 STRAIGHTEN = TEXT._replace(
-    wanted="four numbers, a lattice, or eight, corners", check=_vectors_or_corners,
+    wanted="four numbers, a lattice, or eight, corners",
+    check=_fitting(_word, lambda text: not text or len(NUMBERS.read(text)) in (4, 8)),
     bare="", values=r"[-+.,\deE]*,[-+.,\deE]*",
 )  # fmt: skip
 WEIGHTS = _named(NUMBER, "weights", "maps and numbers, each once, such as height=3,normal=2")
@@ -272,20 +263,11 @@ _LEVEL = Kind(
 LEVELS = _named(
     _LEVEL, "weights", "maps and their values, each once, such as height=0.5,normal=flat"
 )
-
-
-def _files(value: Any) -> dict[str, str]:
-    files = _NAMES_OF_FILES.check(value)
-    names = re.compile(r"[A-Za-z0-9][A-Za-z0-9_ -]{0,39}")  # which files have, too
-    if not 0 < len(files) <= 40 or not all(map(names.fullmatch, files)):
-        raise ValueError
-    return dict(files)
-
-
-_NAMES_OF_FILES = _named(
-    TEXT, "files", "maps and their files, each once, such as color=a.png,normal=b.png"
-)
-FILES = _NAMES_OF_FILES._replace(check=_files)
+_MAP_NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_ -]{0,39}")  # which files have, too
+FILES = _named(TEXT, "files", "maps and their files, each once, such as color=a.png,normal=b.png")
+FILES = FILES._replace(check=_fitting(
+    FILES.check, lambda files: 0 < len(files) <= 40 and all(map(_MAP_NAME.fullmatch, files))
+))  # fmt: skip
 
 
 def _color(value: Any) -> tuple[int, ...]:

@@ -12,18 +12,13 @@ from urllib.parse import unquote
 
 from weftex.errors import FileError, InvalidInputError
 from weftex.exemplar.material import read_material
-from weftex.io.formats import kind_of
+from weftex.io.formats import SUFFIXES, kind_of
 from weftex.io.pictures import Picture, read_image
 from weftex.recipe import checked_material
 from weftex.studio.limits import Limits
 from weftex.studio.refusals import Refusal
 from weftex.studio.sessions import Session, path_of
 
-#: By what the first bytes say; readers go by suffixes.
-_SUFFIXES = {
-    "png": ".png", "jpeg": ".jpg", "tiff": ".tif", "webp": ".webp",
-    "bmp": ".bmp", "openexr": ".exr", "hdr": ".hdr", "jpegxl": ".jxl", "gif": ".gif",
-}  # fmt: skip
 _LONGEST_NAME = 100
 
 
@@ -77,7 +72,8 @@ class IncomingUpload:
         about = {"id": self.digest.hexdigest(), "name": self.name, "bytes": self.count}
         found = self.session.uploads.get(str(about["id"]))
         if found is None:
-            suffix = _SUFFIXES[kind_of(str(self.path), self.name)]
+            kind = kind_of(str(self.path), self.name)  # by the first bytes; readers go by suffixes
+            suffix = SUFFIXES.get(kind, f".{kind}")
             self.path = self.path.rename(self.path.with_suffix(suffix))
             _read(self.path, self.name, self.session)
             found = about | {"suffix": suffix}

@@ -55,8 +55,7 @@ def _whole(
     whole.add_argument("--version", "-V", action="store_true", help="print the version")
     parts = whole.add_subparsers()
     for name, text in commands.items():
-        parser = built(name, [])
-        part = parts.add_parser(name, help=text, parents=[parser], add_help=False)
+        part = parts.add_parser(name, help=text, parents=[built(name, [])], add_help=False)
         if "--method" in part._option_string_actions:
             for method in METHODS:
                 for action in built(name, ["--method", method])._actions:

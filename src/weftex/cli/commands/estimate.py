@@ -39,11 +39,8 @@ def run(argv: list[str]) -> None:
     add("--maps", metavar="NAME,...", help=text)
     text = "height from the lowest to the highest point, in pixels; higher makes normals steeper; "
     add("--relief", type=float, default=6.0, metavar="PX", help=text + "default: 6")
-    add(
-        "--invert",
-        action="store_true",
-        help="bright pixels are deep, such as light joints between dark bricks",
-    )
+    text = "bright pixels are deep, such as light joints between dark bricks"
+    add("--invert", action="store_true", help=text)
     text = "distance, in pixels, up to which a surface occludes; default: 16"
     add("--ao-radius", type=int, default=16, metavar="PX", help=text)
     add("--tileable", action="store_true", help="the photo is tileable; makes its maps tileable")

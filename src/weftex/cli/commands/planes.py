@@ -152,13 +152,12 @@ def run_check(argv: list[str]) -> None:
       weftex check plane.tif --repair
     """
     parser = Parser("check", run_check.__doc__)
-    parser.add_argument(
-        "plane", metavar="PLANE", help="image that 'weftex synth' wrote block by block"
-    )
+    add = parser.add_argument
+    add("plane", metavar="PLANE", help="image that 'weftex synth' wrote block by block")
     text = "also read all pixels and compare them with their checksums"
-    parser.add_argument("--read", action="store_true", help=text)
+    add("--read", action="store_true", help=text)
     text = "read all pixels, and make damaged or missing blocks and files again"
-    parser.add_argument("--repair", action="store_true", help=text)
+    add("--repair", action="store_true", help=text)
     args = parser.parse(argv)
     made = planes.repair(args.plane).made if args.repair else 0
     plane = planes.check(args.plane, read=args.read or args.repair)

@@ -39,10 +39,9 @@ _LANDMARKS = LANDMARKS._replace(
 def run(argv: list[str]) -> None:
     """Run the command; `argv` is what follows its name."""
     parser = Parser("prepare", __doc__)
-    parser.add_argument("sample", metavar="PHOTO", help="image, folder of maps, or sample:NAME")
-    parser.add_argument(
-        "-o", "--output", metavar="OUT", help="file to write; a folder for a map set"
-    )
+    add = parser.add_argument
+    add("sample", metavar="PHOTO", help="image, folder of maps, or sample:NAME")
+    add("-o", "--output", metavar="OUT", help="file to write; a folder for a map set")
     parser.share("--preset", "--quiet", "--allow-huge")
     names = ("maps", "repeats", *PREPARATION)
     parser.take(*(MATERIAL[name] for name in names))

@@ -29,10 +29,8 @@ def run(argv: list[str]) -> None:
     add("sample", metavar="SAMPLE", help="image, folder of maps, or sample:NAME")
     parser.take(MATERIAL["maps"])
     add("result", metavar="RESULT", help="result from that sample: an image, or a folder of maps")
-    text = (
-        "file from --save-source; the page then shows the source of every pixel and the parameters"
-    )
-    add("--source", metavar="F.npz", help=text)
+    text = "file from --save-source; the page then shows the source of every pixel and the "
+    add("--source", metavar="F.npz", help=text + "parameters")
     text = "also check the border, along both axes or only x or y; default: as saved in --source"
     parser.take(TILEABLE, help=text, dest="tileable")
     add("-o", "--output", metavar="OUT.html", help="page to write")
