@@ -46,8 +46,7 @@ def packed(samples: Iterable[Exemplar]) -> tuple[list[dict[str, Any]], dict[str,
         if one.icc is not None:
             arrays[f"icc{k}"] = np.frombuffer(one.icc, np.uint8)
         role = {"name": one.role.name, "kind": one.role.kind, "channels": one.role.channels}
-        flags = {name: getattr(one, name) for name in (*_FLAGS, *_MADE_OF)}
-        facts.append(flags | {"role": role})
+        facts.append({name: getattr(one, name) for name in (*_FLAGS, *_MADE_OF)} | {"role": role})
     return facts, arrays
 
 
@@ -163,8 +162,7 @@ class Definition:
     def _packed(self) -> tuple[dict[str, Any], dict[str, NDArray[Any]]]:
         """Plain values and arrays of the samples and the method."""
         own = self.exemplar
-        maps = [own.map(name) for name in own.maps]
-        samples, arrays = packed([own, *maps])
+        samples, arrays = packed([own, *map(own.map, own.maps)])
         about = {"maps": [*own.maps], "weights": own.weights}
         return {"method": self.method.slug, "samples": samples, **about}, arrays
 
@@ -262,9 +260,8 @@ def period_of(shape: tuple[int, int], wrap: tuple[bool, bool]) -> tuple[int, int
 
 def _method(slug: str, given: Mapping[str, Any]) -> Method:
     """The method whose parameters are in the description of a result."""
-    kind: Any = weftex.METHODS[slug]
-    made: Method = kind(**{one.name: given[one.name] for one in fields(kind) if one.name in given})
-    return made
+    names = [one.name for one in fields(weftex.METHODS[slug])]
+    return make_method(slug, {name: given[name] for name in names if name in given})
 
 
 def _check_plain(about: Mapping[str, Any], names: Iterable[Any]) -> None:

@@ -71,8 +71,7 @@ class PlaneFile:
             return False
         base = self.definition.base
         columns = base.grid(level)[1]
-        inside = 0 <= column < columns
-        return inside and row * columns + column in base.numbers(level, self.part)
+        return 0 <= column < columns and row * columns + column in base.numbers(level, self.part)
 
     def make(self, record: Record, place: Place, **how: Any) -> None:
         """Make and write a block of every map, and record it as done."""

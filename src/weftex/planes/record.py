@@ -24,7 +24,7 @@ from dataclasses import asdict, dataclass, field
 from typing import Any
 
 from weftex.errors import FileError
-from weftex.io.formats import suffix_of
+from weftex.io.formats import file_error, suffix_of
 from weftex.io.npz import open_regular
 from weftex.io.pictures import write_text
 from weftex.io.temporary import is_temporary
@@ -121,9 +121,7 @@ class Record:
                 got = stack.enter_context(locked(self._path("lock"), first, count))
             if not got:
                 what = f"part {first} of it" if part else "it"
-                raise FileError(
-                    f"{self.target}: another process makes {what}; wait until that ends"
-                )
+                raise file_error(self.target, f"another process makes {what}; wait until that ends")
             yield
 
     @contextmanager
@@ -180,9 +178,7 @@ class Record:
         if place not in self._level:
             self._level = {one: sums for one, sums in self.done().items() if one[0] == place[0]}
         if place not in self._level:
-            raise FileError(
-                f"{self.target}: {named(place)} is not done; the same command continues"
-            )
+            raise file_error(self.target, f"{named(place)} is not done; the same command continues")
         return self._level[place]
 
     def parts(self) -> list[int]:
@@ -206,16 +202,13 @@ class Record:
 
     def clear(self) -> None:
         """Forget what was done; who owns which files stays, and so do the locks."""
-        with self._our_errors():
-            for name in (_DEFINITION, *self._journals()):
-                with suppress(FileNotFoundError):
-                    os.unlink(self._path(name))
-        self.sweep()
+        self.sweep(done=True)
 
-    def sweep(self) -> None:
-        """Remove temporary files that nobody writes any more."""
+    def sweep(self, *, done: bool = False) -> None:
+        """Remove temporary files that nobody writes any more, and what says what is `done`."""
         with self._our_errors():
-            for name in filter(is_temporary, self._names()):
+            old = [_DEFINITION, *self._journals()] if done else []
+            for name in (*old, *filter(is_temporary, self._names())):
                 with suppress(FileNotFoundError):
                     os.unlink(self._path(name))
 
@@ -241,9 +234,7 @@ class Record:
     def _check_run(self) -> None:
         current = self.current()
         if current is None or current.name != self.run:
-            raise FileError(
-                f"{self.target}: another command restarted or removed it; this run stops"
-            )
+            raise file_error(self.target, "another command restarted or removed it; this run stops")
 
     @contextmanager
     def _our_errors(self, doing: str = "write") -> Iterator[None]:
@@ -252,8 +243,7 @@ class Record:
         except FileError:
             raise
         except OSError as error:
-            why = error.strerror or error
-            raise FileError(f"{self.folder}: cannot {doing}: {why}") from None
+            raise file_error(self.folder, f"cannot {doing}", error) from None
 
 
 def _check(text: bytes) -> bytes:

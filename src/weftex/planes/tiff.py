@@ -137,8 +137,7 @@ class TiffStore:
             y, x = top - window[0], left - window[1]
             if check_sum(pixels[y : y + height, x : x + width]) != sums[below]:
                 raise FileError(f"{self.path}: {named(below)} is damaged; {REPAIR}")
-        halved: NDArray[Any] = self.layout.mixing.halved(pixels)
-        return halved
+        return np.asarray(self.layout.mixing.halved(pixels))
 
     def sum_of(self, place: Place) -> int:
         """Return the check sum of a block as it is on the disk; -1 if it cannot be read."""
@@ -243,9 +242,8 @@ class TiffStore:
     def _directory(self, level: int) -> bytes:
         """A directory and the values of its tags, which follow it."""
         tags = self._tags(level, self._starts[level])
-        head = self._heads[level]
         last = level + 1 == self.levels
-        place = head + 16 + 20 * len(tags)
+        place = self._heads[level] + 16 + 20 * len(tags)
         entries, values = struct.pack("<Q", len(tags)), b""
         for number, code, data in tags:
             count = len(data) // np.dtype(_CODES[code]).itemsize
