@@ -138,8 +138,9 @@ def _suffix(like: Picture, form: Any, name: str) -> str:
         own = written_as(like.path, floats).lower().replace(".jpeg", ".jpg").replace("tiff", "tif")
         return own if own in able else ".exr" if floats else ".png"
     if form not in able:
-        able_text = ", ".join(able)
-        raise InvalidInputError(f"format of {name} is {shown(form)}; these hold it: {able_text}")
+        raise InvalidInputError(
+            f"format of {name} is {shown(form)}; these hold it: {', '.join(able)}"
+        )
     return str(form)
 
 

@@ -127,8 +127,7 @@ _DEGREE = 2  # of the light that the button takes off
 
 def analysis_of(loaded: PreparedMaterial, session: Session) -> dict[str, Any]:
     """Return what a material is like; larger ones are analyzed by a smaller copy."""
-    key = "analysis", id_of(loaded.spec)
-    return session.find(lambda: _analysis(loaded), lambda _: 2**14, *key)
+    return session.find(lambda: _analysis(loaded), lambda _: 2**14, "analysis", id_of(loaded.spec))
 
 
 def _analysis(loaded: PreparedMaterial) -> dict[str, Any]:

@@ -42,9 +42,8 @@ def shown_smaller(like: Exemplar, times: int) -> Bytes:
     """Return a sample as a screen shows it, with fewer pixels, a band of rows at a time."""
     rows = -(-_BAND // like.shape[1] // times) * times
     bands = range(0, like.shape[0], rows)
-    return np.concatenate(
-        [smaller(on_screen(like, like.pixels[top : top + rows]), times) for top in bands]
-    )
+    parts = (on_screen(like, like.pixels[top : top + rows]) for top in bands)
+    return np.concatenate([smaller(part, times) for part in parts])
 
 
 def smaller(picture: Bytes, times: int) -> Bytes:
@@ -56,8 +55,7 @@ def smaller(picture: Bytes, times: int) -> Bytes:
     total = np.add.reduceat(total, columns, axis=1)
     high, wide = (np.diff([*range(0, side, times), side]) for side in picture.shape[:2])
     count = (high[:, None] * wide)[..., None]
-    found: Bytes = ((total + count // 2) // count).astype(np.uint8)
-    return found
+    return np.asarray((total + count // 2) // count, np.uint8)
 
 
 def on_screen(like: Exemplar, pixels: NDArray[Any]) -> Bytes:
@@ -78,9 +76,8 @@ def on_screen(like: Exemplar, pixels: NDArray[Any]) -> Bytes:
         levels = like.as_matching(pixels)[..., : colors.shape[2]]
     if not alpha:
         return np.ascontiguousarray(levels)
-    clear = planes[..., -1:].astype(np.float64) / (
-        1.0 if planes.dtype.kind == "f" else np.iinfo(planes.dtype).max
-    )
+    top = 1.0 if planes.dtype.kind == "f" else np.iinfo(planes.dtype).max
+    clear = planes[..., -1:].astype(np.float64) / top
     cover = np.rint(255 * np.clip(clear, 0, 1)).astype(np.uint8)
     levels = levels if levels.shape[2] == 3 else np.repeat(levels, 3, axis=2)
     return np.concatenate([levels, cover], axis=2)

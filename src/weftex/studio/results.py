@@ -135,8 +135,7 @@ def figures_of(made: Result, session: Session) -> dict[str, Any]:
 
     def measure() -> dict[str, Any]:
         found = weftex.assess(made.result.sample, made.result)
-        plain = found.as_dict()
-        figures = {name: plain.get(name) for name in FIGURES}
+        figures = {name: getattr(found, name) for name in FIGURES}
         about = {"score": found.score, "flags": list(found.flags), "verdict": found.verdict()}
         return {**about, "figures": figures}
 

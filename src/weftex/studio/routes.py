@@ -258,9 +258,8 @@ def result_of(call: Call) -> Result:
 async def result_picture(call: Call) -> Any:
     """Show a map of a result, or a drawing of where its pixels come from."""
     wanted = call.query.get("map") or None, call.query.get("draw") or None
-    return await reduced(
-        call, await call.work(results.picture_of, result_of(call), *wanted, call.session)
-    )
+    picture = await call.work(results.picture_of, result_of(call), *wanted, call.session)
+    return await reduced(call, picture)
 
 
 @route("POST", "/results/{id}/figures")
@@ -342,7 +341,6 @@ async def continue_work(call: Call) -> Any:
 @route("DELETE", "/works/{id}")
 async def remove_work(call: Call) -> Any:
     """Remove the work of another tab."""
-    in_use = call.studio.in_use(call.id)
-    await call.work(works.remove_work, call.id, call.studio.store, in_use)
+    await call.work(works.remove_work, call.id, call.studio.store, call.studio.in_use(call.id))
     call.studio.forget(call.id)
     return {}

@@ -127,8 +127,7 @@ def begin_plane(given: Any, session: Session) -> dict[str, Any]:
         return Plane(model, next(iter(job.pictures)), recipe.seed, used["method"])
 
     plane = session.find(fit, lambda _: 2**20, "plane", name)
-    maps = maps_of(plane.model.exemplar, plane.main)
-    return {"id": name, "maps": maps, "method": plane.method}
+    return {"id": name, "maps": maps_of(plane.model.exemplar, plane.main), "method": plane.method}
 
 
 def plane_window(name: str, query: Mapping[str, str], session: Session) -> Bytes:

@@ -32,9 +32,8 @@ def step_of(given: Mapping[str, Any], result: dict[str, Any] | None) -> dict[str
     checks = {"id": (_ID, True), "parent": (_ID, False), "thumb": (_THUMB, False)}
     for name, (pattern, needed) in checks.items():
         value = given.get(name)
-        if (value is not None or needed) and not (
-            isinstance(value, str) and pattern.fullmatch(value)
-        ):
+        fits = isinstance(value, str) and pattern.fullmatch(value)
+        if (value is not None or needed) and not fits:
             raise InvalidInputError(f"{name} of the step is not as the page writes it")
     return {
         **{name: given.get(name) for name in checks},
