@@ -167,6 +167,5 @@ def _cell_variance(levels: Floats, usable: Floats) -> float:
         np.add.reduceat(np.add.reduceat(values, starts[0], axis=0), starts[1], axis=1)
         for values in (levels, usable)
     ]
-    size = levels.size / _CELLS**2
-    filled = sums[1] > size / 4
+    filled = sums[1] > levels.size / _CELLS**2 / 4
     return float(((sums[0][filled] / sums[1][filled]) ** 2).mean()) if filled.any() else 0.0

@@ -104,8 +104,7 @@ def run_tool(argv: list[str]) -> None:
     args = parser.parse(argv)
     if args.picture is not None and not args.check:
         raise InvalidInputError("--picture has no effect without --check")
-    wanted = value_of(_AXES, vars(args))
-    axes = {None: (0, 1), True: (0, 1), "y": (0,), "x": (1,)}[wanted]
+    axes = {None: (0, 1), True: (0, 1), "y": (0,), "x": (1,)}[value_of(_AXES, vars(args))]
     if args.check:
         _check(args, axes)
     else:

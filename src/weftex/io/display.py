@@ -48,8 +48,7 @@ def small_bytes(pixels: NDArray[Any], alpha: bool = False) -> NDArray[np.uint8]:
     """The picture as uint8 gray or RGB with at most `LARGEST` pixels a side, for display."""
     step = -(-max(pixels.shape[:2]) // LARGEST)
     small = np.atleast_3d(pixels)[::step, ::step]
-    colors = small.shape[2] - alpha
-    shown = small[..., : 3 if colors >= 3 else 1]
+    shown = small[..., : 3 if small.shape[2] - alpha >= 3 else 1]
     if shown.dtype != np.uint8:
         shown = np.rint(to_bytes(shown, scale_to_bytes(shown))).astype(np.uint8)
     if alpha:

@@ -152,8 +152,7 @@ class OutputSet(NamedTuple):
             stage = {f"{self.name}.usda": usda(self.name, where, alphas, size).encode()}
             images = {one.name: read(one.name) for one in self.files}
             return stage | {f"{self.name}.usdz": usdz(stage | images)}
-        hextiled = self.material == "materialx-hextiled"
-        text = materialx_document(self.name, where, hextiled=hextiled)
+        text = materialx_document(self.name, where, hextiled=self.material == "materialx-hextiled")
         return {f"{self.name}.mtlx": text.encode()}
 
     def check(self) -> None:

@@ -120,13 +120,12 @@ class Report(Page):
         score, verdict = self.assessment.score, escape(self.assessment.verdict())
         kind = "" if score is None else "bad" if self.assessment.flags else "good"
         about = "" if score is None else f" Score {score:.2f}: {SCORE}"
+        both = (self.sample, "Sample", self.name), (self.result, "Result", self.result_name)
         parts = [
             f'<p class="verdict {kind}">{verdict}<br><span class="small">{about}</span></p>',
             *map(small, self.notes),
             "<h2>Pictures</h2>",
-            pictures(
-                [(self.sample, "Sample", self.name), (self.result, "Result", self.result_name)]
-            ),
+            pictures(both),
         ]
         for name, one in self.of_maps.items():
             parts += [

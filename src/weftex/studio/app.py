@@ -104,9 +104,8 @@ async def _routes(studio: Studio) -> Router:
 
         return answer
 
-    return Router(
-        [Route(path, endpoint(handler), methods=[method]) for method, path, handler in ROUTES]
-    )
+    routes = [Route(path, endpoint(handler), methods=[method]) for method, path, handler in ROUTES]
+    return Router(routes)
 
 
 @cache

@@ -138,7 +138,6 @@ def plane_window(name: str, query: Mapping[str, str], session: Session) -> Bytes
     height, width = (whole_number(query, side, 256, 1, _LARGEST) for side in ("height", "width"))
     like = map_of(plane.model.exemplar, plane.main, query.get("map"))
     box = top, left, height, width
-    made = session.find(
-        lambda: plane.model.window(*box, seed=plane.seed, threads=1), bytes_of, "window", name, *box
-    )
+    make = partial(plane.model.window, *box, seed=plane.seed, threads=1)
+    made = session.find(make, bytes_of, "window", name, *box)
     return on_screen(like, made.image if like is plane.model.exemplar else made.render(like))

@@ -54,8 +54,7 @@ def run(argv: list[str]) -> None:
             material = read_input(path, args)
             photo = material.exemplar(tileable=args.tileable)
             how = {"relief": args.relief, "invert": args.invert, "radius": args.ao_radius}
-            made = estimate_maps(photo, maps=maps, **how)
-            whole, new = _with_maps(material, made)
+            whole, new = _with_maps(material, estimate_maps(photo, maps=maps, **how))
             files, _ = plan([whole], whole.exemplar(), own)
             files.write(outputs.staged_path)
             by_color = not {"height", "normal"} & {one.kind for one in material.roles.values()}
