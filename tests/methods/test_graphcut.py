@@ -186,7 +186,7 @@ def test_pieces_keep_to_a_lattice():
     method = GraphCut(placement="entire", lattice=(31.05, 0, -0.25, 102.17))
     result = method.fit(exemplar).sample(200, seed=2)
     y, x = np.indices((200, 200))
-    off = np.stack([y, x], axis=2) - result.source
+    off = np.stack([y, x], axis=2) + first_place(result.canvas, 2) - result.source
     times = off @ np.linalg.inv(np.array([[0, 31.05], [102.17, -0.25]]))
     strayed = abs((times - np.rint(times)) @ np.array([[0, 31.05], [102.17, -0.25]]))
     assert strayed.max() <= 31.05 / 16

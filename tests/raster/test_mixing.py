@@ -75,7 +75,7 @@ def test_there_is_nothing_between_two_labels(rng):
 def test_what_a_picture_shows_is_said_once():
     pixels = np.zeros((24, 24), np.uint8)
     result = weftex.synthesize(pixels, (8, 8))
-    with pytest.raises(weftex.InvalidInputError, match="role is 'nrml'; known: color,"):
+    with pytest.raises(weftex.InvalidInputError, match="role is 'nrml'; did you mean 'normal'"):
         result.render(pixels, role="nrml")
     with pytest.raises(weftex.InvalidInputError, match="role has no effect with an Exemplar"):
         result.render(weftex.Exemplar(pixels), role="height")
