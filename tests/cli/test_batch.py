@@ -88,6 +88,8 @@ def test_nothing_is_overwritten_unless_told(here, samples, capsys):
     capsys.readouterr()
     message = fails(capsys, here, "batch", "samples", "-o", "out", *WORDS)
     assert "exists; --skip-existing" in message
+    words = ["batch", "samples", "-o", "out", *WORDS, "--skip-existing", "--turn", "flip"]
+    assert "made with other options" in fails(capsys, here, *words)
     (here / "out" / "grass.png").unlink()
     assert weft_run("batch", "samples", "-o", "out", *WORDS, "--skip-existing") == 0
     assert contents(here / "out") == before

@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 
 import weftex
 from families import canvas_of, noise, refused
+from weftex.analysis.canvas_lattice import first_place
 from weftex.guides import Guiding
 from weftex.methods.graphcut import GraphCut
 from weftex.methods.graphcut.cutting import WorstSeams
@@ -193,6 +194,11 @@ def test_pieces_keep_to_a_lattice():
     with pytest.raises(weftex.WeftexError, match="less than two cells"):
         GraphCut(placement="entire", lattice=(200, 0, 0, 200)).fit(exemplar)
     refused("lattice", GraphCut, lattice=(20, 0, 0, 20), error=weftex.WeftexError)
+
+
+def test_small_outputs_on_a_lattice_differ():
+    model = GraphCut(placement="entire", lattice=(63, 41.8, 63, -41.8)).fit("sample:bricks")
+    assert len({one.tobytes() for one in model.samples(30, (40, 50), seed=1)}) == 30
 
 
 def test_the_least_reach_of_tones_there_is(rng):

@@ -47,6 +47,16 @@ def test_save_writes_what_the_name_says(tmp_path):
     refused("Pillow has no uint16", deep.to_pil)
 
 
+def test_results_by_other_numbers_are_saved_and_of_other_samples_refused(tmp_path):
+    how = {"method": "graphcut", "tone_reach": np.int64(8), "candidates": np.int32(3), "seed": 1}
+    made = weftex.synthesize("sample:grass", 40, **how)
+    made.save(path := tmp_path / "made.npz")
+    assert weftex.Synthesis.load(path, "sample:grass").provenance == made.provenance
+    for size in ((8, 8), (192, 191), (384, 384)):
+        other = np.zeros((*size, 3), np.uint8)
+        refused("the sample is .*; this result's was 192x192", weftex.Synthesis.load, path, other)
+
+
 def test_a_saved_result_is_small(tmp_path):
     result = weftex.synthesize("sample:pebbles", (1024, 1024), method="patch-sampling", seed=1)
     result.save(tmp_path / "wall.npz")

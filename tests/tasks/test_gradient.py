@@ -19,6 +19,12 @@ def test_the_papers_map():
     assert np.array_equal(labels, again) and not np.array_equal(labels, other)
 
 
+def test_coarse_materials_do_not_cover_the_others():
+    for radii in ((270, 24), (24, 270)):
+        labels, _ = Gradient().label_map((384, 384), radii, seed=1)
+        assert (labels[:48] == 0).mean() > 0.8 and (labels[-48:] == 1).mean() > 0.7
+
+
 def test_a_circle_map_goes_over_from_top_to_bottom():
     labels, _ = Gradient(width=0.5).label_map((400, 300), (15, 11), seed=3)
     first = (labels == 0).mean(axis=1)
