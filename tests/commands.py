@@ -1,7 +1,5 @@
 """Commands of weftex, run in this process, and what they leave behind."""
 
-from __future__ import annotations
-
 from weftex import cli
 from weftex.io.map_files import map_files
 from weftex.io.pictures import read_image

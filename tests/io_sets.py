@@ -1,7 +1,5 @@
 """Made-up map sets."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from families import noise

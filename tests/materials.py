@@ -1,7 +1,5 @@
 """Made-up samples and canvases of which more than one test file makes use."""
 
-from __future__ import annotations
-
 import numpy as np
 
 

@@ -1,7 +1,5 @@
 """What the tests of files have in common: pictures to write, and how errors are looked at."""
 
-from __future__ import annotations
-
 import functools
 import os
 import struct

@@ -1,7 +1,5 @@
 """Every public function with every kind of nonsense: an error of weftex, in one line."""
 
-from __future__ import annotations
-
 import dataclasses
 import math
 from pathlib import Path

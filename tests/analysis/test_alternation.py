@@ -1,7 +1,5 @@
 """Cells that differ in turn: as faintly as a fifth of the pattern, and not where they do not."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """Narrow peaks before broad ones: meshes before stones, and what chance makes of noise."""
 
-from __future__ import annotations
-
 import sys
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Lattices: those that were drawn, those of real samples, and none where there is none."""
 
-from __future__ import annotations
-
 import itertools
 import json
 from pathlib import Path

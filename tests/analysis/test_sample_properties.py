@@ -1,7 +1,5 @@
 """Regularity and sidedness are high where a sample repeats, or has an orientation."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

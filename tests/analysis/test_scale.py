@@ -1,7 +1,5 @@
 """The dominant scale: right where it is known, unmoved by what must not count, honest elsewhere."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The progress bar: each stage counts from its own start to its own end."""
 
-from __future__ import annotations
-
 import io
 import json
 import time

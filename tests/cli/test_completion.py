@@ -1,7 +1,5 @@
 """Completion: what shells make of it, where they are installed."""
 
-from __future__ import annotations
-
 import shutil
 import subprocess
 

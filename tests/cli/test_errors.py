@@ -1,7 +1,5 @@
 """Bad input is one line, and leaves every file as it was."""
 
-from __future__ import annotations
-
 import re
 
 import numpy as np

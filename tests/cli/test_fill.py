@@ -1,7 +1,5 @@
 """`weftex fill`: what is a hole, and the filling replayed over a background."""
 
-from __future__ import annotations
-
 import numpy as np
 
 import weftex

@@ -1,7 +1,5 @@
 """What the command line says: methods, samples, version and help."""
 
-from __future__ import annotations
-
 import dataclasses
 
 import weftex

@@ -1,7 +1,5 @@
 """Pictures through pipes: ``-`` is standard input, or output; and sizes, what -v says."""
 
-from __future__ import annotations
-
 import subprocess
 import sys
 

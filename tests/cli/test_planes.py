@@ -1,7 +1,5 @@
 """`weftex synth` block by block, killed and in parts; `check` of the image."""
 
-from __future__ import annotations
-
 import random
 import signal
 import sys

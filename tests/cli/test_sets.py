@@ -1,7 +1,5 @@
 """Sets of maps through every command: read by their names, written as they came or by a scheme."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """What a command leaves when a signal comes: nothing, or all files that appear just then."""
 
-from __future__ import annotations
-
 import os
 import signal
 import subprocess

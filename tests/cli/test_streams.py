@@ -1,7 +1,5 @@
 """Standard streams that are closed, full or endless, and signals while they are read."""
 
-from __future__ import annotations
-
 import os
 import signal
 import subprocess

@@ -1,7 +1,5 @@
 """`weftex synth` makes what the library makes."""
 
-from __future__ import annotations
-
 import re
 
 import numpy as np

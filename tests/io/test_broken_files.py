@@ -1,7 +1,5 @@
 """Files that cannot be read: one line each, no crash, no memory."""
 
-from __future__ import annotations
-
 import os
 import random
 import shutil

@@ -1,7 +1,5 @@
 """Masks, and folders of maps."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

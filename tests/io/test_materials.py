@@ -1,7 +1,5 @@
 """Materials of presets, judged by the validators of their formats: glTF, USD, MaterialX."""
 
-from __future__ import annotations
-
 import json
 import shutil
 import struct

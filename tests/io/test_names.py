@@ -1,7 +1,5 @@
 """Odd names and kinds of paths."""
 
-from __future__ import annotations
-
 import os
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Pictures that others wrote, and that others read; what reading loads and prints."""
 
-from __future__ import annotations
-
 import shutil
 import struct
 import sys

@@ -1,7 +1,5 @@
 """Map sets as engines want them, and back: channels, values, bits, notes, and what is refused."""
 
-from __future__ import annotations
-
 import re
 
 import numpy as np

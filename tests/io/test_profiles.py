@@ -1,7 +1,5 @@
 """Color profiles: carried where there is a place, and never at the cost of the picture."""
 
-from __future__ import annotations
-
 import zlib
 
 import numpy as np

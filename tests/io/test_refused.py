@@ -1,7 +1,5 @@
 """What is refused before anything is written."""
 
-from __future__ import annotations
-
 import os
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Pictures that are written and read again: every format, depth and number of channels, alpha."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

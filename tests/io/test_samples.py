@@ -1,7 +1,5 @@
 """The package's own samples."""
 
-from __future__ import annotations
-
 import csv
 from pathlib import Path
 

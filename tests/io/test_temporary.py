@@ -1,7 +1,5 @@
 """Temporary files of a killed process are removed later, those of a living one never."""
 
-from __future__ import annotations
-
 import os
 import signal
 import subprocess

@@ -1,7 +1,5 @@
 """Planes on disk whose files are foreign, damaged, or written by a run that ought to have ended."""
 
-from __future__ import annotations
-
 import json
 import os
 import shutil

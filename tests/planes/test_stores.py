@@ -1,7 +1,5 @@
 """Blocks written in any order come back, also to other readers; pixels are halved by their kind."""
 
-from __future__ import annotations
-
 import json
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Planes on disk: the same bytes in one run, in threads, in parts, and after it was cut off."""
 
-from __future__ import annotations
-
 import errno
 import os
 

@@ -1,7 +1,5 @@
 """Planes by several processes of one machine: `--workers N`."""
 
-from __future__ import annotations
-
 import os
 import signal
 import sys

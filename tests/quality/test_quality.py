@@ -1,7 +1,5 @@
 """Measures rank known degradations below a real picture of the same surface, and are defined."""
 
-from __future__ import annotations
-
 import dataclasses
 import json
 import warnings

@@ -1,7 +1,5 @@
 """The score: what it orders, its twin, and which pictures it is defined for."""
 
-from __future__ import annotations
-
 import importlib.util
 import sys
 from pathlib import Path

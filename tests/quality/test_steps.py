@@ -1,7 +1,5 @@
 """Parts of the measures beside slow twins of them."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 
