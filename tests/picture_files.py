@@ -35,10 +35,10 @@ def smooth(height, width, channels=3):
     return np.round(np.stack(waves, 2) * 60 + 128).astype("uint8")
 
 
-def fails(path, match, call=io.read_image, error=FileError):
-    """Assert an error of one line that begins with the path."""
+def fails(path, match, call=io.read_image, *more, error=FileError, **how):
+    """Assert that a call on a path is an error of one line that begins with the path."""
     with pytest.raises(error, match=match) as info:
-        call(path)
+        call(path, *more, **how)
     text = str(info.value)
     assert "\n" not in text
     assert text.startswith(f"{path}: ")

@@ -9,6 +9,7 @@ from PIL import Image
 import weftex
 from commands import weft_run
 from families import TRIALS, every, method_of, noise
+from picture_files import RGB_PROFILE
 from weftex.io.pictures import read_image, write_image
 
 
@@ -50,11 +51,8 @@ def test_every_method_has_its_options(here, capsys, method):
 @pytest.mark.parametrize("dtype", [np.uint8, np.uint16])
 @pytest.mark.parametrize("channels", [(), (2,), (3,), (4,)])
 def test_kind_alpha_and_profile_are_kept(here, dtype, channels):
-    from PIL import ImageCms
-
-    profile = ImageCms.ImageCmsProfile(ImageCms.createProfile("sRGB")).tobytes()
     alpha = channels in ((2,), (4,))
-    write_image("in.png", noise((50, 50, *channels), dtype=dtype), alpha=alpha, icc=profile)
+    write_image("in.png", noise((50, 50, *channels), dtype=dtype), alpha=alpha, icc=RGB_PROFILE)
     given = read_image("in.png")
     assert weft_run("synth", "in.png", "-o", "out.png", "--size", 60) == 0
     made = read_image("out.png")

@@ -38,5 +38,5 @@ def test_kinds_of_path(tmp_path, monkeypatch):
 def test_the_longest_name(tmp_path):
     path = tmp_path / ("n" * 251 + ".png")
     assert read_back(path, noise((4, 4))).pixels.shape == (4, 4)
-    fails(tmp_path / ("n" * 252 + ".png"), "too long", lambda p: io.write_image(p, noise((4, 4))))
+    fails(tmp_path / ("n" * 252 + ".png"), "too long", io.write_image, noise((4, 4)))
     assert files_in(tmp_path) == [path.name]

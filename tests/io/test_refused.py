@@ -28,8 +28,7 @@ def test_what_a_format_cannot_hold(tmp_path, suffix, dtype, shape, alpha, advice
     pixels = np.ones(shape, dtype)
     path = tmp_path / f"a{suffix}"
     for call in (io.write_image, io.check_output):
-        text = fails(path, "cannot hold", lambda p, c=call: c(p, pixels, alpha=alpha),
-                     InvalidInputError)  # fmt: skip
+        text = fails(path, "cannot hold", call, pixels, error=InvalidInputError, alpha=alpha)
         assert text.endswith(f"use {advice}")
     assert files_in(tmp_path) == []
     for other in advice.split(", "):
@@ -43,12 +42,8 @@ def test_longest_side(tmp_path, suffix, side, capfd):
     io.write_image(tmp_path / f"a{suffix}", np.full((1, side), 9, "uint8"))
     assert io.read_image(tmp_path / f"a{suffix}").pixels.shape[:2] == (1, side)
     long = np.zeros((side + 1, 1), "uint8")
-    fails(
-        tmp_path / f"b{suffix}",
-        f"at most {side} pixels",
-        lambda p: io.write_image(p, long),
-        InvalidInputError,
-    )
+    path, says = tmp_path / f"b{suffix}", f"at most {side} pixels"
+    fails(path, says, io.write_image, long, error=InvalidInputError)
     assert capfd.readouterr().err == ""
 
 
@@ -62,9 +57,8 @@ def test_unknown_suffix_names_the_nearest(tmp_path):
     fails(tmp_path / "a.jxl", "cannot write '.jxl'", check)
     fails(tmp_path / "a.npz", "cannot write '.npz'", check)
     check(tmp_path / "a.npz", suffixes=(".npz",))
-    assert fails(
-        tmp_path / "a.npy", "cannot write", lambda p: check(p, suffixes=(".npz",))
-    ).endswith("'.npz'?")
+    text = fails(tmp_path / "a.npy", "cannot write", check, suffixes=(".npz",))
+    assert text.endswith("'.npz'?")
 
 
 def test_output_folder(tmp_path):
@@ -81,8 +75,8 @@ def test_output_folder(tmp_path):
     fails(tmp_path / "pipe.png", "cannot be overwritten", check)
     fails("sample:bricks", "samples cannot be overwritten", check)
     fails("sample:new.png", "samples cannot be overwritten", check)
-    fails(tmp_path / "no" / "a.png", "does not exist", lambda p: io.write_image(p, noise((3, 3))))
-    fails(tmp_path / "dir.png", "is a folder", lambda p: io.write_image(p, noise((3, 3))))
+    fails(tmp_path / "no" / "a.png", "does not exist", io.write_image, noise((3, 3)))
+    fails(tmp_path / "dir.png", "is a folder", io.write_image, noise((3, 3)))
     check(tmp_path / "new.png")
     assert files_in(tmp_path) == ["dir.png", "file", "pipe.png"]
 

@@ -2,7 +2,6 @@
 
 import dataclasses
 import json
-import warnings
 from functools import cache
 from pathlib import Path
 
@@ -180,14 +179,13 @@ def test_depths_are_alike():
     ],
 )
 @pytest.mark.parametrize("plain", [False, True])
+@pytest.mark.filterwarnings("error")
 def test_small_and_flat_pictures_give_none_and_no_warning(own, made, plain, rng):
     colors = 1 if plain else 256
     sample = rng.integers(0, colors, (*own, 3), np.uint8)
     result = rng.integers(0, colors, (*made, 3), np.uint8)
-    with warnings.catch_warnings():
-        warnings.simplefilter("error")
-        found = assess(sample, result, tileable=True)
-        real_crops(Exemplar(sample))
+    found = assess(sample, result, tileable=True)
+    real_crops(Exemplar(sample))
     values = [v for v in dataclasses.asdict(found).values() if isinstance(v, float)]
     assert np.isfinite(values).all()
     assert found.verdict()
@@ -195,6 +193,7 @@ def test_small_and_flat_pictures_give_none_and_no_warning(own, made, plain, rng)
         assert found.color in (0, None) and found.sharpness in (1, None)
 
 
+@pytest.mark.filterwarnings("error")
 def test_masks_hide_what_is_under_them(rng):
     pixels = surface("cobbles")[0].copy()
     mask = np.ones(pixels.shape[:2], bool)
@@ -207,9 +206,7 @@ def test_masks_hide_what_is_under_them(rng):
     assert found.score < measured("cobbles", "noise").score
     few = np.zeros_like(mask)
     few[3, 4] = True
-    with warnings.catch_warnings():
-        warnings.simplefilter("error")
-        assert assess(Exemplar(pixels, mask=few), result).patches is None
+    assert assess(Exemplar(pixels, mask=few), result).patches is None
 
 
 def test_of_a_large_result_the_middle_is_looked_at(rng):
