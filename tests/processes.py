@@ -13,6 +13,8 @@ import weftex
 SRC = str(Path(weftex.__file__).parents[1])
 #: The package that is tested, for a process started from any folder.
 ENVIRONMENT = os.environ | {"PYTHONPATH": SRC}
+#: The same, and the helpers of the tests.
+WITH_HELPERS = os.environ | {"PYTHONPATH": os.pathsep.join([str(Path(__file__).parent), SRC])}
 
 
 def hear_interrupts():

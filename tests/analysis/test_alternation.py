@@ -3,8 +3,7 @@
 import numpy as np
 import pytest
 
-from analysis.test_lattice import smooth
-from weftex.analysis.lattice import Lattice, find_lattice
+from analysis.test_lattice import assert_found, smooth
 from weftex.analysis.relief import relief
 from weftex.analysis.tile_multiples import alternating, halves_agree
 from weftex.exemplar import Exemplar
@@ -39,8 +38,7 @@ def test_cells_in_turn(cells, index, amount, noise):
         expected = np.array([[index, 0], [-1, 1]]) @ expected
     for seed in range(4 - index):
         rng = np.random.default_rng(seed)
-        found = find_lattice(Exemplar(turns(CELLS[cells], rng, index, amount, noise)))
-        assert found is not None and found.same_as(Lattice(tuple(map(tuple, expected))))
+        assert_found(Exemplar(turns(CELLS[cells], rng, index, amount, noise)), expected)
 
 
 def test_what_halves_agree_on_is_the_mean_over_ways_to_halve():

@@ -6,10 +6,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from analysis.test_lattice import smooth
+from analysis.test_lattice import assert_found, smooth
 from weftex.analysis.correlation import correlate, whitened
 from weftex.analysis.evidence import SUREST, Evidence, better_pair
-from weftex.analysis.lattice import Lattice, find_lattice
+from weftex.analysis.lattice import find_lattice
 from weftex.analysis.lines import find_rows
 from weftex.analysis.relief import Relief, relief
 from weftex.exemplar import Exemplar
@@ -42,8 +42,7 @@ def test_a_mesh_is_narrow_before_stones(rng):
     levels = 40 * stones / stones.std()
     levels[(y % 32 < 2) | (x % 27 < 2)] = 25
     sample = Exemplar(np.clip(128 + levels + rng.normal(0, 4, levels.shape), 0, 255))
-    found = find_lattice(sample)
-    assert found is not None and found.same_as(Lattice(((27, 0), (0, 32))), 0.03)
+    assert_found(sample, ((27, 0), (0, 32)), 0.03)
     fields = relief(sample)
     white, chance = whitened(fields)
     own = correlate(fields.levels)
@@ -59,8 +58,7 @@ def test_a_mesh_is_narrow_before_stones(rng):
 def test_chance_makes_no_tile_better(name):
     """Of the plain correlation a tile of four to seven, or a part of a period, was the best."""
     pixels, truth = draw(name[:-2], int(name[-1]))
-    found = find_lattice(Exemplar(np.ascontiguousarray(pixels[:256, 256:])))
-    assert found is not None and found.same_as(Lattice(truth), 0.04)
+    assert_found(Exemplar(np.ascontiguousarray(pixels[:256, 256:])), truth, 0.04)
 
 
 @pytest.mark.parametrize("seed", [0, 1, 2, 4, 5])

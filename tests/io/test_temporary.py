@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from picture_files import FULL, files_in, noise
-from processes import ENVIRONMENT, SRC, run
+from processes import ENVIRONMENT, WITH_HELPERS, run
 from weftex.errors import FileError
 from weftex.io import pictures as io
 from weftex.io import temporary
@@ -77,9 +77,7 @@ def test_a_picture_is_whole_whenever_its_writer_is_killed(tmp_path):
         assert (found == new).all() or died and (found == old).all(), number
     print(number)
     """
-    path = os.pathsep.join([str(Path(__file__).parents[1]), SRC])
-    done = run(code, tmp_path, env=os.environ | {"PYTHONPATH": path})
-    assert int(done.stdout) > 3
+    assert int(run(code, tmp_path, env=WITH_HELPERS).stdout) > 3
 
 
 @pytest.mark.parametrize("suffix", [*FULL, ".npz"])

@@ -15,7 +15,7 @@ import pytest
 import weftex
 from commands import listing
 from families import noise, refused
-from processes import run
+from processes import WITH_HELPERS, run
 from weftex import planes
 from weftex.errors import CancelledError, FileError
 from weftex.io.pictures import write_image
@@ -204,9 +204,7 @@ def test_killed_at_any_call_of_the_start(tmp_path, restart):
             break
     print(number)
     """
-    here = str(Path(__file__).parents[1])
-    path = os.pathsep.join([here, str(Path(weftex.__file__).parents[1])])
-    done = run(code, tmp_path, restart, env=os.environ | {"PYTHONPATH": path}, timeout=120)
+    done = run(code, tmp_path, restart, env=WITH_HELPERS, timeout=120)
     assert int(done.stdout) > 30
 
 
