@@ -15,12 +15,12 @@ TESTS = Path(__file__).parent
 READ = ("methods", "repeats", "search", "seams")
 #: Lower a ceiling when the code has become smaller; a feature that needs room removes something.
 CEILINGS = {
-    "lines of Python in src": 43_198,
-    "of these code": 29_589,
+    "lines of Python in src": 43_095,
+    "of these code": 29_487,
     "modules": 258,
     "kernel classes": 22,
     "names that several kernel classes have": 0,
-    "lines of tests": 23_983,
+    "lines of tests": 23_899,
     "quilting: files to read": 11,
     "quilting: lines to read": 2_458,
     "graphcut: files to read": 18,
