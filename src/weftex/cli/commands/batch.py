@@ -221,8 +221,8 @@ def refuse_twins(entries: Sequence[Entry]) -> None:
     """Raise `InvalidInputError` if two samples would make one output."""
     paths: dict[str, str] = {}
     for path, name, _ in entries:
-        if paths.setdefault(name, path) != path:
-            raise InvalidInputError(f"{paths[name]} and {path} would both make {name}; rename one")
+        if (first := paths.setdefault(name.casefold(), path)) != path:
+            raise InvalidInputError(f"{first} and {path} would both make {name}; rename one")
 
 
 def jobs_of(
