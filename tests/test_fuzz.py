@@ -1,7 +1,5 @@
 """What `fuzz/fuzz.py` reads, read here too; and what it and a look at the readers found."""
 
-from __future__ import annotations
-
 import importlib.util
 import io
 import json

@@ -1,7 +1,5 @@
 """Whatever shows a material: folders of maps, folders of none, and what `fit` takes."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """Folders of maps as libraries and programs write them, and what is made of each file."""
 
-from __future__ import annotations
-
 from fractions import Fraction
 
 import numpy as np

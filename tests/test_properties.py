@@ -5,8 +5,6 @@ loaded. `WEFTEX_CASES=50 pytest tests/test_properties.py
 --hypothesis-seed=20261122` tries fifty times as many, others for every seed.
 """
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from hypothesis import given

@@ -1,7 +1,5 @@
 """Arrays and images of Python: values that do not fit, masks, and inputs that change later."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """What `weftex report` writes, and what it refuses."""
 
-from __future__ import annotations
-
 import base64
 import json
 

@@ -1,7 +1,5 @@
 """Names of maps, as libraries and programs give them."""
 
-from __future__ import annotations
-
 import pytest
 
 from weftex.roles import ROLES, Role, is_name_of, is_preview, role_of

@@ -20,7 +20,7 @@ CEILINGS = {
     "modules": 258,
     "kernel classes": 22,
     "names that several kernel classes have": 0,
-    "lines of tests": 23_899,
+    "lines of tests": 23_864,
     "quilting: files to read": 11,
     "quilting: lines to read": 2_458,
     "graphcut: files to read": 18,

@@ -1,7 +1,5 @@
 """How many threads are used."""
 
-from __future__ import annotations
-
 import os
 import sys
 import threading

@@ -109,10 +109,7 @@ def checked_value(field: dataclasses.Field[Any], value: Any) -> Any:
         raise wrong_value(name, value, "at most 2**63 - 1")
     if meta["parity"] and value and value % 2 != (meta["parity"] == "odd"):
         raise wrong_value(name, value, meta["parity"])
-    exact: int | float = (
-        int(value) if isinstance(value, numbers.Integral) and whole else float(value)
-    )
-    return exact
+    return int(value) if whole and isinstance(value, numbers.Integral) else float(value)
 
 
 def numbers_of(name: str, value: Any, count: int) -> tuple[float, ...]:

@@ -46,3 +46,14 @@ def test_small_and_constant_pictures(shape):
     assert is_bad(np.full(shape, 9, np.uint8)) == [False, False]
     found = borders_of(weftex.Exemplar(np.full(shape, 9, np.uint8)))
     assert (found[0].seam is None) == (min(shape[:2]) < 23)
+
+
+def test_a_border_on_one_joint_of_many_is_no_seam():
+    rng = np.random.default_rng(2)
+    boards = 120 + rng.normal(0, 8, (240, 1, 3)) + rng.normal(0, 2, (240, 240, 3))
+    for joint in range(0, 240, 40):  # short dark gaps, at other places along each joint
+        for at in rng.integers(0, 240, 2):
+            boards[np.arange(at, at + 24) % 240, joint] -= 70
+    boards = boards.clip(0, 255).astype(np.uint8)
+    shares = [borders_of(weftex.Exemplar(np.roll(boards, by, 1)))[1].badness for by in (0, 20)]
+    assert max(shares) <= 1

@@ -1,7 +1,5 @@
 """One job as JSON, as a command, as Python and as a result: all of them say the same."""
 
-from __future__ import annotations
-
 import shlex
 from pathlib import Path
 

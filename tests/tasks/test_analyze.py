@@ -1,7 +1,5 @@
 """What `weftex analyze` says, and that it is true."""
 
-from __future__ import annotations
-
 import json
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Hole filling as a task: what stays, what is refused, where patches come from."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from PIL import Image

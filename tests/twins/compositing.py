@@ -1,7 +1,5 @@
 """Pixels that are blended, and patches that are pasted."""
 
-from __future__ import annotations
-
 import itertools
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Correlation (chapter 3 of the thesis on near-regular textures)."""
 
-from __future__ import annotations
-
 import itertools
 
 import numpy as np

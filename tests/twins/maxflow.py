@@ -1,7 +1,5 @@
 """Minimum cuts of grids."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from twins.windows import ARCS

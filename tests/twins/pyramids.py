@@ -1,7 +1,5 @@
 """Pyramids and stacks of pictures and masks."""
 
-from __future__ import annotations
-
 import itertools
 
 import numpy as np

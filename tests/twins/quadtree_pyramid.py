@@ -1,7 +1,5 @@
 """The quadtree pyramid of patch-based sampling (sections 3.2 and 3.3)."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from twins.windows import rectangle

@@ -1,7 +1,5 @@
 """Random bits: a hash of a seed, a purpose and a place."""
 
-from __future__ import annotations
-
 
 def splitmix(state):
     """SplitMix64's step on Python's own integers (Steele, Lea and Flood, 2014)."""

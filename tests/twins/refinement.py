@@ -1,7 +1,5 @@
 """Iterative refinement (sections 3, 5 and 6 of the paper on texture refinement and fusion)."""
 
-from __future__ import annotations
-
 import itertools
 import math
 

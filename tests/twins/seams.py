@@ -1,7 +1,5 @@
 """Minimum-error paths, and cuts along them."""
 
-from __future__ import annotations
-
 import itertools
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Seed points by stochastic tiling (Fig. 5 of the paper on texture refinement and fusion)."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from twins.randomness import random_bits

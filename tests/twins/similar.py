@@ -1,7 +1,5 @@
 """Places of a sample that are like each other."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from twins.windows import by_rows, nearest_center, window_centers, windows_at

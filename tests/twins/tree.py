@@ -1,7 +1,5 @@
 """Tree-structured vector quantization (Wei and Levoy, 2000)."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from weftex.reference.wei_levoy import centroid, distortion, halves

@@ -1,7 +1,5 @@
 """Windows of samples and of canvases."""
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 

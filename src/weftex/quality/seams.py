@@ -18,6 +18,7 @@ _ALONG = 8  # pixels to either side over which surprise is averaged along a line
 _USUAL = 0.99  # quantile of the surprise; above it is a seam
 _LONGEST_BORDER = 2048  # pixels a side that the border of a result is compared with
 _STRIP = 32  # lines that are predicted at a time, for the processor's cache
+_JOINT = 0.1, 0.25  # shares of a border that one joint of many may show
 _BORDER = 2 * (_REACH + _ALONG)
 _ACROSS = [dx for dx in range(-_REACH, _REACH + 1) if dx]
 #: Offsets (dy, dx) of the steps that predict one.
@@ -55,13 +56,16 @@ class StepModel:
     def border_places(self, result: View, axis: int) -> NDArray[np.bool_]:
         """Return where along the border the surprise is beyond 99 % of that inside.
 
-        The outermost places are left out, so the array is shorter than the border.
+        Nowhere on one joint of many, if a line inside shows as much; without the outermost places.
         """
-        usual = np.quantile(self._surprise(result.center(_LONGEST_BORDER), axis), _USUAL)
+        inside = self._surprise(result.center(_LONGEST_BORDER), axis)
+        usual = np.quantile(inside, _USUAL)
+        most = float((inside > usual).mean(axis=1 - axis).max())
         across = np.take(result.values, np.arange(-_BORDER, _BORDER), axis)
         around = View(across, np.ones(across.shape[:2], bool), result.axis, result.sample)
         found = self._surprise(around, axis)
-        return np.asarray(np.take(found, found.shape[axis] // 2, axis) > usual)
+        places = np.take(found, found.shape[axis] // 2, axis) > usual
+        return np.asarray(places & (not _JOINT[0] < places.mean() <= min(most, _JOINT[1])))
 
     def _surprise(self, view: View, axis: int) -> Floats:
         model = self._models[axis]

@@ -272,8 +272,7 @@ def _told(recipe: Recipe) -> dict[str, Any]:
     """A recipe as records have it: JSON without a sample and a seed, which they have themselves."""
     options = {k: v for k, v in recipe.as_json().items() if k not in ("seed", "task")}
     spec = {k: v for k, v in recipe.materials[0].items() if k != "path"}
-    told: dict[str, Any] = json.loads(json.dumps({**options, "materials": spec}))
-    return told
+    return dict(json.loads(json.dumps({**options, "materials": spec})))
 
 
 def left_of(
