@@ -15,7 +15,7 @@ TESTS = Path(__file__).parent
 READ = ("methods", "repeats", "search", "seams")
 #: Lower a ceiling when the code has become smaller; a feature that needs room removes something.
 CEILINGS = {
-    "lines of Python in src": 43_095,
+    "lines of Python in src": 43_093,
     "of these code": 29_487,
     "modules": 258,
     "kernel classes": 22,

@@ -24,7 +24,7 @@ __all__ = ["Gradient"]
 _SHOWN = 6  # colors that a message lists
 # The paper's sigma is 80 on a picture of 200 pixels, whose transition takes all of it.
 _SIGMAS = 2.5
-_CIRCLES = 8  # at least so many radii of circles fit beside each other, for each transition
+_CIRCLES = 8  # the canvas's shorter side over the largest radius of a circle, per transition
 
 
 @dataclass(frozen=True)

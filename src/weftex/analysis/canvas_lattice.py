@@ -23,7 +23,7 @@ _SMALLEST_SAMPLE = 32  # side below which noise may look like a lattice by chanc
 _ALONG = 1.01  # pixels: a vector as short as that says nothing but a direction
 _FARTHEST = 1 << 16  # pixels, before which outputs begin on a lattice
 _SIZES_TRIED = 256  # pixels on both sides of a size where a better one is looked for
-_MOST_TRIED = 1 << 10  # if there is none, up to so many
+_MOST_TRIED = 1 << 10  # pixels up to which the search is widened if there is none
 _SURE = 0.6  # confidence from which blocks may be laid by a lattice
 _TILES = 3  # that a sample must show, so that a block has more than one place to come from
 #: Strain of a lattice that goes around a canvas, from which it shows. Joints of bricks, tiles and a

@@ -375,10 +375,8 @@ class Synthesis(Displayable, SourceMap):
 
         Raises
         ------
-        FileError
-            If the file is missing, damaged, or something else.
-        InvalidInputError
-            If the sample has another size.
+        FileError, InvalidInputError
+            If the file is missing, damaged, or something else; if the sample has another size.
         """
         with one_line_errors(path, "a saved weftex result"):
             facts, arrays = read_result(path)
