@@ -35,7 +35,7 @@ export class PaintScreen {
     this.stage.single();
     this.stage.closeExtras(null);
     this.stop?.(); // it may be entered twice
-    this.stop = this.app.listen({ material: () => this.begin() });
+    this.stop = this.app.listen({ result: () => this.begin() }); // the recipe is that of the step by then
     this.begin();
   }
 
@@ -67,8 +67,9 @@ export class PaintScreen {
     if (!this.masks.has(key)) this.masks.set(key, new Mask(...size));
     this.mask = this.masks.get(key);
     this.key = key;
+    const begun = (this.begun = {});
     const textures = this.purpose === "fuse" ? await this.textures() : null;
-    if (!this.panel) return;
+    if (!this.panel || this.begun !== begun) return; // left or begun again meanwhile
     this.label = Math.max(1, Math.min(this.label, this.labels() - 1));
     stage.closeExtras(null);
     stage.main.show({ picture: canvas ? blank(size) : material.bitmap, size, repeat: 1, before: null, overlay: null, background: null });
