@@ -8,6 +8,7 @@ import { showPresets } from "./screens/presets.js";
 import { SampleScreen } from "./screens/sample.js";
 import { SeeScreen } from "./screens/see.js";
 import { openState, TakeScreen } from "./screens/take.js";
+import { sameJson } from "./shelf.js";
 import { Stage } from "./stage.js";
 import { loadStrings, t } from "./strings.js";
 
@@ -93,7 +94,8 @@ function buildStrip() {
     strip,
     entries.map((entry, k) => {
       const canvas = (entry.canvas ??= h("canvas", { width: 68, height: 68 }));
-      const picture = entry.result?.bitmap ?? (entry === now && !entry.result ? app.material?.bitmap : null);
+      const isOfMaterial = entry === now && !entry.result && sameJson(app.material?.asked, entry.state.materials[0]);
+      const picture = entry.result?.bitmap ?? (isOfMaterial ? app.material.bitmap : null);
       if (picture && canvas.shows !== picture) drawSquare(canvas, (canvas.shows = picture));
       else if (!canvas.shows && entry.thumb) drawText(canvas, (canvas.shows = entry.thumb));
       const about = entry.result ? `${entry.result.method} · ${entry.state.seed}` : entry.title;
