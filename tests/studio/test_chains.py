@@ -4,14 +4,8 @@ import json
 
 import pytest
 
-MADE = {
-    "task": "synth",
-    "materials": [{"maps": {"color": "photo"}, "even_light": 2}],
-    "size": [64, 64],
-    "seed": 3,
-    "method": "quilting",
-    "parameters": {},
-}
+MADE = {"task": "synth", "materials": [{"maps": {"color": "photo"}, "even_light": 2}]}
+MADE |= {"size": [64, 64], "seed": 3, "method": "quilting", "parameters": {}}
 STEPS = [
     {"label": "Maps", "estimate": {"maps": {"color": "photo"}}, "invert": True},
     {"label": "Made", "recipe": MADE | {"materials": [{"maps": {"color": "step 1"}}]}},
@@ -39,19 +33,13 @@ def test_chains_are_saved_renamed_and_removed(page, client):
     file.unlink()
 
 
-@pytest.mark.parametrize(
-    "steps",
-    [
-        [],
-        "steps",
-        [{"label": "neither"}],
-        [{"recipe": MADE, "estimate": {"maps": {"color": "photo"}}}],
-        [{"recipe": MADE | {"materials": [{"sample": "bricks"}]}}],
-        [{"recipe": MADE | {"materials": [{"maps": {"color": "step 1"}}]}}],  # of itself
-        [{"recipe": MADE | {"method": "none"}}],
-        [{"recipe": MADE}] * 33,
-    ],
-)
+WRONG = [{"label": "neither"}, {"recipe": MADE, "estimate": {"maps": {"color": "photo"}}}]
+WRONG += [{"recipe": MADE | {"materials": [{"sample": "bricks"}]}}]
+WRONG += [{"recipe": MADE | {"materials": [{"maps": {"color": "step 1"}}]}}]  # of itself
+WRONG += [{"recipe": MADE | {"method": "none"}}]
+
+
+@pytest.mark.parametrize("steps", [[], "steps", [{"recipe": MADE}] * 33, *([one] for one in WRONG)])
 def test_what_is_no_chain_is_refused(page, steps):
     page.refused("presets", {"name": "Wall", "steps": steps})
     assert page.get("presets") == {}

@@ -71,10 +71,8 @@ def test_a_border_is_added_and_removed(page, tmp_path):
 
 def test_borders_are_checked(page, tmp_path):
     made = page.made({"materials": [PEBBLES], "task": "tile", "axes": "x", "seed": 1})
-    for path, good in [
-        (f"results/{made['id']}", {1}),
-        (f"materials/{page.post('materials', PEBBLES)['id']}", set()),
-    ]:
+    pebbles = page.post("materials", PEBBLES)["id"]
+    for path, good in [(f"results/{made['id']}", {1}), (f"materials/{pebbles}", set())]:
         job = page.wait(page.post(f"{path}/borders"))
         assert (job["done"], job["total"], job["stage"]) == (100, 100, "borders")
         (found,) = job["results"]
@@ -101,12 +99,9 @@ def test_an_atlas_is_made_shown_and_saved(page, tmp_path):
         names = set(file.namelist())
         assert {"rock.json", "rock.tsx", "rock.tres", "rock.gdshader", "rock_height.png"} <= names
         assert json.loads(file.read("rock.json"))["image"] == "rock_color.png"
-    for wrong, parameter in [
-        ({"colors": 4}, "colors"),
-        ({"gutter": 40, "tile_size": 64}, "gutter"),
-        ({"tile_size": 8}, "tile_size"),
-        ({"tile_size": "x"}, "tile_size"),
-    ]:
+    wrong_values = [({"colors": 4}, "colors"), ({"gutter": 40, "tile_size": 64}, "gutter")]
+    wrong_values += [({"tile_size": one}, "tile_size") for one in (8, "x")]
+    for wrong, parameter in wrong_values:
         answer = page.ask("POST", ask, content=json.dumps(wrong))
         told = answer.json() if answer.status_code == 422 else page.wait(answer.json())
         assert told["error"] and told["parameter"] == parameter, told

@@ -77,8 +77,7 @@ def test_waiting_for_news_takes_no_longer_than_asked(client, page):
 
 def test_nine_seeds(page):
     job = page.job(QUICK, each=[{"seed": seed} for seed in range(1, 10)])
-    seeds = [result["recipe"]["seed"] for result in job["results"]]
-    assert seeds == list(range(1, 10))
+    assert [one["recipe"]["seed"] for one in job["results"]] == list(range(1, 10))
     assert len({page.get(f"results/{one['id']}/picture") for one in job["results"]}) == 9
     for wrong in ([{}] * 17, ["seed"], 9):
         assert page.refused("jobs", {"recipe": QUICK, "each": wrong})["parameter"] == "each"
@@ -121,8 +120,7 @@ def test_the_queue_is_bounded(client, page, other):
     assert "jobs are waiting" in page.refused("jobs", {"recipe": QUICK}, 429)["error"]
     other.post("jobs", {"recipe": LONG})
     assert other.refused("jobs", {"recipe": QUICK}, 429)
-    states = [page.get(f"jobs/{one}") for one in own]
-    assert max(job["ahead"] for job in states) >= 2
+    assert max(page.get(f"jobs/{one}")["ahead"] for one in own) >= 2
     for tab in (page, other):
         tab.post("leave")
     assert idle(client)
@@ -131,8 +129,7 @@ def test_the_queue_is_bounded(client, page, other):
 def test_errors_are_told_beside_their_field(page):
     wrong = {**QUICK, "method": "near-regular", "parameters": {"lattice": [300, 0, 0, 300]}}
     job = page.job(wrong)
-    assert job["state"] == "failed"
-    assert (job["parameter"], job["error"][:8]) == ("lattice", "lattice ")
+    assert (job["state"], job["parameter"], job["error"][:8]) == ("failed", "lattice", "lattice ")
 
 
 @pytest.fixture(scope="module")

@@ -31,13 +31,9 @@ def test_killed_and_started_again(tmp_path, rng):
     write_image(photo, rng.integers(0, 255, (60, 70, 3)).astype(np.uint8))
     first = Process(data, str(photo), "--port", "0")
     page = Page(first.client, first.token)
-    assert page.start["opened"]["maps"].keys() == {"color"}
-    recipe = {
-        "materials": [page.start["opened"]],
-        "size": [90, 80],
-        "seed": 5,
-        "method": "quilting",
-    }
+    opened = page.start["opened"]
+    assert opened["maps"].keys() == {"color"}
+    recipe = {"materials": [opened], "size": [90, 80], "seed": 5, "method": "quilting"}
     result = page.made(recipe)
     step = {"id": "0" * 12, "title": "wall", "recipe": result["recipe"], "result": result["id"]}
     kept = page.post("steps", step)
@@ -67,9 +63,8 @@ def test_killed_and_started_again(tmp_path, rng):
     assert second.end(signal.SIGTERM) in (0, -signal.SIGTERM, 143)
     left = [one.name for one in data.iterdir() if one.name.startswith("out-")]
     assert len(left) <= 1  # that of the killed one
-    assert {one.name for one in data.iterdir()} - set(left) == {
-        key_of(one.start["session"]) for one in (page, stranger)
-    }
+    used = {key_of(one.start["session"]) for one in (page, stranger)}
+    assert {one.name for one in data.iterdir()} - set(left) == used
 
 
 def test_its_socket_is_of_this_machine_alone():

@@ -32,9 +32,7 @@ def test_a_picture(page, tmp_path, rng):
 
 def test_bytes_are_counted_while_they_come(client, page):
     """Whatever Content-Length says, or does not say."""
-    before, most = client.studio.store.bytes, client.studio.limits.upload_bytes
-
-    sent = []
+    before, most, sent = client.studio.store.bytes, client.studio.limits.upload_bytes, []
 
     def endless():
         for _ in range(10_000):

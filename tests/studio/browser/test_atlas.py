@@ -63,14 +63,13 @@ def code_for(made):
 def drawn(tab, made, folder, rows, columns, step=1, linear=False):
     """A plane of tiles, `step` pixels of the atlas to a pixel."""
     write_image(folder / "atlas.png", made.image)
-    image = "data:image/png;base64," + base64.b64encode((folder / "atlas.png").read_bytes()).decode(
-        "ascii"
-    )
+    data = base64.b64encode((folder / "atlas.png").read_bytes()).decode("ascii")
     down, across = (side // step for side in made.tile_size)
-    size = {"width": columns * across, "height": rows * down}
-    size |= {"down": f"{down}.0", "across": f"{across}.0"}
+    given = {"width": columns * across, "height": rows * down}
+    given |= {"down": f"{down}.0", "across": f"{across}.0"}
     page = tab().page
-    found = page.evaluate(DRAW, {"image": image, "code": code_for(made), "linear": linear, **size})
+    given |= {"image": f"data:image/png;base64,{data}", "code": code_for(made), "linear": linear}
+    found = page.evaluate(DRAW, given)
     (folder / "drawn.png").write_bytes(base64.b64decode(found.partition(",")[2]))
     return read_image(folder / "drawn.png").pixels[..., :3]
 

@@ -17,12 +17,8 @@ def test_a_task_is_chosen_before_the_photo(tab: Any, address: str, photo: Path) 
     """Each task leads to its screen; focus is never lost to the body of the page."""
     one = tab()
     page = one.open(address)
-    for task, heading in [
-        ("tile", "Make"),
-        ("remove", "Paint"),
-        ("blend", "Paint"),
-        ("maps", "Make"),
-    ]:
+    screens = {"tile": "Make", "remove": "Paint", "blend": "Paint", "maps": "Make"}
+    for task, heading in screens.items():
         page.click(f"[data-task={task}]")
         assert page.get_attribute(f"[data-task={task}]", "aria-pressed") == "true"
         page.set_input_files("input[type=file]", photo)
@@ -34,6 +30,42 @@ def test_a_task_is_chosen_before_the_photo(tab: Any, address: str, photo: Path) 
             one.press_make()
             assert "160 × 128" in page.inner_text(".stage-bar")
         page.click("[aria-label='Open another image']")
+
+
+THUMBNAILS = "all => all.map((one) => one.toDataURL())"
+DROP = """([name, bytes]) => {
+  const dataTransfer = new DataTransfer();
+  dataTransfer.items.add(new File([Uint8Array.from(bytes)], name));
+  document.body.dispatchEvent(new DragEvent("drop", { dataTransfer, bubbles: true }));
+}"""
+
+
+def test_a_dropped_image_is_one_more_material(tab: Any, address: str, photo: Path) -> None:
+    """Painting and materials stay; the stage and the thumbnails show the steps that they name."""
+    other = photo.with_name("gray.png")
+    weftex.write_image(other, np.full((64, 64, 3), 128, np.uint8))
+    one = tab()
+    page = one.begin(address, photo)
+    page.click("[aria-label='Open another image']")
+    page.click(".samples button:has-text('pebbles')")
+    page.wait_for_selector(".panel h2 >> text=pebbles")
+    page.click("[data-screen=make]")
+    shown = one.shot(), page.eval_on_selector_all(".strip canvas", THUMBNAILS)
+    page.click("[data-task=blend]")
+    page.wait_for_selector(".panel .shelf button:nth-child(2)")
+    one.stroke((0.4, 0.5), (0.6, 0.5))
+    painted = page.inner_text(".panel p[role=status]")
+    page.evaluate(DROP, [other.name, list(other.read_bytes())])
+    page.wait_for_selector(".panel .shelf button:nth-child(3) >> text=gray.png")
+    assert page.inner_text(".panel p[role=status]") == painted != "0 % painted"
+    for name in ("wall.png", "pebbles"):
+        page.click(f".strip button:has-text('{name}')")
+        page.wait_for_selector(f".panel .shelf button:first-child >> text={name}")
+        found = page.locator(".panel .shelf button").all_inner_texts()
+        assert sorted(found) == ["gray.png", "pebbles", "wall.png"]
+    assert page.inner_text(".panel p[role=status]") == painted
+    page.click("[data-screen=make]")
+    assert shown == (one.shot(), page.eval_on_selector_all(".strip canvas", THUMBNAILS))
 
 
 def test_maps_are_added_and_estimated(tab: Any, address: str, photo: Path) -> None:

@@ -108,8 +108,8 @@ export class App extends Shelf {
 
   // -- materials
 
-  /** Take pictures that were dropped: as sets of maps where their names say so. */
-  async openFiles(files) {
+  /** Upload pictures: {materials, notes}, as sets of maps where their names say so. */
+  async upload(files) {
     const uploads = [];
     for (const file of files) {
       const [size, most] = [file.size, this.limits.upload_bytes].map((bytes) => Math.ceil(bytes / 1e6));
@@ -117,9 +117,12 @@ export class App extends Shelf {
       this.tell("notice", { text: t("sample.uploading", { name: file.name }) });
       uploads.push((await this.api.upload(file)).id);
     }
-    const found = await this.api.post("sets", { uploads });
-    await this.open(found.materials, found.notes);
-    return found;
+    return this.api.post("sets", { uploads });
+  }
+
+  async openFiles(files) {
+    const { materials, notes } = await this.upload(files);
+    await this.open(materials, notes);
   }
 
   async open(specs, notes = []) {

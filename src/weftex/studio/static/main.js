@@ -213,6 +213,12 @@ function run(event, action) {
   action();
 }
 
+/** Open files that were dropped or pasted; materials that are being painted get them as further ones. */
+function takeFiles(files) {
+  const adds = present === "paint" && screens.paint.purpose === "fuse";
+  app.guard(() => (adds ? screens.paint.addFiles(files) : app.openFiles(files)));
+}
+
 function addDrops() {
   document.body.dataset.drop = t("front.dropping");
   const carries = (event) => event.dataTransfer?.types.includes("Files");
@@ -226,11 +232,11 @@ function addDrops() {
     if (!carries(event)) return;
     event.preventDefault();
     document.body.classList.remove("dropping");
-    app.guard(() => app.openFiles([...event.dataTransfer.files]));
+    takeFiles([...event.dataTransfer.files]);
   });
   document.addEventListener("paste", (event) => {
     const files = [...(event.clipboardData?.files ?? [])];
-    if (files.length) app.guard(() => app.openFiles(files));
+    if (files.length) takeFiles(files);
   });
 }
 

@@ -224,11 +224,7 @@ export class PaintScreen {
       return h("button", { type: "button", "aria-pressed": String(k === this.label), title: k ? "" : t("paint.ground"), onclick: () => { this.set({ label: k }); this.draw(); } }, canvas, name);
     });
     const more = h("select", { "aria-label": t("paint.add"), onchange: () => more.value && this.add([{ sample: more.value }]) }, h("option", { value: "" }, t("paint.add")), app.about.samples.filter((one) => !app.shelf.some((spec) => spec.sample === one.name)).map((one) => h("option", { value: one.name }, one.name)));
-    const file = h("input", { type: "file", accept: "image/*", multiple: true, hidden: true, onchange: () => app.guard(async () => {
-      const uploads = [];
-      for (const one of file.files) uploads.push((await app.api.upload(one)).id);
-      await this.add((await app.api.post("sets", { uploads })).materials);
-    }) });
+    const file = h("input", { type: "file", accept: "image/*", multiple: true, hidden: true, onchange: () => app.guard(() => this.addFiles(file.files)) });
     const side = (k, name) => {
       const box = h("input", { type: "number", min: 16, value: this.size[k], "aria-label": t(name), onchange: () => { this.size = this.size.with(k, (box.value = Math.max(16, Math.trunc(Number(box.value) || 0)))); this.begin(false); } });
       return box;
@@ -239,6 +235,10 @@ export class PaintScreen {
       h("div", { class: "row even" }, more, h("button", { type: "button", onclick: () => file.click() }, icon("open"), t("paint.file")), file),
       h("div", { class: "size" }, side(0, "make.width"), h("span", { "aria-hidden": "true" }, "×"), side(1, "make.height")),
     ];
+  }
+
+  async addFiles(files) {
+    await this.add((await this.app.upload(files)).materials);
   }
 
   async add(specs) {
