@@ -54,7 +54,7 @@ export class TakeScreen {
     const { app, wanted, source } = this;
     const { result } = app;
     if (app.preview?.result) {
-      fill(this.panel, h("h2", {}, t("take.title")), h("p", {}, t("see.preview")), makeButton(app));
+      fill(this.panel, h("h2", {}, t("take.title")), h("p", {}, t("take.preview")), makeButton(app));
       return;
     }
     if (this.of !== source.id) {
