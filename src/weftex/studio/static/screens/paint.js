@@ -41,6 +41,7 @@ export class PaintScreen {
 
   leave() {
     this.stop();
+    this.pressed = false;
     this.painter?.close();
     this.painter = null;
     this.stage.main.element.classList.remove("painting");
@@ -262,10 +263,13 @@ export class PaintScreen {
     ];
   }
 
-  /** Do what the painting is for. */
-  go() {
+  /** Do what the painting is for, once, however often the button is pressed before it begins. */
+  async go() {
+    if (this.pressed) return;
+    this.pressed = true;
     const actions = { hole: () => this.fillHole(), use: () => this.restrict(), fuse: () => this.fuse(), guide: () => this.follow() };
-    return this.attempt(actions[this.purpose]);
+    await this.attempt(actions[this.purpose]);
+    this.pressed = false;
   }
 
   action() {
@@ -333,7 +337,7 @@ export class PaintScreen {
     app.recipe = recipe;
     app.tell("go", { screen: "make" });
     try {
-      if (!(await app.make(recipe, label))) app.edit(before); // it was cancelled
+      if (!(await app.make(recipe, label)) && app.recipe === recipe) app.edit(before); // it was cancelled
     } catch (error) {
       app.edit(before);
       app.tell("go", { screen: "paint" });
