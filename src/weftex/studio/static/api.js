@@ -25,6 +25,11 @@ export class Api {
     this.onlost = () => {};
   }
 
+  /** The address that opens a state in another tab: with the token, as the studio printed it. */
+  addressOf(hash) {
+    return `${location.origin}/#${[`token=${this.token}`, hash.slice(1)].filter(Boolean).join("&")}`;
+  }
+
   async fetch(path, { method = "GET", body, headers = {}, signal, keepalive } = {}) {
     const sent = { "X-Weftex-Token": this.token, ...headers };
     if (this.session) sent["X-Weftex-Session"] = this.session;

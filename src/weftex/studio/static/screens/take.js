@@ -159,7 +159,7 @@ export class TakeScreen {
       h(
         "div",
         { class: "row" },
-        copyButton(location.href, t("share.link")),
+        copyButton(app.api.addressOf(location.hash), t("share.link")),
         h("button", { type: "button", onclick: () => app.guard(() => saveState(app, result.recipe)) }, icon("take"), t("share.file")),
       ),
     );
@@ -188,15 +188,14 @@ function copyable(text, label) {
 }
 
 function copyButton(text, label) {
-  return h("button", { type: "button", onclick: (event) => copy(text, event.currentTarget) }, icon("copy"), label);
+  return h("button", { type: "button", onclick: (event) => copy(text, event.currentTarget, label) }, icon("copy"), label);
 }
 
-async function copy(text, button) {
+/** Copy a text; the button says so for a moment, in words where it has a `label`. */
+async function copy(text, button, label = "") {
   await navigator.clipboard.writeText(text);
-  const old = button.querySelector(".icon");
-  const done = icon("check");
-  old.replaceWith(done);
-  setTimeout(() => done.replaceWith(old), 1200);
+  fill(button, icon("check"), label && t("share.copied"));
+  setTimeout(() => fill(button, icon("copy"), label), 1200);
 }
 
 /** A small file that holds a recipe and the pictures that it names, if they are small. */
