@@ -240,7 +240,7 @@ def _size_text(size: tuple[int, int]) -> str:
 SIZE = Kind(
     "size", "WxH or N, 1 or more, such as 640x480, 2k or 2mx1.5m (meters)", _read_size,
     _fitting(_several(_whole, 2), lambda sides: min(sides) >= 1), _size_text,
-    in_json="[height, width], 1 or more",
+    in_json="a height and a width, each 1 or more",
 )  # fmt: skip
 AXES = Kind(
     "axes", "x, y or xy", lambda text: text == "xy" or text,
