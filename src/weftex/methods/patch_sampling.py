@@ -17,7 +17,7 @@ from weftex.raster.arrays import Mask
 _PAPERS_EPSILON = 0.2  # section 2.4
 _HOLE_EPSILON = 0.02  # known pixels cannot be blended, so the best match is taken
 _FILLING = 0.05  # how much worse than the best a match may be where another seed fills a hole
-_SEED_OF_BEST = 1  # by default, so that holes are filled with the best matches
+_SEED_OF_BEST = 1  # which fills holes with the best matches; others draw among good ones
 
 
 @dataclass(frozen=True)
@@ -107,7 +107,7 @@ def sample_by_patches(output: PatchCanvas, method: PatchSampling) -> None:
 def tolerance_of(output: PatchCanvas, method: PatchSampling) -> Tolerance:
     """Return d_max, eq. (1) and section 2.4, and whether the alpha_i of section 2.1 are all alike.
 
-    Not in the paper: a hole takes the best match, and seeds but the default fill it differently.
+    Not in the paper: with seed 1 a hole takes the best match; other seeds fill it differently.
     """
     canvas = output.frame.canvas
     fills = canvas.known is not None and canvas.shown is None and method.epsilon <= _HOLE_EPSILON

@@ -22,9 +22,8 @@ def run(argv: list[str]) -> None:
         for slug, cls in ((AUTO, method_class(AUTO)), *METHODS.items()):
             able = ("yes" if slug == AUTO or k in cls.supports else "no" for k in _KINDS.values())
             print(_LINE.format(slug, cls.title, *able))
-        print(
-            "\nAll methods make larger and tileable images. 'weftex methods NAME' lists parameters."
-        )
+        print("\nAll built-in methods make larger and tileable images.", end=" ")
+        print("'weftex methods NAME' lists parameters.")
         return
     cls = method_class(name)
     print(f"{cls.title}\n{cls.paper}\n")
