@@ -21,7 +21,7 @@ from weftex.raster.arrays import Bytes, Floats, Ints
 from weftex.raster.boxes import centered_sums, sums_along
 
 _SLANT = 0.1  # of rows that are still taken for level, or upright
-_SHARE = (2, 5)  # of the variance of colors, from which rows keep their color; boards 0.5 to 0.8
+_SHARE = (2, 5)  # 2/5, in integers: least share of the variance of colors; boards 0.5 to 0.8
 _JOINT = 12  # of a row's height, over which a joint is looked for
 _WIDE = 2  # lines at either side of a joint over which its steps in tone are added up
 _HIGHEST, _STEP = 8, 0.35  # of the mean of that many highest steps, that a joint must have
@@ -105,7 +105,7 @@ def mean_tiles(pixels: Bytes, vectors: tuple[float, ...]) -> Bytes:
 
 
 def _first_joint(pixels: Bytes, period: float, axis: int) -> int:
-    """Where all rows look most alike, as they do in joints."""
+    """Return the line, within one period, where all rows look most alike, as in joints."""
     lines = np.moveaxis(pixels, axis, 0).sum(axis=1, dtype=np.int64)
     at = np.arange(len(lines))
     place = np.floor(at - np.floor(at / period) * period).astype(np.int64)
@@ -138,7 +138,7 @@ class RowMap(NamedTuple):
         return slice(max(line - off, 0), line + off + 1)
 
     def limits(self, pixel: tuple[int, int], over: int) -> tuple[int, int, bool]:
-        """The lines up to `over` units beyond a pixel's band, and whether they are all and wrap."""
+        """Return start and end, `over` units beyond a pixel's band, and if all lines wrap."""
         (start, end, _), size = self.band(pixel), self.bands[-1][1]
         start, end = start - over * self.unit, end + over * self.unit
         if not self.wraps:
@@ -154,7 +154,7 @@ class Boards:
         lines = np.ascontiguousarray(np.moveaxis(pixels, 2, 0)).swapaxes(1, axis + 1)
         tones, at = lines.sum(axis=2, dtype=np.int64).T, np.arange(height - unit + 1)
         self.unit, self._tones = unit, centered_sums(tones, unit // 2, (0,)).astype(np.int64)
-        # Steps in tone around each line: what the whole line has in common, and all.
+        # Joints: lines with the largest steps in tone that all columns have in `common`.
         blocks = lines[:, :, lines.shape[2] % unit :].reshape(len(lines), height, -1, unit)
         means = sums_along(blocks.sum(axis=3, dtype=np.int64), 1, at, at + unit)
         steps = means[:, unit:] - means[:, :-unit]
@@ -272,7 +272,7 @@ def unit_of(pixels: Bytes) -> int:
 
 
 def find_boards(pixels: Bytes, even: bool = False) -> Boards | None:
-    """Find rows whose joints run through a sample uint8 (H, W, K); clearly, if they are `even`."""
+    """Find rows whose joints run through a sample uint8 (H, W, K); `even`: rows of one height."""
     found = max((Boards(pixels, axis) for axis in (0, 1)), key=lambda one: one.through)
     return found if found.through >= _THROUGH[even] else None
 

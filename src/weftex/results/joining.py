@@ -2,9 +2,11 @@
 
 The result f minimizes the sum of (f' - g)^2 + ((f - h) / reach)^2: its slopes are close to g, the
 slopes of the sample at the source of each pixel, and its values to h, the pasted pieces. A step is
-shared by both sides and falls off within a reach. After P. Pérez, M. Gangnet and A. Blake,
-Poisson image editing (2003), doi:10.1145/882262.882269, with the screen of P. Bhat et al., Fourier
-analysis of the 2D screened Poisson equation (2008), doi:10.1007/978-3-540-88688-4_9.
+shared by both sides and falls off within a reach. An output is solved in blocks: squares with a
+margin. An endless plane is divided into cells by lines, which cross at nodes: each line is solved
+between two nodes, then each cell inside its four lines. After P. Pérez et al., Poisson image
+editing (2003), doi:10.1145/882262.882269, with the screen of P. Bhat et al., Fourier analysis of
+the 2D screened Poisson equation (2008), doi:10.1007/978-3-540-88688-4_9.
 """
 
 from __future__ import annotations
@@ -81,8 +83,8 @@ def has_few_colors(colors: NDArray[Any]) -> bool:
 def join_steps(laid: PastedPieces, given: Exemplar, reach: float, window: Window) -> NDArray[Any]:
     """Return a window of the pasted pieces, without the steps where pieces of other tones meet.
 
-    `reach` is in pixels of the output; 0 leaves all as it is. Parts are the same bytes as in the
-    whole. Values are cut to what an integer type holds (heights), or to the sample's range.
+    `reach` is in pixels of the output; 0 leaves all as it is. A window has the same bytes as in the
+    whole output. Values are cut to what an integer type holds (heights), or to the sample's range.
     """
     made = laid.pixels(window)
     if not reach or not has_squares(made, given.pixels):

@@ -45,8 +45,7 @@ if TYPE_CHECKING:
 
 #: Pixels around a hole that are used at least; more if the method needs them.
 _LEAST_REACH = 256
-#: Usable pixels around the holes that patches are taken from. More make it slower, and what is
-#: further away looks less like the place.
+#: Usable pixels near holes that patches come from. More are slower and look less like the place.
 _NEIGHBORHOOD = 2**20
 _LARGE = 5 * 2**18  # pixels around all holes from which on they are filled in groups
 _SQUARE = 512  # pixels a side; holes whose middles are in the same square are one group
@@ -216,7 +215,7 @@ class _Filling:
             reach = np.maximum((last - first) // 2, AROUND)
             low, high = (first - reach).min(axis=0).clip(0), (last + reach).max(axis=0)
             corner = (low - _MARGIN).clip(0).tolist()
-            crop = itemgetter(tuple(map(slice, corner, high + _MARGIN)))
+            crop = itemgetter(tuple(map(slice, corner, high + _MARGIN)))  # returns a view
             marked, matched = np.zeros_like(hole), np.zeros_like(hole)
             for box in boxes:
                 marked[tuple(starmap(slice, box))] = True
@@ -244,7 +243,7 @@ class _Filling:
         step = math.ceil(math.sqrt(hole.sum() / _LARGE_HOLE))
         if self.by_auto and step > 1 and not any(canvas.wrap):
             largest = -(-max(photo.shape) // step)
-            small, step = smaller_copy(_cropped(photo, np.array, masked), largest)
+            small, step = smaller_copy(_cropped(photo, np.array, masked), largest)  # a copy
             usable = means(photo.usable & ~hole, step) == 1
             missing, anew = (means(mask, step) > 0 for mask in (hole, masked))
             small = small.changed(mask=usable | missing)

@@ -31,7 +31,7 @@ from weftex.search.fft_mismatch import Spectra, overlap_mismatch
 _DRIFT = 16  # in photos a tile lies up to 1/16 of its shorter side off the lattice
 _MOST = 4.0  # pixels, at most
 _LEAST = 0.75  # pixels, so that there is a whole one at each multiple of the vectors
-_OVER, _OFF = 6, 1  # pixels that patches reach beyond their row, for cuts, and may lie off it
+_OVER, _OFF = 6, 1  # units of `RowMap`: patches exceed their row, for cuts, and may lie off it
 _UNIT = 1 << 16  # of `CanvasLattice.phase`
 #: What is around a pixel, by the shape of the copies that may cover it: the pyramid of a box, and
 #: how far the pixel is from its corner, in whole pixels of all levels.
@@ -52,8 +52,8 @@ class EntirePatchMatching:
     """The entire sample is shifted over the canvas, to where it matches or, `random`, anywhere.
 
     Of a picture of oriented copies each patch is one copy, but for `random`. `lattice` limits the
-    shifts of a sample without copies to multiples of its vectors. `rows`, if any are found, are
-    kept whole, but in endless textures; in holes they are continued.
+    shifts of a sample without copies to multiples of its vectors. Placement `rows` keeps rows whole
+    if any are found, or continues them in holes; in endless textures it is as `entire`.
     """
 
     guiding: Guiding | None = None
@@ -143,8 +143,8 @@ class EntirePatchMatching:
         """
         if self._lattice is None and self._rows is None and centered in copy.places:
             return copy.places[centered]
-        # Eighths of the sample that cover the pixel. With fewer, little of it overlaps the canvas,
-        # and it matches worse; with more, it covers little that is missing.
+        # The pixel lies `low` to `high` eighths of a copy's sides from its corner. Less: little of
+        # it overlaps the canvas, and it matches worse. More: it covers little that is missing.
         low, high = (2, 6) if centered else (2, 4) if self.penalty is None else (1, 6)
         if self._rows is not None and self.canvas.hole is not None:
             low, high = 0, 8  # any that lies on the same line
@@ -180,7 +180,7 @@ class EntirePatchMatching:
         return found
 
     def _limits(self, pixel: tuple[int, int], over: int) -> list[tuple[int, int, bool]]:
-        """Lines that patches on a pixel may cover, `over` beyond a row, and whether they wrap."""
+        """Lines that patches on a pixel may cover, `over` units beyond a row; whether they wrap."""
         both = zip(nearest_hole(self._holes, pixel), self.canvas.wrap, strict=True)
         limits = [(*ends, wraps) for ends, wraps in both]
         if self._rows is not None and self.canvas.hole is None:
