@@ -319,17 +319,17 @@ def paste(graph):
     return covered
 
 
-def cost_in_blocks(graph: Graph, exponent: cython.int, least: cython.double):
+def cost_in_blocks(graph: Graph, exponent: cython.int, most: cython.double):
     """By how much a cut in blocks raises the cost of seams, and how many pixels it newly covers.
 
-    A cut that costs more than `least` for each of these pixels is not completed.
+    A cut that costs more than `most` for each of these pixels is not completed.
     """
     limit: cython.longlong = LLONG_MAX // 2
     with cython.nogil:  # beside other threads
         covered = mark_choices(graph)
-        least *= max(covered, 1)
-        if least < 1e18:
-            limit = cython.cast(cython.longlong, least) + 1
+        most *= max(covered, 1)
+        if most < 1e18:
+            limit = cython.cast(cython.longlong, most) + 1
         cost = cut(graph, exponent, True, limit)
     return cost, covered
 
