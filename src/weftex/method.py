@@ -19,6 +19,7 @@ from weftex.exemplar import Exemplar, Sample, load_exemplar
 from weftex.parameters import checked_value, numbers_of
 from weftex.progress import ProgressCallback, listening
 from weftex.random import seed_number
+from weftex.raster.arrays import Mask
 from weftex.registry import supporting
 from weftex.results.synthesis import Synthesis
 from weftex.threads import in_turn, thread_count
@@ -319,9 +320,7 @@ class Method(ABC):
         """How far around a hole the method must look, in pixels; 0 if any distance will do."""
         return 0
 
-    def for_hole(
-        self, hole: NDArray[np.bool_], usable: NDArray[np.bool_], given: frozenset[str] | None
-    ) -> Self:
+    def for_hole(self, hole: Mask, usable: Mask, given: frozenset[str] | None) -> Self:
         """Return this method with what suits a hole where its parameters leave that open.
 
         `usable` are the exemplar's pixels that may be copied; `given` names the parameters that

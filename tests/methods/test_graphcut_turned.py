@@ -59,7 +59,7 @@ def test_what_copies_would_repeat_is_summed_as_defined(turn, rng):
         assert repeats.any() and places.any()
         mean = max((source[::side, ::side] >= 0).sum() / (penalty.cells.shape[1] - 1), 1)
         prices = np.rint(3.3 / (2 * 64 * 16) * repeats + 1.1 / mean * places)
-        np.testing.assert_array_equal(penalty.prices(*patch), prices)
+        np.testing.assert_array_equal(penalty.prices(patch), prices)
 
 
 def test_nothing_meets_its_mirror_image():

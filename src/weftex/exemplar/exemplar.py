@@ -234,7 +234,7 @@ class Exemplar(Displayable):
             own = [np.rint(own[0] / largest).astype(np.uint8)]
             factors = {name: factor / largest for name, factor in factors.items()}
         for name, factor in factors.items():
-            values = to_bytes(other.aligned(name), scale_to_bytes(self.aligned(name)))
+            values = to_bytes(other.aligned(name), scale_to_bytes(self.aligned(name)[self.usable]))
             own.append(np.rint(np.minimum(values * factor, 255)).astype(np.uint8))
         return np.ascontiguousarray(own[0] if len(own) == 1 else np.concatenate(own, axis=2))
 
@@ -245,17 +245,17 @@ class Exemplar(Displayable):
         depth) unless the values lie in a narrow band, which is then stretched. Alpha is multiplied
         in and kept beside the colors, so that the color of clear pixels does not count.
         """
-        pixels = pixels.reshape(*pixels.shape[:2], -1)
+        pixels, own = pixels.reshape(*pixels.shape[:2], -1), self.pixels[self.usable]
         if self.alpha:
             top = {"u": 255 if pixels.dtype == np.uint8 else 65535, "f": 1}[pixels.dtype.kind]
             clear = np.clip(pixels[..., -1:] / top, 0, 1)
-            values = to_bytes(pixels[..., :-1], scale_to_bytes(self.pixels[..., :-1])) * clear
+            values = to_bytes(pixels[..., :-1], scale_to_bytes(own[..., :-1])) * clear
             values = np.concatenate([values, clear * 255], axis=2)
             result = np.rint(values).astype(np.uint8)
         elif pixels.dtype == np.uint8:
             result = pixels
         else:
-            result = np.rint(to_bytes(pixels, scale_to_bytes(self.pixels))).astype(np.uint8)
+            result = np.rint(to_bytes(pixels, scale_to_bytes(own))).astype(np.uint8)
         return np.ascontiguousarray(result)
 
     @cached_property

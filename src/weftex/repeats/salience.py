@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -11,8 +13,9 @@ from weftex.raster.turning import TURNS, Box, turned_pixels
 from weftex.repeats import Output, Repetition
 from weftex.repeats import repeat_kernels as kernels
 
+Lines = NDArray[np.int32]
 #: What repeats count for: strength apart, see `Repetition`.
-_CELLS, _OF_COPIES = 16, 11  # of the sample's shorter side, or up to twice as many, are looked at
+_CELLS, _OF_COPIES = 16, 11  # of the shorter side, or up to twice as many; fewer if it is thin
 _LEVELS = 16  # of salience, so that sums are of whole numbers
 _MOST = 8  # times the mean salience; what stands out more counts as much
 _FAR = 1.25  # sides of the sample from which on nothing is in sight
@@ -113,22 +116,15 @@ class SaliencePenalty:
         self._where = (places + [line.start for line in around]).astype(np.int32)
         self._shown = np.stack([counts.cumsum() - counts, counts, self.cells[3]]).astype(np.int32)
 
-    def prices(
-        self,
-        rows: NDArray[np.int32],
-        columns: NDArray[np.int32],
-        from_rows: NDArray[np.int32],
-        from_columns: NDArray[np.int32],
-    ) -> NDArray[np.int32]:
+    def prices(self, box: tuple[Lines, Lines, Lines, Lines]) -> Lines:
         """What each cell of a patch's box adds by repeats if it becomes new, for each pixel.
 
         Less what stays there otherwise, in costs of seams (`seam_cost`). Repeats within the box
-        count half, as the patch may replace them.
+        count half, as the patch may replace them. `box`: its rows and columns, then the sample's.
         """
-        sums = np.zeros((2, *(-(-len(line) // self.cell) for line in (rows, columns))), np.int64)
-        patch = rows, columns, from_rows, from_columns
+        sums = np.zeros((2, *(-(-len(line) // self.cell) for line in box[:2])), np.int64)
         kernels.sum_changes(
-            self.output.source, self._cell_of, *patch, self._shown, self._where, self._apart,
+            self.output.source, self._cell_of, *box, self._shown, self._where, self._apart,
             self._sizes, sums,
         )  # fmt: skip
         mean = max(len(self._where) / (self.cells.shape[1] - 1), 1.0)
@@ -214,7 +210,9 @@ class SaliencePenalty:
 def cell_side(boxes: list[Box]) -> int:
     """The side in pixels of the cells of a sample and its copies, a power of 2."""
     least = _CELLS if len(boxes) == 1 else _OF_COPIES
-    return 1 << max((min(boxes[0][2:]) // least).bit_length() - 1, 0)
+    high, wide = boxes[0][2:]
+    side = max(min(high, wide) // least, math.isqrt(high * wide) // (2 * _CELLS))
+    return 1 << max(side.bit_length() - 1, 0)
 
 
 def _salience(pixels: Bytes, usable: Bytes) -> NDArray[np.int32]:

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from weftex.raster.arrays import Bytes
 from weftex.raster.levels import tamed
 
 __all__ = ["DRAWINGS"]
@@ -24,9 +25,7 @@ def draw_sources(source: NDArray[np.int32], sample_shape: tuple[int, int]) -> ND
     return picture
 
 
-def draw_seams(
-    gray: NDArray[np.uint8], source: NDArray[np.int32], sample_shape: tuple[int, int]
-) -> NDArray[np.uint8]:
+def draw_seams(gray: Bytes, source: NDArray[np.int32], sample_shape: tuple[int, int]) -> Bytes:
     """A gray picture, and in red the pixels whose source does not continue the one before."""
     shift = _shifts(source, sample_shape)
     seam = np.zeros(source.shape[:2], bool)

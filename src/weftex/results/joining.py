@@ -34,7 +34,11 @@ _BLOCK = 1024  # pixels a side that are solved at once
 _SIZES = 32  # whose multiples are quick to transform
 _LEAST = 1e-9  # pixels of reach, which change nothing; the square of less may be 0
 _GRAIN = 64  # of a level, to which shifts are rounded, as machines differ in last digits
+EXCLUDED = np.uint16(2**16 - 1)  #: The part of a sample that must not be copied.
 _LARGEST = 1e30  # whose squares are numbers
+
+
+Parts = NDArray[np.uint16]
 
 
 class PastedPieces(NamedTuple):
@@ -46,7 +50,7 @@ class PastedPieces(NamedTuple):
     wrap: tuple[bool, bool]
     scale: int
     threads: int
-    parts: NDArray[np.uint16] | None = None  # of the sample (H, W), between which steps stay
+    parts: Parts | None = None  # of the sample's map (H, W), between which steps stay
     #: See `spans_of`: steps are spread along each line between two nodes, then within each cell.
     cells: NDArray[np.int64] | None = None
 
@@ -91,7 +95,8 @@ def join_steps(laid: PastedPieces, given: Exemplar, reach: float, window: Window
         return made
     source = given.pixels.reshape(*given.shape, -1)
     result = made.reshape(*made.shape[:2], -1)
-    least, most = (np.array(ends, np.float64) for ends in ends_of(source, given.role.kind))
+    usable = source if laid.parts is None else source[laid.parts != EXCLUDED]
+    least, most = (np.array(ends, np.float64) for ends in ends_of(usable, given.role.kind))
     block = max(1, _BLOCK // laid.scale)
     blocks = ([(at, min(at + block, n)) for at in range(0, n, block)] for n in laid.shape)
     spans = list(blocks) if laid.cells is None else spans_of(laid.cells)
@@ -172,13 +177,19 @@ def has_squares(*pictures: NDArray[Any]) -> bool:
     return all(a.dtype.kind == "u" or float(np.abs(a).max()) <= _LARGEST for a in pictures)
 
 
+def with_mask(parts: Parts | None, usable: NDArray[np.bool_] | None) -> Parts | None:
+    """The parts of a sample (H, W), of which the pixels that must not be copied are one more."""
+    return parts if usable is None else np.where(usable, 0 if parts is None else parts, EXCLUDED)
+
+
 def ends_of(source: NDArray[Any], kind: str) -> tuple[Any, Any]:
     """The least and the largest value that each channel may have."""
     if kind != "height":
-        return source.min(axis=(0, 1)), source.max(axis=(0, 1))
+        values = source.reshape(-1, source.shape[-1])
+        return values.min(axis=0), values.max(axis=0)
     whole = source.dtype.kind == "u"
     ends = (0.0, float(np.iinfo(source.dtype).max)) if whole else (-np.inf, np.inf)
-    least, most = ([end] * source.shape[2] for end in ends)
+    least, most = ([end] * source.shape[-1] for end in ends)
     return least, most
 
 
@@ -259,8 +270,6 @@ def _divergence(
     steps = np.zeros((made.shape[2], *made.shape[:2]))
     about = height, columns.around, laid.scale, np.zeros(made.shape[2])
     part = np.broadcast_to(np.uint16(0), sample.shape[:2]) if laid.parts is None else laid.parts
-    if laid.parts is not None and laid.scale > 1:
-        part = part.repeat(laid.scale, 0).repeat(laid.scale, 1)
     kernels.compare_slopes(steps, made, sample, coordinates, shares, *about, part)
     if rows.around:
         steps[:, 0] += steps[:, height]

@@ -26,7 +26,7 @@ class PatchSynthesis(Synthesis):
     """
 
     ARRAYS = {"placements": np.int32, "weights": np.uint16, "cuts": np.uint16}  # noqa: RUF012
-    OPTIONAL = {"frame": np.int64}  # noqa: RUF012
+    OPTIONAL = {"frame": np.int64, "parts": np.uint16}  # noqa: RUF012
 
     def __init__(
         self,

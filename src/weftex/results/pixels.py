@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from weftex.canvas import Canvas
 from weftex.exemplar import Exemplar
 from weftex.io.npz import DamageError
+from weftex.raster.arrays import Ints
 from weftex.raster.mixing import Mixing
 from weftex.results import paste_kernels
 from weftex.results.joining import spans_of
@@ -30,11 +31,7 @@ class PixelSynthesis(Synthesis):
     OPTIONAL = {"parts": np.uint16, "cells": np.int64}  # noqa: RUF012
 
     def __init__(
-        self,
-        canvas: Canvas,
-        index: NDArray[np.int32],
-        cells: NDArray[np.int64] | None = None,
-        **about: Any,
+        self, canvas: Canvas, index: NDArray[np.int32], cells: Ints | None = None, **about: Any
     ) -> None:
         super().__init__(canvas, **about)
         self.index, self.cells = index, cells
@@ -67,7 +64,7 @@ class PixelSynthesis(Synthesis):
         self, index: NDArray[np.int32], exemplar: Exemplar, by: dict[str, Any]
     ) -> PixelSynthesis:
         """Return this result of a rearranged sample as one of the sample itself, made `by`."""
-        about = {"exemplar": exemplar, "provenance": self.provenance | by}
+        about = {"exemplar": exemplar, "provenance": self.provenance | by, "parts": None}
         return self._again(self.canvas, index.ravel()[self.index], **about)
 
     def enlarged(self, canvas: Canvas, exemplar: Exemplar, step: int) -> PixelSynthesis:
@@ -132,8 +129,6 @@ class PixelSynthesis(Synthesis):
         least = 0 if canvas.hole is None else -1  # only known pixels come from nowhere
         if ((index < least) | (index >= sample[0] * sample[1])).any():
             raise DamageError("its sources lie outside")
-        if arrays.get("parts", np.empty(sample)).shape != sample:
-            raise DamageError("its materials do not fit its sample")
 
 
 def frame_of(cells: NDArray[np.int64] | None, shape: tuple[int, int]) -> list[Span]:

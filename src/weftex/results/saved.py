@@ -97,11 +97,15 @@ def read_result(path: str | os.PathLike[str]) -> tuple[Facts, dict[str, NDArray[
         return facts, file.read()
 
 
-def arrays_of(types: Mapping[str, type], arrays: Mapping[str, NDArray[Any]]) -> dict[str, Any]:
+def arrays_of(
+    types: Mapping[str, type], arrays: Mapping[str, NDArray[Any]], sample: tuple[int, int]
+) -> dict[str, Any]:
     """Return those arrays that a kind of result has, after a look at their types."""
     own = {name: arrays[name] for name in types if name in arrays}
     if any(array.dtype != types[name] for name, array in own.items()):
         raise DamageError("its arrays have other types")
+    if own.get("parts", np.empty(sample)).shape != sample:
+        raise DamageError("its materials do not fit its sample")
     return own
 
 

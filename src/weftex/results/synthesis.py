@@ -19,7 +19,7 @@ from weftex.io.npz import one_line_errors
 from weftex.raster.mixing import Mixing
 from weftex.results import drawing, scales
 from weftex.results.cloning import TONE_REACH, join_filling
-from weftex.results.joining import PastedPieces, join_steps, reach_of
+from weftex.results.joining import EXCLUDED, PastedPieces, join_steps, reach_of, with_mask
 from weftex.results.saved import ABOUT, Facts, arrays_of, read_result, write_result
 from weftex.results.sources import Place, SourceMap, Window
 
@@ -83,7 +83,8 @@ class Synthesis(Displayable, SourceMap):
             turn, copy_shape = exemplar.turn or turn, exemplar.copy_shape or copy_shape
         assert sample_shape is not None
         self.canvas, self.sample_shape, self.known_from = canvas, sample_shape, known_from
-        self.turn, self.copy_shape, self.parts = turn, copy_shape, parts
+        excluded = None if exemplar is None or canvas.hole is not None else exemplar.mask
+        self.turn, self.copy_shape, self.parts = turn, copy_shape, with_mask(parts, excluded)
         self.exemplar, self.threads = exemplar, threads
         self.provenance, self.tone_reach = provenance or {}, tone_reach
         self._picture, self.match_tone, self.is_window = picture, match_tone, is_window
@@ -218,7 +219,10 @@ class Synthesis(Displayable, SourceMap):
         window = top, left, height, width
         if hole is None or base is None:
             layers, wrap = self._pictured_layers, self.canvas.wrap
-            parts = None if given.role.kind == "height" else self.parts
+            parts, heights = self.parts, given.role.kind == "height"
+            if parts is not None:
+                parts = np.where(parts == EXCLUDED, parts, 0) if heights else parts
+                parts = parts.repeat(scale, 0).repeat(scale, 1)
             about = scale, self.threads, parts, self.cells
             laid = PastedPieces(lay, layers, self.shape, wrap, *about)
             out = join_steps(laid, given, reach, window)
@@ -382,7 +386,7 @@ class Synthesis(Displayable, SourceMap):
             facts, arrays = read_result(path)
             hole = facts.check_hole(arrays.pop("hole", None))
             kind = kind_with(arrays.keys())
-            own = arrays_of({**kind.ARRAYS, **kind.OPTIONAL}, arrays)
+            own = arrays_of({**kind.ARRAYS, **kind.OPTIONAL}, arrays, facts.sample_shape)
             canvas = Canvas(*facts.shape, facts.wrap, hole=hole, origin=facts.origin)
             kind._check(canvas, facts.sample_shape, own)
         if hole is not None:

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from weftex.errors import missing_packages
+from weftex.raster.arrays import Floats
 from weftex.threads import one_blas_thread
 
 _VARIANCE = 0.97  # that components keep, as in the paper
@@ -126,9 +127,7 @@ def fit_pca(windows: NDArray[np.uint8], variance: float = _VARIANCE) -> Componen
         return Components(basis, *coordinates_of(raw))
 
 
-def main_components(
-    power: NDArray[np.float64], vectors: NDArray[np.float64], variance: float
-) -> NDArray[np.float64]:
+def main_components(power: Floats, vectors: Floats, variance: float) -> Floats:
     """Return the main eigenvectors from `eigh` as rows, with a positive largest entry.
 
     They keep this share of the variance, unless that takes more than `MOST_COMPONENTS`.

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from weftex.errors import InvalidInputError
 from weftex.exemplar import Exemplar
 from weftex.random import draw
+from weftex.raster.arrays import Bytes
 from weftex.raster.pyramids import gaussian_pyramid, mask_pyramid
 from weftex.search.windows import Windows, windows_of
 
@@ -94,9 +95,7 @@ def window_vectors(
     return np.concatenate(vectors, axis=1), places[kept]
 
 
-def _bytes_at(
-    windows: Windows, centers: NDArray[np.int32], offsets: NDArray[np.int32]
-) -> NDArray[np.uint8]:
+def _bytes_at(windows: Windows, centers: NDArray[np.int32], offsets: NDArray[np.int32]) -> Bytes:
     pixels = windows.pixels.reshape(-1, windows.pixels.shape[2])
     away = offsets[:, 0] * windows.pixels.shape[1] + offsets[:, 1]
     result = np.empty((len(centers), len(away) * pixels.shape[1]), np.uint8)

@@ -50,15 +50,10 @@ class BestTile(Method):
     supports: ClassVar[frozenset[str]] = frozenset({"wrap", "random_access", "many"})
 
     lattice: tuple[float, ...] | None = length_parameter(
-        "vectors x1,y1,x2,y2 from one cell to the next",
-        "found in the sample",
-        count=4,
+        "vectors x1,y1,x2,y2 from one cell to the next", "found in the sample", count=4
     )
     border_width: int | None = length_parameter(
-        "width of the borders that are compared",
-        "10, less for a small sample",
-        low=1,
-        high=1024,
+        "width of the borders that are compared", "10, less for a small sample", low=1, high=1024
     )
 
     def fit_exemplar(self, exemplar: Exemplar) -> BestTileModel:

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from weftex.methods.exact_matching import color_kernels as kernels
+from weftex.raster.arrays import Bytes
 
 _COLORS_OF_A_LEAF = 8  # about; they are compared one by one
 
@@ -99,9 +100,7 @@ class ColorIndex:
         return starts, np.concatenate(lists)
 
 
-def _split(
-    colors: NDArray[np.uint8], depth: int
-) -> tuple[NDArray[np.intp], NDArray[np.uint8], NDArray[np.uint8]]:
+def _split(colors: Bytes, depth: int) -> tuple[NDArray[np.intp], Bytes, Bytes]:
     """Return the order of the colors, and the lowest and highest bytes of each node.
 
     Each node is halved along its widest channel, level by level.

@@ -11,6 +11,7 @@ from weftex.methods.exact_matching import match_kernels as kernels
 from weftex.methods.exact_matching.lists import ColorLists
 from weftex.methods.pixels import Growth
 from weftex.random import draw
+from weftex.raster.arrays import Bytes
 from weftex.raster.masks import grown, peeled
 from weftex.raster.pyramids import children
 from weftex.search.picture_kernels import Picture
@@ -148,9 +149,7 @@ class Matching:
         )  # fmt: skip
         self._begin_pass()
 
-    def scan(
-        self, rows: range, purpose: str, stage: str, shown: NDArray[np.uint8] | None = None
-    ) -> None:
+    def scan(self, rows: range, purpose: str, stage: str, shown: Bytes | None = None) -> None:
         """Synthesize rows of the sheet in scan order.
 
         Random bits are drawn for `purpose`, progress is reported as `stage`, and finished rows are

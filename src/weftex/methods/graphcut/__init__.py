@@ -28,6 +28,7 @@ from weftex.progress import ProgressCallback
 from weftex.raster.arrays import Mask
 from weftex.repeats import Repetition
 from weftex.repeats.salience import SaliencePenalty, cell_side
+from weftex.results.joining import with_mask
 from weftex.results.pixels import PixelSynthesis
 from weftex.search.windows import windows_of
 from weftex.threads import quick_map
@@ -267,7 +268,8 @@ class GraphCutModel(PixelModel):
             fitting = self.prepared.boards.fitted(canvas, seed)
         if fitted is None:
             made = super().make(fitting, seed, threads, progress)
-            made.parts = None if canvas.guide is None else materials(self.exemplar)
+            if canvas.guide is not None:
+                made.parts = with_mask(materials(self.exemplar), self.exemplar.mask)
             return made.stretched(canvas)
         index, vectors, sample = fitted
         model = GraphCutModel(replace(self.given, lattice=None), sample)

@@ -59,7 +59,7 @@ class CutCanvas:
         self._graphs = [_graph(self.labeling, *size) for _ in range(threads)]  # that are free
         # Not in the paper: seed 1 fills a hole by the cheapest patches, each other seed by others.
         fills = canvas.known is not None and (canvas.shown is None or canvas.known_from is not None)
-        self.filling = growth.seed - 1 if fills else 0
+        self.filling = (growth.seed - 1) % 2**64 if fills else 0
         self.penalty = None if fills else placement.penalty
         self.guiding = placement.guiding
         self._least, self._tolerated = math.inf, _TOLERATED if self.filling else 1.0
@@ -123,7 +123,7 @@ class CutCanvas:
         )
         graph = self._graphs.pop()
         penalty = self.penalty
-        prices = _NO_PRICES if penalty is None else penalty.prices(*box)
+        prices = _NO_PRICES if penalty is None else penalty.prices(box)
         exponent = 0 if penalty is None else penalty.cell.bit_length() - 1
         if self.guiding is not None:
             prices, exponent = self.guiding.prices(box, prices, exponent), 0

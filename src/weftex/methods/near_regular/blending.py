@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from weftex.methods.near_regular.blocks import Plan
 from weftex.methods.near_regular.layout import Axis
+from weftex.raster.arrays import Floats
 from weftex.results.patches import PatchSynthesis
 
 
@@ -50,9 +51,7 @@ def _shares(width: int, reach: int, axis: Axis) -> NDArray[np.float64]:
     return share
 
 
-def _weights(
-    row: tuple[int, NDArray[np.float64]], column: tuple[int, NDArray[np.float64]]
-) -> NDArray[np.uint16]:
+def _weights(row: tuple[int, Floats], column: tuple[int, Floats]) -> NDArray[np.uint16]:
     """Weights in 1/256 that blend four kinds of blocks, one after the other (eqs. 4.6 to 4.8).
 
     Every corner of a block meets one block of each kind. A block's weight is its share over the sum

@@ -12,6 +12,7 @@ from weftex.methods.near_regular import block_kernels as kernels
 from weftex.methods.near_regular.layout import ANY, Layout
 from weftex.methods.near_regular.sample import BlockSample
 from weftex.progress import Progress, ProgressCallback
+from weftex.raster.arrays import Ints
 
 _GAPS_AT_A_TIME = 32  # that a thread fills, at most
 _SIMILAR = 6  # windows around which a gap searches; the paper searches around all
@@ -91,9 +92,7 @@ def _portions(plan: Plan, cells: NDArray[np.int64]) -> Iterator[tuple[NDArray[An
                 yield offsets, blocks[part], near[part]
 
 
-def _with_offsets(
-    plan: Plan, cells: NDArray[np.int64]
-) -> Iterator[tuple[NDArray[np.int64], NDArray[np.int64]]]:
+def _with_offsets(plan: Plan, cells: Ints) -> Iterator[tuple[Ints, Ints]]:
     """Offsets to the rows of the sample that blocks are to contain, and these blocks."""
     sample, row = plan.sample, plan.layout.row
     if row is None:

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from weftex.raster.arrays import Mask
 from weftex.raster.boxes import box_sums
 from weftex.raster.masks import row_runs, steps_to
 
@@ -71,9 +72,7 @@ def boundary_zone(
     )
 
 
-def bands_of(
-    zone: NDArray[np.bool_], shows: NDArray[np.bool_], width: int, outlines: bool
-) -> NDArray[np.int32]:
+def bands_of(zone: Mask, shows: Mask, width: int, outlines: bool) -> NDArray[np.int32]:
     """Return where minimum-error paths run, see `BoundaryZone`; `shows` is where the patch may."""
     rows, columns = (np.flatnonzero(shows.any(axis=a)) for a in (1, 0))
     top, left, bottom, right = 0, 0, *zone.shape

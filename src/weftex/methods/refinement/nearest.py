@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from weftex.methods.refinement import nearest_kernels
+from weftex.raster.arrays import Bytes, Floats
 from weftex.search.approximate_nearest import Components, coordinates_of, main_components
 from weftex.search.windows import Windows
 from weftex.threads import one_blas_thread
@@ -105,9 +106,7 @@ def _main_vectors(windows: Windows, reach: int, part: NDArray[np.bool_]) -> NDAr
     return main_components(power, found, 1.0)
 
 
-def _correlations(
-    pixels: NDArray[np.uint8], filters: NDArray[np.float64], corners: NDArray[np.int32]
-) -> NDArray[np.int32]:
+def _correlations(pixels: Bytes, filters: Floats, corners: NDArray[np.int32]) -> NDArray[np.int32]:
     """Product of each filter with the windows whose upper left corners these are."""
     size = pixels.shape[:2]
     picture = np.fft.rfft2(pixels.transpose(2, 0, 1))
