@@ -40,9 +40,7 @@ def test_notebooks_have_small_outputs_and_use_public_names():
         assert [cell["execution_count"] for cell in code] == [*range(1, len(code) + 1)]
         for cell in code:
             tree = ast.parse("".join(cell["source"]))
-            imported = [
-                a.name for n in ast.walk(tree) if isinstance(n, ast.Import) for a in n.names
-            ]
-            assert {*imported} <= {"weftex", "numpy"}
+            loaded = [a.name for n in ast.walk(tree) if isinstance(n, ast.Import) for a in n.names]
+            assert {*loaded} <= {"weftex", "numpy"}
             assert not any(isinstance(node, ast.ImportFrom) for node in ast.walk(tree))
             assert bool(cell["outputs"]) == isinstance(tree.body[-1], ast.Expr)

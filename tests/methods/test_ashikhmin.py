@@ -102,10 +102,8 @@ def test_guides_for_synthesize():
     exemplar, guide = two_halves()
     canvas = Canvas(60, 64, guide=guide)
     expected = weftex.Ashikhmin().fit(exemplar).sample(canvas, seed=2).image
-    for given_guide in (guide, Image.fromarray(guide), weftex.Exemplar(guide)):
-        result = weftex.synthesize(
-            exemplar, (60, 64), method="ashikhmin", guide=given_guide, seed=2
-        )
+    for own_guide in (guide, Image.fromarray(guide), weftex.Exemplar(guide)):
+        result = weftex.synthesize(exemplar, (60, 64), method="ashikhmin", guide=own_guide, seed=2)
         assert np.array_equal(result.image, expected)
     with pytest.raises(weftex.InvalidInputError, match="the canvas has a guide"):
         weftex.synthesize(exemplar, canvas, method="ashikhmin", guide=guide)

@@ -44,9 +44,7 @@ def test_what_copies_would_repeat_is_summed_as_defined(turn, rng):
     canvas, side = weftex.Canvas(33, 40, wrap=(True, False)), cell_side(boxes)
     output = SimpleNamespace(canvas=canvas, source=source, done=(source >= 0).astype(np.uint8))
     small, policy = sample.pixels[:24:side, :22:side], Repetition(1.0, nearby=0.4, use=0.05)
-    penalty = SaliencePenalty(
-        policy, sample, output, boxes, (small, np.ones(small.shape[:2])), 22.0
-    )
+    penalty = SaliencePenalty(policy, sample, output, boxes, (small, np.ones(small.shape[:2])), 22)
     for pixel in ((0, 3), (32, 25)):
         first, size = np.array([1, 0]), np.array([2, 3])
         found = penalty.sums(pixel, len(boxes), first, size)

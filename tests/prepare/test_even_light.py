@@ -53,9 +53,7 @@ def shaded(exemplar, light):
 
 def unevenness(found, truth):
     """How far the light differs from a uniform one."""
-    return float(
-        np.std(np.log(_linear(found.pixels) + 0.01) - np.log(_linear(truth.pixels) + 0.01))
-    )
+    return np.std(np.log(_linear(found.pixels) + 0.01) - np.log(_linear(truth.pixels) + 0.01))
 
 
 @pytest.mark.parametrize("name", ["bricks", "tiles", "weave"])

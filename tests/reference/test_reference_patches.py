@@ -74,9 +74,7 @@ def test_graphcut(gradients, seed):
     assert np.array_equal(result.source, expected.sources)
 
 
-@given(
-    arrays(np.int64, st.tuples(st.integers(1, 6), st.integers(1, 4)), elements=st.integers(0, 5))
-)
+@given(arrays(int, st.tuples(st.integers(1, 6), st.integers(1, 4)), elements=st.integers(0, 5)))
 def test_a_boundary_is_the_cheapest_path(cost):
     assert minimum_error_boundary(cost).tolist() == path_by_exhaustion(cost)
 

@@ -140,9 +140,8 @@ def test_what_has_no_tones_between_is_not_joined():
 
 def test_windows_of_a_plane_agree_also_after_they_were_saved(tmp_path):
     heights = np.rint(255 * hills((48, 48))).astype(np.uint8)
-    model = weftex.NearRegular(lattice=(16, 0, 0, 16)).fit(
-        weftex.Exemplar(heights, maps={"height": heights})
-    )
+    sample = weftex.Exemplar(heights, maps={"height": heights})
+    model = weftex.NearRegular(lattice=(16, 0, 0, 16)).fit(sample)
     one, other = (model.window(0, left, 64, 64, seed=1) for left in (0, 30))
     assert np.array_equal(one.maps["height"][:, 30:], other.maps["height"][:, :34])
     one.save(tmp_path / "one.npz")
@@ -154,3 +153,14 @@ def test_numbers_without_squares_are_laid_as_they_are():
     values = np.where(hills((30, 34)) > 0.5, 1e300, -1e300)
     result = make("cut")
     assert np.array_equal(result.render(values, role="height"), result.render(values))
+
+
+@pytest.mark.parametrize("method", ["auto", "quilting"])
+def test_values_that_must_not_be_copied_change_nothing(method):
+    mask, made = np.indices((48, 64)).min(axis=0) > 9, []
+    for value in (-9999.0, 0.0):
+        pixels = np.where(mask, hills((48, 64)), value).astype(np.float32)
+        sample = weftex.Exemplar(pixels, mask=mask, maps={"height": pixels})
+        made.append(weftex.synthesize(sample, 80, seed=1, method=method))
+    assert np.array_equal(made[0].image, made[1].image)
+    assert np.array_equal(made[0].maps["height"], made[1].maps["height"])

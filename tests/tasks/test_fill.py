@@ -74,7 +74,7 @@ def test_each_seed_makes_another_filling(method, name):
     photo = weftex.load_exemplar(f"sample:{name}").pixels[:192, :192]
     hole = box(photo.shape[:2], (60, 60, 110, 130))
     how = {"placement": "entire"} if method == "graphcut" else {}
-    made = [weftex.fill(photo, hole, method=method, seed=seed, **how).image for seed in range(1, 5)]
+    made = [weftex.fill(photo, hole, method=method, seed=seed, **how).image for seed in range(4)]
     for k, one in enumerate(made):
         for other in made[:k]:
             assert (abs(one[hole].astype(int) - other[hole]).max(axis=1) > 12).mean() > 0.05
