@@ -59,7 +59,7 @@ class Exemplar(Displayable):
     name : str, optional
         Name for messages.
     role : Role or str, optional
-        What the pixels show, such as "color" or "normal"; by default from `name`, else color.
+        By default from `name` if that means normals or "id" (classes, never mixed), else "color".
     weights : mapping of str to float, optional
         Weight of each map in matching, 1 by default, 0 to ignore the map. With weights of 1, all
         maps together count as much as the pixels; a map of weight 3 counts three times as much.
@@ -112,7 +112,7 @@ class Exemplar(Displayable):
         self.name, self.tileable, self.icc = name, bool(tileable), icc
         pixels, usable = without_mask(pixels)
         named = role_of(name)
-        by_name = named if named is not None and named.kind == "normal" else COLOR
+        by_name = named if named is not None and named.kind in ("normal", "labels") else COLOR
         self.role = by_name if role is None else as_role(role)
         if alpha is None:
             check_layout(pixels, name)

@@ -230,9 +230,9 @@ def has_several(path: StrPath) -> bool:
 
 
 def role_of_picture(path: str) -> Role:
-    """The role of a single picture: only normal and height are believed, else color."""
+    """The role of a single picture: normals, heights and labels are believed, else color."""
     role = role_of(os.path.splitext(os.path.basename(path))[0])
-    return role if role is not None and role.kind in ("normal", "height") else COLOR
+    return role if role is not None and role.kind in ("normal", "height", "labels") else COLOR
 
 
 def _by_role(
