@@ -20,7 +20,7 @@ def test_a_hole_from_alpha(here, capsys):
     erased[29, 40:60, 3] = 130  # a soft edge is to be filled too
     write_image("erased.png", erased, alpha=True)
     assert weft_run("fill", "erased.png", "-o", "a.png", "--seed", 1) == 0
-    assert "filled 420 pixels of a.png" in capsys.readouterr().err
+    assert "filled 420 pixels (5.5 %) of a.png" in capsys.readouterr().err
     made = read_image("a.png").pixels
     assert (made[..., 3] == 255).all()
     hole = erased[..., 3] < 255

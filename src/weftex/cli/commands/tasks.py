@@ -154,7 +154,7 @@ def _make(recipe: Recipe, args: argparse.Namespace, bar: Bar, outputs: Outputs) 
 def _done(job: OpenedRecipe, result: Synthesis) -> str:
     """What was done, in words that the name of the output follows."""
     if job.recipe.task == "fill":
-        return f"filled {int(job.hole.sum())} pixels of"
+        return f"filled {int(job.hole.sum())} pixels ({100 * job.hole.mean():.1f} %) of"
     if job.recipe.task == "fuse":
         return f"fused {len(job.prepared)} samples in"
     made = f"made {size_words(result.shape)}"
