@@ -177,9 +177,9 @@ def has_squares(*pictures: NDArray[Any]) -> bool:
     return all(a.dtype.kind == "u" or float(np.abs(a).max()) <= _LARGEST for a in pictures)
 
 
-def with_mask(parts: Parts | None, usable: NDArray[np.bool_] | None) -> Parts | None:
+def with_mask(parts: Parts | None, mask: NDArray[np.bool_] | None) -> Parts | None:
     """The parts of a sample (H, W), of which the pixels that must not be copied are one more."""
-    return parts if usable is None else np.where(usable, 0 if parts is None else parts, EXCLUDED)
+    return parts if mask is None else np.maximum(0 if parts is None else parts, ~mask * EXCLUDED)
 
 
 def ends_of(source: NDArray[Any], kind: str) -> tuple[Any, Any]:
