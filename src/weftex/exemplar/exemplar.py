@@ -245,7 +245,8 @@ class Exemplar(Displayable):
         depth) unless the values lie in a narrow band, which is then stretched. Alpha is multiplied
         in and kept beside the colors, so that the color of clear pixels does not count.
         """
-        pixels, own = pixels.reshape(*pixels.shape[:2], -1), self.pixels[self.usable]
+        pixels = pixels.reshape(*pixels.shape[:2], -1)
+        own = self.pixels if self.mask is None else self.pixels[self.mask]
         if self.alpha:
             top = {"u": 255 if pixels.dtype == np.uint8 else 65535, "f": 1}[pixels.dtype.kind]
             clear = np.clip(pixels[..., -1:] / top, 0, 1)

@@ -214,9 +214,8 @@ def fitted_file(name: str, key: str, like: Picture, role: str) -> tuple[OutputFi
         kept = kept._replace(dtype=np.dtype(dtype))
         bits = ["float32 (linear light)", "float32"][not ROLES[role].srgb]
         what = bits if dtype == "float32" else f"{8 * kept.dtype.itemsize} bits"
-        cut = (
-            "" if dtype == "float32" or given == "uint16" else "; values outside 0 to 1 are cut off"
-        )
+        cut = "; values outside 0 to 1 are cut off"
+        cut = cut if given.startswith("float") and dtype.startswith("uint") else ""
         notes.append(f"{given} became {what}, as {suffix_of(name)} does not hold {given}{cut}")
     if kept.alpha and not form.alpha:
         notes.append(f"alpha is left out, because {suffix_of(name)} cannot store it")
