@@ -153,10 +153,8 @@ def test_named_scripts_are_run_by_a_test(page):
             continue
         script, words = ROOT / named[1], shlex.split(named[2], comments=True)
         if script in PAPERS:
-            assert {w for w in words if w.islower() and w[0] != "-"} <= {
-                *experiments(script),
-                "all",
-            }
+            given = {word for word in words if word.islower() and word[0] != "-"}
+            assert given <= {*experiments(script), "all"}
         else:
             assert script in EXAMPLES or named[1] in others, code
 

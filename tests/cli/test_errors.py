@@ -76,7 +76,7 @@ WRONG = [
     ("prepare sample.png -o x.png", "nothing to do"),
     ("prepare sample.png -o x.png --even-light 9", "--even-light is '9'; it must be from 1 to 8"),
     ("fill photo.png -o x.png --mask hole.png --tileable-sample", "no effect without --sample"),
-    ("fill photo.png -o x.png", "no transparent pixels to fill; give a mask \\(--mask"),
+    ("fill photo.png -o x.png", "no transparent pixels; give a mask \\(--mask"),
     ("fill photo.png --mask other.png -o old.png", "40x40.*96x80; scale or crop the mask"),
     ("replay photo.png sample.png -o x.png", "not a saved weftex result"),
     ("replay a.npz photo.png -o x.png", "integer multiple"),

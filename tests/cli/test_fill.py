@@ -39,3 +39,15 @@ def test_replay_over_a_background(here):
     words = ["-o", "g.png", "--background", "photo.png"]
     assert weft_run("replay", "f.npz", "sample.png", *words) == 0
     assert (here / "f.png").read_bytes() == (here / "g.png").read_bytes()
+
+
+def test_pixels_that_may_be_copied(here):
+    """Of the photo, or of the sample if there is one."""
+    usable = np.zeros((80, 96), np.uint8)
+    usable[:, :30] = 255
+    write_image("usable.png", usable)
+    words = ["photo.png", "--mask", "hole.png", "--sample-mask", "usable.png", "-o", "f.png"]
+    for sample in ([], ["--sample", "photo.png"]):
+        assert weft_run("fill", *words, *sample, "--save-source", "f.npz") == 0
+        source = weftex.Synthesis.load("f.npz").source[30:50, 40:60, 1]
+        assert source.min() >= 0 and source.max() < 30

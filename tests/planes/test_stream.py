@@ -23,10 +23,8 @@ HOW = {"method": TILE, "seed": 4, "block": 64}
 
 @pytest.fixture(scope="module")
 def sample():
-    maps = {
-        "height": noise((120, 128), seed=1, dtype=np.uint16),
-        "normal": noise((60, 64, 3), seed=2),
-    }
+    height = noise((120, 128), seed=1, dtype=np.uint16)
+    maps = {"height": height, "normal": noise((60, 64, 3), seed=2)}
     return weftex.Exemplar(noise((60, 64, 3)), maps=maps)
 
 

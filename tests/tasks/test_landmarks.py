@@ -123,10 +123,8 @@ def test_removal_fills_the_spot_with_pixels_of_the_sample(spotted):
 
 def test_removal_fills_maps_of_any_size_alike():
     pixels, spot = with_spot()
-    maps = {
-        "height": spot.astype(np.uint16) * 900,
-        "ao": spot.repeat(2, 0).repeat(2, 1) * np.uint8(9),
-    }
+    occlusion = spot.repeat(2, 0).repeat(2, 1) * np.uint8(9)
+    maps = {"height": spot.astype(np.uint16) * 900, "ao": occlusion}
     plain = remove_landmarks(weftex.Exemplar(pixels, maps=maps))
     assert not any(one.any() for one in plain.maps.values())
     assert plain.maps["ao"].shape == (2 * SIDE, 2 * SIDE)
@@ -168,13 +166,8 @@ def test_sources_are_those_of_the_original_and_of_its_maps(landmarks):
 
 def test_half_turns_keep_sources_in_the_original():
     sample, spot = with_spot()
-    how = {
-        "method": "graphcut",
-        "placement": "entire",
-        "orientations": "half-turns",
-        "tone_reach": 0,
-    }
-    made = weftex.synthesize(sample, 300, seed=2, landmarks="thin", **how)
+    method = weftex.GraphCut(placement="entire", orientations="half-turns", tone_reach=0)
+    made = weftex.synthesize(sample, 300, seed=2, landmarks="thin", method=method)
     assert made.turn == "half" and made.provenance["landmarks"]["found"] >= 1
     y, x = np.moveaxis(made.source, 2, 0)
     assert (made.image == sample[y, x]).all()

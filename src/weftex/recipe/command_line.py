@@ -58,8 +58,8 @@ def json_of(
 
 def _meant(task: str, name: str) -> slice:
     """Return which materials an option is about: fill has a photo, and a sample to fill it from."""
-    of_fill = {"maps": slice(0, 1), "repeats": slice(1, None)} if task == "fill" else {}
-    return of_fill.get(name, slice(None))
+    of_fill = {"maps": slice(0, 1), "repeats": slice(1, None), "mask": slice(-1, None)}
+    return of_fill.get(name, slice(None)) if task == "fill" else slice(None)
 
 
 def described_material(path: str, given: Mapping[str, Any], names: Words) -> dict[str, Any]:

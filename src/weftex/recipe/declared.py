@@ -51,8 +51,8 @@ MATERIAL = _by_name(
         metavar="NAME=N,...", heading=_SETS,
     ),
     Option(
-        "mask", PICTURE, "image that is white where the sample may be used; 'alpha' uses its "
-        "opaque pixels", given_flag="--sample-mask", metavar="FILE", heading=_PREPARATION,
+        "mask", PICTURE, "image that is white where pixels may be copied from; 'alpha' uses the "
+        "opaque ones", given_flag="--sample-mask", metavar="FILE", heading=_PREPARATION,
     ),
     Option(
         "straighten", STRAIGHTEN, "straighten the photo by the lattice or rows that weftex finds "
@@ -198,7 +198,7 @@ TASKS = {
             Option("match_tone", FLAG, "match the tone of the filling to its surroundings",
                    default_text="yes without --method and its parameters", heading=_QUALITY),
         ),
-        ("maps", "repeats", "map_weights"), 1, 2, AUTO, FOR_HOLES,
+        ("maps", "repeats", "map_weights", "mask"), 1, 2, AUTO, FOR_HOLES,
     ),
     "fuse": Task(
         _by_name(

@@ -143,9 +143,9 @@ def straighten_arguments(text: str) -> dict[str, str]:
 def _usable(exemplar: Exemplar, mask: str, open_picture: OpenPicture) -> NDArray[Any]:
     """Return what of a sample may be used: white in a picture, or what is opaque."""
     if mask == "alpha":
-        from weftex.tasks.fill import hole_of
+        from weftex.tasks.fill import transparent
 
-        return ~hole_of(None, exemplar)
+        return ~transparent(exemplar, "--sample-mask")
     picture = open_picture(mask)
     return mask_of(picture.pixels, alpha=picture.alpha)
 

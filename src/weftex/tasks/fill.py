@@ -150,13 +150,9 @@ def fill(
     canvas = Canvas(*photo.shape, wrap, photo.pixels, hole, **around)
     chosen.require(canvas)
     if not hole.any():
-        return PixelSynthesis(
-            canvas,
-            np.full(canvas.shape, -1, np.int32),
-            exemplar=source,
-            known_from=canvas.known_from,
-            provenance=chosen.describe() | {"seed": seed},
-        )
+        index, said = np.full(canvas.shape, -1, np.int32), chosen.describe() | {"seed": seed}
+        about: dict[str, Any] = {"known_from": canvas.known_from, "provenance": said}
+        return PixelSynthesis(canvas, index, exemplar=source, **about)
     if inside and hole.all():
         raise InvalidInputError(
             f"the mask{' and the overlap cover' if overlap else ' covers'} all of {photo.name}; "
@@ -362,11 +358,7 @@ def _hole(canvas: Canvas) -> NDArray[np.bool_]:
 def hole_of(mask: Mask | Picture | None, photo: Exemplar) -> NDArray[np.bool_]:
     """Return where a photo is to be filled, bool (H, W); see `fill`."""
     if mask is None:
-        if not photo.alpha or not (hole := _clear(photo.pixels)).any():
-            raise InvalidInputError(
-                f"{photo.name} has no transparent pixels to fill; give a mask (--mask)"
-            )
-        return hole
+        return transparent(photo)
     if isinstance(mask, (str, os.PathLike)):
         from weftex.io.pictures import read_image
 
@@ -403,6 +395,13 @@ def _hole_in(pixels: NDArray[Any], alpha: bool, photo: Exemplar) -> NDArray[np.b
         if clear.any() and color.shape == own.shape and (color == own)[~clear].all():
             return clear
     return mask_of(pixels, alpha)
+
+
+def transparent(photo: Exemplar, flag: str = "--mask") -> NDArray[np.bool_]:
+    """Return where a photo is not fully opaque, instead of the mask of an option."""
+    if not photo.alpha or not (hole := _clear(photo.pixels)).any():
+        raise InvalidInputError(f"{photo.name} has no transparent pixels; give a mask ({flag})")
+    return hole
 
 
 def _clear(pixels: NDArray[Any]) -> NDArray[np.bool_]:
