@@ -89,7 +89,8 @@ def check_pixels(pixels: NDArray[Any], name: str) -> NDArray[Any]:
     if pixels.dtype.name not in _DTYPES:
         if pixels.dtype == bool:
             raise InvalidInputError(f"{name} is boolean; multiply by 255 and make it uint8")
-        raise InvalidInputError(f"{name} has dtype {pixels.dtype}; supported: {', '.join(_DTYPES)}")
+        able = f"supported: {', '.join(_DTYPES)}; convert it, as with astype(np.float32)"
+        raise InvalidInputError(f"{name} has dtype {pixels.dtype}; {able}")
     if pixels.ndim not in (2, 3):
         raise InvalidInputError(
             f"{name} has {pixels.ndim} dimensions; an image has (height, width[, channels])"
@@ -97,7 +98,9 @@ def check_pixels(pixels: NDArray[Any], name: str) -> NDArray[Any]:
     if 0 in pixels.shape:
         raise InvalidInputError(f"{name} is empty: its shape is {pixels.shape}")
     if pixels.dtype.kind == "f" and not np.isfinite(pixels).all():
-        raise InvalidInputError(f"{name} contains NaN or infinity; replace them first")
+        raise InvalidInputError(
+            f"{name} contains NaN or infinity; replace or mask them, as with np.ma.masked_invalid"
+        )
     return np.ascontiguousarray(pixels, pixels.dtype.newbyteorder("="))
 
 

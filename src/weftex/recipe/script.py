@@ -18,11 +18,7 @@ Names = Mapping[str, str]
 
 _PACKAGE = "weftex"
 #: Functions that are not at the top of weftex, and their modules.
-_IMPORTED = {
-    "hole_of": "tasks.fill",
-    "read_mask": "io.pictures",
-    "read_material": "exemplar.material",
-}
+_INNER = {"hole_of": "tasks.fill", "read_mask": "io.pictures", "read_material": "exemplar.material"}
 #: Beside the picture, of a set of maps.
 _MAPS = """\
 for name, pixels in made.maps.items():
@@ -48,7 +44,7 @@ def python_of(recipe: Recipe, output: str = "out.png", names: Names | None = Non
     if output.endswith("/"):
         lines.append(_MAPS)
     imports = ["import weftex", ""]
-    for name, module in _IMPORTED.items():
+    for name, module in _INNER.items():
         if any(f"{name}(" in line for line in lines):
             imports.insert(0, f"from weftex.{module} import {name}")
     return "\n".join([*imports, *lines]) + "\n"

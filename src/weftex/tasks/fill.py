@@ -77,7 +77,8 @@ def fill(
     Parameters
     ----------
     photo : path, array, PIL image or Exemplar
-        The photo with holes. Values inside them are ignored, but must not be NaN or infinite.
+        The photo with holes. Values inside them are ignored; mask NaN and infinity, as
+        with `numpy.ma.masked_invalid`.
     mask : path, PIL image or bool array (H, W), optional
         True, or white in an image, where the photo is to be filled. A copy of the photo with
         transparent holes is also accepted. By default, all pixels that are not fully opaque.

@@ -92,8 +92,7 @@ def thinned(model: Model, canvas: Canvas) -> PlainSample | None:
     # In smaller outputs the others may be what the material consists of.
     masks, rare = find_landmarks(model.exemplar, others=times >= _MANY)
     fillings = _fillings(model.exemplar, masks, _FILLINGS) if masks else []
-    because = f"the features are small and the output has {times:g} times the sample's area"
-    because = f"landmarks are thinned, because {because}"
+    because = f"landmarks are thinned, because the output has {times:g} times the sample's area"
     plain = PlainSample(model.exemplar, masks, rare, fillings, findings, True, because)
     return plain if fillings else None
 

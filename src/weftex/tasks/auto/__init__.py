@@ -49,7 +49,7 @@ class Auto(Method):
 
     effort: str = parameter(
         "normal",
-        "the method that suits the sample (normal), also where it is slower (best)",
+        "best: a better, slower method for outputs above 4096x4096 of samples with a lattice",
         choices=("normal", "best"),
     )
 
