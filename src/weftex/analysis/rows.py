@@ -27,6 +27,7 @@ _WIDE = 2  # lines at either side of a joint over which its steps in tone are ad
 _HIGHEST, _STEP = 8, 0.35  # of the mean of that many highest steps, that a joint must have
 _MOST = 16  # rows of a sample
 _BORDER = 3  # lines at a border of the sample, in which no joint is looked for
+_ACROSS = 0.5  # least share of a joint along which something changes, as nothing does beside icons
 #: Least share of a step that is the same along the whole joint, as stones have up to 0.55; and if
 #: rows of one distance are found, as bricks have up to 0.88.
 _THROUGH = (0.6, 0.9)
@@ -166,6 +167,8 @@ class Boards:
             if common[k] >= least and all(abs(k - one) * _MOST >= height for one in found):
                 found.append(k)
         found = [k for k in found if _BORDER * unit <= k <= height - _BORDER * unit]
+        moved, near = np.pad((steps != 0).any(axis=0), ((unit, unit), (0, 0))), _WIDE * unit
+        found = [k for k in found if moved[k - near : k + near].any(axis=0).mean() >= _ACROSS]
         self._steps, self.edges = both[1, 1:], np.array([0, *sorted(found), height])
         #: The share of the steps at joints that all columns have.
         share = common[found].sum() / max(every[found].sum(), 1)
@@ -283,11 +286,15 @@ def rows_around(
     """Return a map that continues rows across holes, if joints run through the photo one way."""
     if canvas.known_from is None or any(canvas.wrap):
         return None
-    through = []
+    through, unit = [], unit_of(pixels)
+    border = min(_BORDER * unit, min(usable.shape) // 4)  # which may be a frame
+    inner = tuple(slice(border, n - border) for n in usable.shape)
+    pixels, usable = pixels[inner], usable[inner]
     for axis in (0, 1):
         whole = np.asarray(usable.all(axis=axis))  # lines across the rows that miss all holes
-        parts = np.compress(whole, pixels, axis=1 - axis)
-        through.append(Boards(parts, axis).through if 2 * whole.sum() >= len(whole) else 0.0)
+        rows = Boards(np.compress(whole, pixels, axis=1 - axis), axis)
+        several = len(rows.edges) > _FEW + 2 and 2 * whole.sum() >= len(whole)
+        through.append(rows.through if several else 0.0)
     axis = through.index(max(through))
-    found = RowMap(axis, False, [(0, MAX_PIXELS, canvas.known_from[axis])], unit_of(pixels))
+    found = RowMap(axis, False, [(0, MAX_PIXELS, canvas.known_from[axis])], unit)
     return found if min(through) < _THROUGH[0] and max(through) >= _THROUGH[even] else None

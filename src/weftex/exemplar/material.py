@@ -71,9 +71,7 @@ def load_exemplar(
     if isinstance(sample, (str, os.PathLike)):
         return read_material(sample, files).exemplar(**options)
     if isinstance(sample, (list, tuple)):
-        raise InvalidInputError(
-            "the sample is a list; weftex.prepare.together makes one of several"
-        )
+        raise InvalidInputError("the sample is a list; weftex.prepare.together makes it one sample")
     image: Any = sample
     if hasattr(image, "getbands"):  # a PIL image, without importing PIL
         if image.mode in ("P", "1", "PA"):

@@ -155,9 +155,7 @@ def read_image(path: StrPath, *, max_pixels: int | None = MAX_PIXELS) -> Picture
             raise file_error(given, large if "imagesize_MB" in problem else "cannot read", problem)
         # The reader that goes with the suffix is asked first, and some claim any file.
         if source.format_name() != kind:
-            raise file_error(
-                given, f"is a {kind} image under the name of another format; rename it"
-            )
+            raise file_error(given, f"is a {kind} image with the suffix of another; rename it")
         spec = source.spec()
         check_spec(spec, given, max_pixels)
         pixels = source.read_image(0, 0, 0, spec.nchannels, READ_AS[str(spec.format)])

@@ -149,9 +149,7 @@ def _check_whole(preset: Preset) -> None:
             if one.format != ".png":
                 raise InvalidInputError(f'{one.name} must have format = "png", for glTF')
             if ("roughness" in one.roles) != ("metallic" in one.roles):
-                raise InvalidInputError(
-                    f"{one.name} must hold both roughness and metallic, for glTF"
-                )
+                raise InvalidInputError(f"{one.name} must hold roughness and metallic, for glTF")
             for place, role in enumerate(one.roles):
                 if _GLTF.get(role, place) != place:
                     raise InvalidInputError(

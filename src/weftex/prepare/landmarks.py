@@ -176,10 +176,8 @@ def _connected(mask: Mask, seeds: tuple[int, int] | slice | int) -> Mask:
     found = np.zeros_like(framed)
     found[1:-1, 1:-1][seeds] = mask[seeds]
     # Pixels of one row or column have one number if no other pixel is between them.
-    numbers = (
-        (~framed).cumsum().reshape(framed.shape),
-        (~framed.T).cumsum().reshape(found.T.shape).T,
-    )
+    shape = framed.shape
+    numbers = [(~framed).cumsum().reshape(shape), (~framed.T).cumsum().reshape(shape[::-1]).T]
     count = 0
     while count < (count := int(found.sum())):
         for number in numbers:

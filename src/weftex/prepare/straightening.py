@@ -194,9 +194,8 @@ def _sides(lattice: Lattice) -> Floats:
         area = lengths[i] * lengths[j]
         if abs(sums[i] @ sums[j]) > _SQUARE * area:
             continue
-        askew = max(
-            math.atan2(abs(sums[i, 1]), sums[i, 0]), math.atan2(abs(sums[j, 0]), sums[j, 1])
-        )
+        (x, y), (u, v) = sums[i], sums[j]
+        askew = max(math.atan2(abs(y), x), math.atan2(abs(u), v))
         rank = (askew > _UPRIGHT, round(float(area), 3))
         if best is None or rank < best[0]:
             best = rank, sums[[i, j]]

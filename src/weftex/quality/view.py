@@ -78,9 +78,8 @@ class View:
         """Return the middle of a picture with longer sides than `widest`."""
         if max(self.shape) <= widest:
             return self
-        return View(
-            middle(self.values, widest), middle(self.usable, widest), self.axis, self.sample
-        )
+        values, usable = middle(self.values, widest), middle(self.usable, widest)
+        return View(values, usable, self.axis, self.sample)
 
     @cached_property
     def halves(self) -> tuple[tuple[View, View], ...]:

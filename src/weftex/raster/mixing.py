@@ -97,9 +97,8 @@ def mixing_of(pixels: NDArray[Any], shows: str, alpha: bool) -> Mixing:
 def _is_of_units(pixels: NDArray[Any]) -> bool:
     if pixels.ndim < 3 or pixels.shape[2] < 3:
         return False
-    some = pixels.reshape(-1, pixels.shape[2])[
-        :: max(1, pixels.shape[0] * pixels.shape[1] // _SEEN)
-    ]
+    apart = max(1, pixels.shape[0] * pixels.shape[1] // _SEEN)
+    some = pixels.reshape(-1, pixels.shape[2])[::apart]
     with np.errstate(over="ignore"):  # of numbers that floats just hold
         lengths = np.linalg.norm(vectors_of(some[:, :3], middle_of(pixels)), axis=1)
     return bool(np.mean(abs(lengths - 1) < _OFF) > _MOST)

@@ -103,10 +103,8 @@ def _halved(pixels: Bytes, wrap: tuple[bool, bool], start: tuple[int, int] = (0,
 def _halved_mask(mask: Mask, wrap: tuple[bool, bool], start: tuple[int, int] = (0, 0)) -> Mask:
     """Which pixels of `_halved` are means of pixels of the mask alone."""
     if mask.all():
-        height, width = (
-            len(range(at, side, 2)) for at, side in zip(start, mask.shape, strict=True)
-        )
-        return np.ones((height, width), bool)
+        height, width = mask.shape
+        return np.ones((len(range(start[0], height, 2)), len(range(start[1], width, 2))), bool)
     for axis in (0, 1):
         around = _reached(mask.shape[axis], wrap[axis], start[axis])
         taps = [around[k : len(around) - 3 + k : 2] for k in range(5)]  # one for each weight

@@ -99,9 +99,8 @@ class SaliencePenalty:
 
     def look(self, pixel: tuple[int, int]) -> None:
         """Look at the cells that are shown around a pixel, for `prices` of patches there."""
-        lines = zip(
-            pixel, self.shape, self.output.canvas.shape, self.output.canvas.wrap, strict=True
-        )
+        canvas = self.output.canvas
+        lines = zip(pixel, self.shape, canvas.shape, canvas.wrap, strict=True)
         around = []
         for at, side, n, wraps in lines:
             reach = int((1 + self._far) * side)

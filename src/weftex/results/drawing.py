@@ -40,9 +40,8 @@ def draw_pieces(source: NDArray[np.int32], sample_shape: tuple[int, int]) -> NDA
     """Picture (H, W, 3) with a color per copied piece; known pixels from elsewhere are black."""
     name = _shifts(source, sample_shape) @ (sample_shape[1], 1)
     mixed = name.astype(np.uint64) * np.uint64(0x9E3779B97F4A7C15)  # Fibonacci hashing
-    picture = np.stack(
-        [64 + (mixed >> np.uint64(k)) % np.uint64(192) for k in (40, 48, 56)], axis=2
-    )
+    levels = [64 + (mixed >> np.uint64(k)) % np.uint64(192) for k in (40, 48, 56)]
+    picture = np.stack(levels, axis=2)
     picture[source[..., 0] < 0] = 0
     return picture.astype(np.uint8)
 

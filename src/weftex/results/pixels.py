@@ -110,11 +110,10 @@ class PixelSynthesis(Synthesis):
     ) -> dict[str, NDArray[Any]]:
         index = np.full(shape, -1, np.int32)
         y, x = np.nonzero(self.index >= 0)
-        source = np.divmod(self.index[y, x], self.sample_shape[1])
-        source_y, source_x = (
-            (s + k) % n for s, k, n in zip(source, source_to, sample, strict=True)
-        )
-        index[(y + to[0]) % shape[0], (x + to[1]) % shape[1]] = source_y * sample[1] + source_x
+        source_y, source_x = np.divmod(self.index[y, x], self.sample_shape[1])
+        source_y, source_x = (source_y + source_to[0]) % sample[0], source_x + source_to[1]
+        places = source_y * sample[1] + source_x % sample[1]
+        index[(y + to[0]) % shape[0], (x + to[1]) % shape[1]] = places
         return {"index": index}
 
     @classmethod

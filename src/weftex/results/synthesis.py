@@ -131,9 +131,8 @@ class Synthesis(Displayable, SourceMap):
     @property
     def maps(self) -> Mapping[str, NDArray[Any]]:
         """The sample's maps, replayed at the same coordinates, each when it is asked for."""
-        return scales.RenderedMaps(
-            self.sample.maps, lambda name: self.render(self.sample.map(name))
-        )
+        sample = self.sample
+        return scales.RenderedMaps(sample.maps, lambda name: self.render(sample.map(name)))
 
     def render(
         self,

@@ -112,9 +112,8 @@ def fit_pca(windows: NDArray[np.uint8], variance: float = _VARIANCE) -> Componen
         learn = windows[:, np.linspace(0, count - 1, min(count, _MOST_LEARNED)).astype(np.int64)]
         learn = learn.astype(np.float64)
         # Integers in float64: the products and sums are exact, so every machine gets this matrix.
-        scatter = learn.shape[1] * (learn @ learn.T) - np.outer(
-            learn.sum(axis=1), learn.sum(axis=1)
-        )
+        sums = learn.sum(axis=1)
+        scatter = learn.shape[1] * (learn @ learn.T) - np.outer(sums, sums)
         power, vectors = np.linalg.eigh(scatter)
         vectors = main_components(power, vectors, variance)
         unit = min(2000.0, 0.95 * 2**24 / (255 * size**0.5))

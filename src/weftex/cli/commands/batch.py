@@ -126,9 +126,8 @@ def _write_contact_sheet(folder: str, manifest: Manifest) -> None:
         said = f"{record['output']}: {record['method']}, seed {record['seed']}{score}"
         image = f'<img src="{quote(file)}" alt="{escape(said)}" width="240" loading="lazy">'
         parts.append(f'<figure><a href="{quote(file)}">{image}</a>{small(said)}</figure>')
-    write_text(
-        os.path.join(folder, _SHEET), document("Outputs of weftex batch", [*parts, "</div>"])
-    )
+    parts.append("</div>")
+    write_text(os.path.join(folder, _SHEET), document("Outputs of weftex batch", parts))
 
 
 def _do(

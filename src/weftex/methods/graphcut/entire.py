@@ -221,10 +221,9 @@ class EntirePatchMatching:
             )
             spectra = self._spectra.get((shape, k))
             if spectra is None or spectra.size != size:  # the same for all pixels of a hole
-                whole = (
-                    np.stack(a) for a in zip(*((x.pixels, x.mask) for x in levels), strict=True)
-                )
-                spectra = self._spectra[shape, k] = Level(*whole).spectra_of(size)
+                pixels = np.stack([x.pixels for x in levels])
+                whole = Level(pixels, np.stack([x.mask for x in levels]))
+                spectra = self._spectra[shape, k] = whole.spectra_of(size)
             totals, areas = overlap_mismatch(box.spectra_of(size), spectra)
             # Where the corner lies if each pixel of a copy lies on this one.
             ends = zip(boxes[shape][1], sides, size, strict=True)
