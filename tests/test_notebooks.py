@@ -16,14 +16,16 @@ def cells_of(path, kind):
 
 
 @pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: path.stem)
-def test_notebooks_run(path, tmp_path, monkeypatch):
-    """Each cell as IPython runs it; what its last line gives must be able to show itself."""
+def test_notebooks_run(path, tmp_path, monkeypatch, capsys):
+    """Each cell as IPython runs it; it prints what is stored, and its last value can be shown."""
     monkeypatch.chdir(tmp_path)
     names = {"__name__": "__main__"}
     for cell in cells_of(path, "code"):
         tree = ast.parse("".join(cell["source"]))
         last = tree.body.pop() if isinstance(tree.body[-1], ast.Expr) else None
         exec(compile(tree, path.name, "exec"), names)
+        stored = ["".join(one["text"]) for one in cell["outputs"] if "text" in one]
+        assert capsys.readouterr().out == "".join(stored)
         if last is not None:
             shown = eval(compile(ast.Expression(last.value), path.name, "eval"), names)
             assert shown is None or repr(shown)

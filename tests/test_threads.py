@@ -6,16 +6,17 @@ import threading
 
 import numpy as np
 import pytest
+import threadpoolctl
 
 from processes import run
-from weftex.threads import quick_map, thread_count
+from weftex.threads import one_blas_thread, quick_map, thread_count
 
 
 @pytest.mark.skipif(not hasattr(os, "sched_setaffinity"), reason="Linux only")
 def test_no_more_than_this_process_may_use():
     code = """
         import os
-        from weftex.threads import quick_map, thread_count
+        from weftex.threads import one_blas_thread, quick_map, thread_count
         os.sched_setaffinity(0, {min(os.sched_getaffinity(0))})
         print(thread_count(None), thread_count(3))
     """
@@ -48,3 +49,16 @@ def test_quick_calls_are_shared_and_end_with_the_first_that_fails():
         with pytest.raises(KeyError):
             map_(fail, range(1000))
         assert map_(abs, [-1]) == [1]
+
+
+def test_blas_gets_its_threads_back_after_calls_that_overlap(monkeypatch):
+    monkeypatch.delenv("OPENBLAS_NUM_THREADS", raising=False)
+    blas = threadpoolctl.ThreadpoolController().select(user_api="blas")
+    with blas.limit(limits=2):
+        first, second = one_blas_thread(), one_blas_thread()
+        first.__enter__()
+        second.__enter__()
+        first.__exit__(None, None, None)
+        assert all(one["num_threads"] == 1 for one in blas.info())
+        second.__exit__(None, None, None)
+        assert blas.info() and all(one["num_threads"] == 2 for one in blas.info())

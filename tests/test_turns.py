@@ -32,10 +32,8 @@ def test_vectors_are_turned_with_their_pixels(name, dtype):
 
     if np.dtype(dtype).kind == "u":
         top = np.iinfo(dtype).max
-        store, read = (
-            lambda v: np.rint((v + 1) * top / 2).astype(dtype),
-            lambda s: s / (top / 2) - 1,
-        )
+        store = lambda v: np.rint((v + 1) * top / 2).astype(dtype)  # noqa: E731
+        read = lambda s: s / (top / 2) - 1  # noqa: E731
     else:
         store, read = lambda v: ((v + 1) / 2).astype(dtype), lambda s: 2 * s - 1
     exemplar = weftex.Exemplar(heights, maps={name: store(normals(heights))})

@@ -233,7 +233,7 @@ def as_canvas(size: Canvas | int | tuple[int, int], tileable: bool | str = False
     (False, True)
     """
     wraps = {False: (False, False), True: (True, True), "x": (False, True), "y": (True, False)}
-    if not isinstance(tileable, (bool, str)) or tileable not in wraps:
+    if not isinstance(tileable, (bool, np.bool_, str)) or tileable not in wraps:
         raise wrong_value("tileable", tileable, "True, False, 'x' or 'y'")
     if isinstance(size, Canvas):
         if tileable:

@@ -188,9 +188,7 @@ def map_picture(label_map: Any) -> NDArray[Any]:
         if label_map.dtype.kind not in "iu":
             return check_pixels(label_map, "the label map")
         if label_map.size and label_map.min() < 0:
-            raise InvalidInputError(
-                f"the label map has the label {label_map.min()}; labels are from 0 on"
-            )
+            raise InvalidInputError(f"the label map has {label_map.min()}; labels are from 0 on")
         return label_map
     if label_map is None:
         raise InvalidInputError("the label map is None; give an image, labels or 'gradient'")

@@ -5,13 +5,18 @@ from __future__ import annotations
 import os
 import sys
 from collections.abc import Callable, Iterable, Iterator
-from contextlib import AbstractContextManager, contextmanager, nullcontext
+from contextlib import contextmanager
 from functools import cache
+from threading import Lock
 from typing import Any
 
 from weftex.errors import is_whole, wrong_value
 
 __all__ = ["in_turn", "thread_count"]
+
+#: The limit of BLAS, and None for each further context that needs it.
+_limits: list[Any] = []
+_lock = Lock()
 
 
 def thread_count(threads: int | None) -> int:
@@ -112,13 +117,22 @@ def _blas() -> Any:
     return ThreadpoolController()
 
 
-def one_blas_thread() -> AbstractContextManager[Any]:
-    """Return a context that keeps BLAS to one thread.
+@contextmanager
+def one_blas_thread() -> Iterator[None]:
+    """Keep BLAS to one thread; the last of several such contexts at a time restores its limit.
 
     Its threads busy-wait, so a product of a millisecond takes a tenth of a second beside other
     work. Rounding must not depend on their number either.
     """
     if os.environ.get("OPENBLAS_NUM_THREADS") == "1":
-        return nullcontext()
-    limit: AbstractContextManager[Any] = _blas().limit(limits=1, user_api="blas")
-    return limit
+        yield
+        return
+    with _lock:
+        _limits.append(None if _limits else _blas().limit(limits=1, user_api="blas"))
+    try:
+        yield
+    finally:
+        with _lock:
+            last = _limits.pop()
+            if last is not None:
+                last.restore_original_limits()

@@ -190,9 +190,8 @@ def test_each_patch_is_searched_drawn_cut_and_pasted(rng):
 def test_patches_of_one_pixel(rng):
     """Section 2.5: pixel by pixel in scan order, each with a window of 2 w_E + 1."""
     exemplar = random_exemplar(rng, *rng.integers(12, 18, 2))
-    canvas = weftex.Canvas(
-        *rng.integers(1, 12, 2).tolist(), tuple(map(bool, rng.integers(0, 2, 2)))
-    )
+    size = rng.integers(1, 12, 2).tolist()
+    canvas = weftex.Canvas(*size, tuple(map(bool, rng.integers(0, 2, 2))))
     width, seed = int(rng.integers(1, 4)), int(rng.integers(2**32))
     method = weftex.PatchSampling(patch_size=1, boundary_width=width, search="exhaustive")
     result = method.fit(exemplar).sample(canvas, seed=seed)

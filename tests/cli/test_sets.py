@@ -159,9 +159,8 @@ def test_best_of_and_prepare_take_sets(sets):
     assert sorted(read_maps("best")) == sorted(name.removesuffix(".png") for name in ROCK)
     words = ["--even-light", "rock", "-o", "even", "--preset", "ambientcg"]
     assert weft_run("prepare", *words) == 0  # the folder is no value of the option before it
-    assert np.array_equal(
-        read_image("even/even_NormalGL.png").pixels, ROCK["Rock01_1K_NormalGL.png"]
-    )
+    normals = read_image("even/even_NormalGL.png").pixels
+    assert np.array_equal(normals, ROCK["Rock01_1K_NormalGL.png"])
     assert weft_run("prepare", "rock", "-o", "flat", "--straighten", "30,1,-1,20") == 0
     shapes = {k: v.pixels.shape[:2] for k, v in read_maps("flat").items()}
     height, width = shapes["Rock01_1K_Color"]

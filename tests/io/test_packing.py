@@ -102,9 +102,8 @@ def test_what_is_filled_in_converted_or_left_out_is_said(tmp_path):
     ]
     arm = noise((2, 4, 3))
     maps = {"height": maps["height"], "arm": arm, "base": noise((2, 4, 4))}
-    found, notes = written(
-        maps, tmp_path / "b", "unity-hdrp", roles={"arm": "orm", "base": "color"}
-    )
+    roles = {"arm": "orm", "base": "color"}
+    found, notes = written(maps, tmp_path / "b", "unity-hdrp", roles=roles)
     assert found["Height"].dtype == np.uint16
     assert np.array_equal(found["MaskMap"][..., [1, 3, 0]], arm ^ np.array([0, 255, 0], np.uint8))
     assert np.array_equal(found["BaseColor"], maps["base"])

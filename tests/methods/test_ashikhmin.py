@@ -62,9 +62,8 @@ def test_the_output_follows_the_guide(passes, wrap):
     exemplar, guide = two_halves()
     canvas = Canvas(*guide.shape[:2], wrap, guide=guide)
     bright = guide[..., 0] > 100
-    image = (
-        weftex.Ashikhmin(passes=passes, guide_weight=1.0).fit(exemplar).sample(canvas, seed=1).image
-    )
+    guided = weftex.Ashikhmin(passes=passes, guide_weight=1.0)
+    image = guided.fit(exemplar).sample(canvas, seed=1).image
     follows = (image.mean(axis=2) > 120) == bright
     assert follows.mean() > 0.95
     alone = weftex.Ashikhmin(passes=passes).fit(exemplar).sample(Canvas(60, 64, wrap), seed=1).image

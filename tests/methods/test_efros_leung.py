@@ -35,7 +35,6 @@ def test_the_window_shrinks_to_what_is_there(rng):
         assert model.sample(6, seed=1).shape == (6, 6)
     mask = np.zeros((30, 30), bool)
     mask[3:8, 4:9] = True
-    model = weftex.EfrosLeung().fit(
-        weftex.Exemplar(noise((30, 30, 1), values=9, rng=rng), mask=mask)
-    )
+    exemplar = weftex.Exemplar(noise((30, 30, 1), values=9, rng=rng), mask=mask)
+    model = weftex.EfrosLeung().fit(exemplar)
     assert model.method.window_width == 5

@@ -85,9 +85,8 @@ def test_where_everything_matches_what_matching_needs_is_refused(kind, name):
 def test_a_wide_tolerance_draws_from_all_that_match(rng, kind):
     """Psi_B has nearly all windows then, not the 40 nearest alone."""
     sample = noise((60, 60), rng=rng)
-    model = weftex.PatchSampling(patch_size=16, boundary_width=4, **kind).fit(
-        weftex.Exemplar(sample)
-    )
+    method = weftex.PatchSampling(patch_size=16, boundary_width=4, **kind)
+    model = method.fit(weftex.Exemplar(sample))
     windows = np.lib.stride_tricks.sliding_window_view(sample.astype(int), (16, 4))[:, :45]
     ranks = []
     for seed in range(100):

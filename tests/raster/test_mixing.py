@@ -54,9 +54,7 @@ def test_vectors_keep_their_length(rng, method):
     color = rng.integers(0, 256, (64, 64, 3)).astype(np.uint8)
     exemplar = weftex.Exemplar(color, maps={"normal": pixels})
     result = method.fit(exemplar).sample(weftex.Canvas(96, 96), seed=1)
-    own = method.fit(weftex.Exemplar(pixels, name="wall_nor_gl")).sample(
-        weftex.Canvas(96, 96), seed=1
-    )
+    own = method.fit(weftex.Exemplar(pixels, name="wall_nor_gl")).sample(96, seed=1)
     for found in (result.maps["normal"], result.render(pixels, role="normal"), own.image):
         assert shortest(found) > shortest(pixels) - 0.02
     assert np.array_equal(own.image, own.render(pixels, role="normal"))

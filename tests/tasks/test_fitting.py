@@ -56,7 +56,8 @@ def test_ribs_that_do_not_fit_are_stretched_evenly(width, tmp_path):
     """Six ribs of 45 or 48.3 px, of a sample that has them at 47 px, with all of its maps."""
     levels = 128 + 60 * np.sin(2 * np.pi * X / 47) + RNG.normal(0, 12, X.shape)
     maps = {"normal": normal_map(RNG, X.shape), "id": (X // 47 * 5000).astype(np.uint16)}
-    sample = weftex.Exemplar(np.clip(levels, 0, 255).astype(np.uint8), maps=maps)
+    coarse = {"ao": np.zeros((X.shape[0] // 2, X.shape[1] // 2), np.uint8)}
+    sample = weftex.Exemplar(np.clip(levels, 0, 255).astype(np.uint8), maps=maps | coarse)
     method = weftex.GraphCut(placement="entire", lattice=(47.2, 0, 0, -1))  # not by whole rows
     how = {"tileable": True, "method": method, "seed": 1}
     made, same = (weftex.synthesize(sample, (120, width), threads=n, **how) for n in (1, 3))

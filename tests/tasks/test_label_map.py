@@ -77,10 +77,8 @@ def test_distances_are_those_to_the_nearest(height, width, most, wrap_y, wrap_x,
         best = (most + 1) ** 2
         for v, u in np.argwhere(mask).tolist():
             dy, dx = abs(y - v), abs(x - u)
-            dy, dx = (
-                (min(dy, height - dy) if wrap_y else dy),
-                (min(dx, width - dx) if wrap_x else dx),
-            )
+            dy = min(dy, height - dy) if wrap_y else dy
+            dx = min(dx, width - dx) if wrap_x else dx
             if max(dy, dx) <= most:
                 best = min(best, dy**2 + dx**2)
         assert got[y, x] == best

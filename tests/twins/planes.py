@@ -21,9 +21,8 @@ class Area:
         self.shown = np.full((height, width), -1, np.int32)
 
     def part(self, rows, columns):
-        y, x = (
-            slice(a - at, b - at) for (a, b), at in zip((rows, columns), self.corner, strict=True)
-        )
+        both = zip((rows, columns), self.corner, strict=True)
+        y, x = (slice(a - at, b - at) for (a, b), at in both)
         return self.shown[y, x]
 
     @property

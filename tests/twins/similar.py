@@ -56,7 +56,5 @@ def registered_similar(pictures, masks, tileable, reach, count):
 
         parents_similar = similar_places(pixels, centers, reach, count, candidates)
         parents = by_rows(centers)
-    return {
-        (y, x): parents_similar[nearest_center(parents, y, x)]
-        for y, x in np.ndindex(masks[0].shape)
-    }
+    places = np.ndindex(masks[0].shape)
+    return {(y, x): parents_similar[nearest_center(parents, y, x)] for y, x in places}

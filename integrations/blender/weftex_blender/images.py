@@ -12,6 +12,8 @@ from weftex.io.pictures import Picture
 def picture_of(image: bpy.types.Image) -> Picture:
     """Return the pixels of an image, first row on top: uint8, or float32 of float images."""
     width, height = image.size
+    if image.source == "TILED":
+        raise InvalidInputError(f"{image.name} is a UDIM of several tiles; use one image")
     if not width or not height:
         raise InvalidInputError(f"{image.name} has no pixels; is its file missing?")
     flat = np.empty(width * height * image.channels, np.float32)

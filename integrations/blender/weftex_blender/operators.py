@@ -133,10 +133,14 @@ class _Making:
             return {"CANCELLED"}
         made, single = self.job.result, len(self.originals) == 1
         found = {}
-        for name, original in self.originals.items():
-            pixels = next(iter(made.values())) if single else made[name]
-            found[name] = images.new_image(f"{original.name} {self.suffix}", pixels, original)
-        self.finish(context, found)
+        try:
+            for name, original in self.originals.items():
+                pixels = next(iter(made.values())) if single else made[name]
+                found[name] = images.new_image(f"{original.name} {self.suffix}", pixels, original)
+            self.finish(context, found)
+        except ReferenceError:
+            self.report({"ERROR"}, "the image or the material was removed meanwhile")
+            return {"CANCELLED"}
         return {"FINISHED"}
 
 

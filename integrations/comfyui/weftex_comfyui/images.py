@@ -46,7 +46,8 @@ def _array(image: torch.Tensor) -> Any:
 
 
 def _material(pixels: Any, role: Role) -> Material:
-    if (pixels == pixels[..., :1]).all():  # ComfyUI loads gray files as RGB
+    # ComfyUI loads gray files as RGB; alpha is no color.
+    if pixels.shape[2] != 4 and (pixels == pixels[..., :1]).all():
         pixels = pixels[..., 0]
     alpha = pixels.ndim == 3 and pixels.shape[2] in (2, 4)
     picture = Picture(np.ascontiguousarray(pixels), alpha, None, role.name)

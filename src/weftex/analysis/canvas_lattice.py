@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from itertools import islice
 from typing import Any, NamedTuple
@@ -199,6 +200,8 @@ def fitted_sample(
         return canvas, None
     change = np.linalg.solve(lattice.sample, lattice.canvas)
     size = (last @ (2 * np.diag(np.diag(change)) - np.abs(change))).astype(int)
+    block = math.lcm(*(exemplar.scale_of(name).denominator for name in exemplar.maps))
+    size = np.maximum(size - (size + 1) % block, block - 1)  # whole pixels of coarse maps
     places = (np.moveaxis(np.indices(size + 1), 0, -1) - size / 2) @ np.linalg.inv(change)
     y, x = np.moveaxis(np.rint(places + last / 2).clip(0, last).astype(np.int32), -1, 0)
     index, found = y * np.int32(exemplar.shape[1]) + x, lattice.canvas[:, ::-1].ravel()

@@ -297,9 +297,8 @@ def _profiles(correlation: Floats, angles: Floats, reach: int) -> Floats:
     middle, center = (side // 2 for side in correlation.shape)
     cosines, sines = np.cos(angles), np.sin(angles)
     # As far along as shifts in this direction leave half of the sample to overlap.
-    far = np.minimum(
-        (center + 1) / np.maximum(abs(cosines), 1e-9), (middle + 1) / np.maximum(abs(sines), 1e-9)
-    )
+    across, down = (np.maximum(abs(one), 1e-9) for one in (cosines, sines))
+    far = np.minimum((center + 1) / across, (middle + 1) / down)
     result = np.empty((len(angles), reach))
     along = np.linspace(-0.5, 0.5, _SAMPLES)
     kernels.means_along(correlation, cosines, sines, far, along, result)

@@ -37,9 +37,7 @@ def is_plane(recipe: Recipe, args: argparse.Namespace) -> bool:
         large = pixels > (MAX_PIXELS if args.allow_huge else HUGE)
         return large or bool(given_blocks(args))
     for name in given_blocks(args):
-        raise InvalidInputError(
-            f"--{name} has no effect: only {', '.join(TIFF)} is written block by block"
-        )
+        raise InvalidInputError(f"--{name} has no effect: only {', '.join(TIFF)} has blocks")
     return False
 
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from weftex.errors import InvalidInputError, shown, size_words
+from weftex.errors import InvalidInputError, shown, size_words, wrong_value
 from weftex.io.display import Displayable, size_text
 from weftex.raster.arrays import (
     as_mask,
@@ -109,6 +109,8 @@ class Exemplar(Displayable):
         role: Role | str | None = None,
         weights: Mapping[str, float] | None = None,
     ) -> None:
+        if not isinstance(name, str):
+            raise wrong_value("name", name, "a string")
         self.name, self.tileable, self.icc = name, bool(tileable), icc
         pixels, usable = without_mask(pixels)
         named = role_of(name)

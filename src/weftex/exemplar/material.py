@@ -64,9 +64,7 @@ def load_exemplar(
         raise InvalidInputError("files has no effect unless the sample is a folder of maps")
     if isinstance(sample, Exemplar):
         if options:
-            raise InvalidInputError(
-                f"the sample is an Exemplar; give {next(iter(options))} to the Exemplar"
-            )
+            raise InvalidInputError(f"give {next(iter(options))} to the Exemplar, not beside it")
         return sample
     if isinstance(sample, (str, os.PathLike)):
         return read_material(sample, files).exemplar(**options)

@@ -1,6 +1,6 @@
 """Image quilting (Efros and Freeman, 2001), with the search of patch-based sampling.
 
-The texture transfer of section 3 is not here; `refinement` and `ashikhmin` follow a guide.
+The texture transfer of section 3 is not here; `graphcut` and `ashikhmin` follow a guide.
 """
 
 from __future__ import annotations

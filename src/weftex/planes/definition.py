@@ -93,9 +93,8 @@ class Definition:
     def __post_init__(self) -> None:
         check_block(self.block)
         if not (1 <= self.height <= _MOST_SIDE and 1 <= self.width <= _MOST_SIDE):
-            raise InvalidInputError(
-                f"size is {self.width}x{self.height}; a side of a plane is from 1 to 2**40"
-            )
+            size = f"{self.width}x{self.height}"
+            raise InvalidInputError(f"size is {size}; a side of a plane is from 1 to 2**40")
 
     def __getstate__(self) -> dict[str, Any]:
         """Without what can be made again: other processes fit the model themselves."""

@@ -164,9 +164,7 @@ class Recipe:
                     if options[name] != declared[name].default:
                         raise InvalidInputError(f"give {named(name)} or --window, not both")
             elif options["period"] is not None:
-                raise InvalidInputError(
-                    "--period has no effect without --window; see also --tileable"
-                )
+                raise InvalidInputError("--period has no effect without --window; try --tileable")
             if options["fit"] and options["tileable"] is False:
                 raise InvalidInputError(f"{named('fit')} has no effect without {named('tileable')}")
             if options["fit"] and options["guide"] is not None:

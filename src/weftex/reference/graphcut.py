@@ -72,9 +72,10 @@ def graphcut(
     Notes
     -----
     The paper leaves the norm of colors open: here the sum of absolute differences, in whole steps
-    of 1/256. Beyond the sample's border, one of both patches has no colors: the cost there is that
-    of the other patch, doubled. A small number is added to each gradient. Of equal cuts, the one
-    with the fewest new pixels is used. Each patch covers the first missing pixel in scan order.
+    of 1/256. Beyond the sample's border, one of both patches has no colors: its term then equals
+    that of the other patch, and the sum counts twice. A small number is added to each gradient. Of
+    equal cuts, the one with the fewest new pixels is used. Each patch covers the first missing
+    pixel in scan order.
 
     Examples
     --------

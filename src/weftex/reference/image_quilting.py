@@ -1,6 +1,6 @@
 """Image quilting for texture synthesis (Efros and Freeman, 2001).
 
-Texture transfer, section 3 of the paper, is not here; `refinement` and `ashikhmin` follow a guide.
+Texture transfer, section 3 of the paper, is not here; `graphcut` and `ashikhmin` follow a guide.
 The method `quilting` makes the same bytes with `search="exhaustive", repeat_distance=0`, if whole
 blocks cover the output.
 """
@@ -57,7 +57,7 @@ def image_quilting(
     >>> image_quilting(sample, (30, 40), block=12, overlap=3, seed=1).image.shape
     (30, 40)
     """
-    pixels, (height, width) = checked(sample, size)
+    pixels, (height, width) = checked(sample, size, seed)
     fits("block", block, pixels)
     if not 1 <= overlap < block:
         raise InvalidInputError(f"overlap is {overlap}; it must be from 1 to {block - 1}")

@@ -67,7 +67,7 @@ def patch_based_sampling(
     >>> patch_based_sampling(sample, (30, 40), patch=12, boundary=3, seed=1).image.shape
     (30, 40)
     """
-    i_in, (height, width) = checked(sample, size)
+    i_in, (height, width) = checked(sample, size, seed)
     w_b, w_e = fits("patch", patch, i_in), boundary
     step = w_b - w_e
     if not 1 <= w_e <= w_b // 2:

@@ -90,11 +90,8 @@ class PixelSynthesis(Synthesis):
         made = index >= 0
         coordinates = np.empty((*index.shape, 1, 2), np.int32)
         np.floor_divide(index, self.sample_shape[1], out=coordinates[:, :, 0, 0])
-        np.subtract(
-            index,
-            coordinates[:, :, 0, 0] * np.int32(self.sample_shape[1]),
-            out=coordinates[:, :, 0, 1],
-        )
+        before = coordinates[:, :, 0, 0] * np.int32(self.sample_shape[1])
+        np.subtract(index, before, out=coordinates[:, :, 0, 1])
         if not made.all():
             coordinates[~made] = -1
         return coordinates, made[..., None].astype(np.float32)
@@ -133,9 +130,7 @@ class PixelSynthesis(Synthesis):
 def frame_of(cells: NDArray[np.int64] | None, shape: tuple[int, int]) -> list[Span]:
     """The rows and the columns of the index of a result of a shape."""
     spans = [[], []] if cells is None else spans_of(cells)
-    return [
-        (some[0][0], some[-1][1]) if some else (0, n) for some, n in zip(spans, shape, strict=True)
-    ]
+    return [(one[0][0], one[-1][1]) if one else (0, n) for one, n in zip(spans, shape, strict=True)]
 
 
 def rearranged(exemplar: Exemplar, index: NDArray[np.int32], **parts: Any) -> Exemplar:

@@ -97,9 +97,7 @@ def background_of(
         y, x = (k * scale for k in known_from)
         background = pixels[y : y + height, x : x + width]
     else:
-        raise InvalidInputError(
-            "the known pixels are not part of the sample; give their map as background"
-        )
+        raise InvalidInputError("the known pixels are of a photo; give their map as background")
     wanted = (height, width, *pixels.shape[2:])
     if background.shape != wanted or background.dtype != pixels.dtype:
         raise InvalidInputError(

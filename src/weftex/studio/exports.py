@@ -138,9 +138,7 @@ def _suffix(like: Picture, form: Any, name: str) -> str:
         own = written_as(like.path, floats).lower().replace(".jpeg", ".jpg").replace("tiff", "tif")
         return own if own in able else ".exr" if floats else ".png"
     if form not in able:
-        raise InvalidInputError(
-            f"format of {name} is {shown(form)}; these hold it: {', '.join(able)}"
-        )
+        raise InvalidInputError(f"format of {name} is {shown(form)}; give one of {', '.join(able)}")
     return str(form)
 
 

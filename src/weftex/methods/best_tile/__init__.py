@@ -147,9 +147,8 @@ class BestTileModel(LatticeModel):
         about: dict[str, object] = {"seed": asked.seed, "anchor": list(self.anchor)}
         if any(around.wrap):
             about["strain"] = round(lattice.strain, 6)
-        return PixelSynthesis(
-            canvas, index, exemplar=self.exemplar, provenance=self.method.describe() | about
-        )
+        about = self.method.describe() | about
+        return PixelSynthesis(canvas, index, exemplar=self.exemplar, provenance=about)
 
 
 def runs_of(first: Floats, second: Floats, reach: int) -> Ints:

@@ -192,10 +192,8 @@ class WorstSeams:
 
         A tried cell counts half next time, or a seam that cannot be improved would block others.
         """
-        beyond = [
-            (0, span - 1 if wraps else 0)
-            for span, wraps in zip(self.spans, self.canvas.wrap, strict=True)
-        ]
+        both = zip(self.spans, self.canvas.wrap, strict=True)
+        beyond = [(0, span - 1 if wraps else 0) for span, wraps in both]
         cost = np.pad(self.cells >> np.minimum(self.tried, 62), beyond, mode="wrap")
         squares = box_sums(cost, *self.spans)
         first = np.unravel_index(squares.argmax(), squares.shape)

@@ -60,9 +60,8 @@ def fill_gaps(
     sources, kernel = sources.copy(), sample.windows.kernel
     rule = method.tolerance, method.match == "gncc"
     count = kernels.ALL_SIMILAR if method.defaults == "paper" else _SIMILAR
-    progress = Progress(
-        callback, len(layout.visible_gaps), "gaps", lambda: layout.preview(sample, sources)
-    )
+    gaps = len(layout.visible_gaps)
+    progress = Progress(callback, gaps, "gaps", lambda: layout.preview(sample, sources))
 
     def fill(portion: tuple[NDArray[Any], ...]) -> int:
         offsets, blocks, near = portion

@@ -164,9 +164,8 @@ class PlaneOrder:
         nodes = turn == 0
         bits[nodes] = self._bits(y[nodes], x[nodes], seed, pieces)
         i, j = np.array(_AROUND).T[:, :, None]
-        rows, columns = (
-            (at + by).clip(0, n - 1) for at, by, n in zip((y, x), (i, j), self.shape, strict=True)
-        )
+        both = zip((y, x), (i, j), self.shape, strict=True)
+        rows, columns = ((at + by).clip(0, n - 1) for at, by, n in both)
         around = np.where(self.depends_on[:, y, x], number[rows, columns], np.int32(-1))
         around = np.ascontiguousarray(around.T)
         corners = np.stack([self.starts[0][y], self.starts[1][x]], axis=1)

@@ -124,9 +124,8 @@ class NearestSweep:
 
     def lines(self, iteration: int) -> list[NDArray[np.int32]]:
         """Return flat indices of pixels in scan order, or a hole's from all sides (Fig. 12)."""
-        return (
-            cyclic_lines(self._rows, iteration, self._output_shape) if self._cyclic else self._rows
-        )
+        rows = self._rows
+        return cyclic_lines(rows, iteration, self._output_shape) if self._cyclic else rows
 
     def refine(self, line: NDArray[np.int32], iteration: int) -> int:
         """Refine the pixels of a line; what is unknown in the first iteration is masked out."""

@@ -263,10 +263,8 @@ def replace_by_nearest(
     parents = parent_offsets(trees.parent_widths[level.number])
     spans = np.empty((len(own) + len(parents), 2), np.int32)
     leaves = min(step.leaves, len(tree.places))
-    here, above = (
-        Picture(part.pixels, part.done, part.source, wrap)
-        for part in (level, level.coarser or level)
-    )
+    both = (level, level.coarser or level)
+    here, above = (Picture(part.pixels, part.done, part.source, wrap) for part in both)
     sample, bundle = level.sample.pixels, tree.bundle(spans)
     line = max(level.pixels.shape[1], _LEAST_PIXELS)
     for start in range(0, len(step.places), line):
