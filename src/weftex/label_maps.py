@@ -17,7 +17,7 @@ from weftex.errors import InvalidInputError, is_number
 from weftex.exemplar import load_exemplar
 from weftex.exemplar.exemplar import color_text
 from weftex.random import draw
-from weftex.raster.arrays import check_pixels
+from weftex.raster.arrays import Indices, check_pixels
 
 __all__ = ["Gradient"]
 
@@ -64,7 +64,7 @@ class Gradient:
 
     def label_map(
         self, size: tuple[int, int], scales: Sequence[int], seed: int
-    ) -> tuple[NDArray[np.int32], list[tuple[int, int]]]:
+    ) -> tuple[Indices, list[tuple[int, int]]]:
         """Place circles at random until the canvas is covered; return labels and the mixed pairs.
 
         At x beyond the start of a transition a circle is of a sample before it with probability
@@ -127,9 +127,7 @@ class Gradient:
         return ((v - height / 2) * down + (u - width / 2) * right) / length + 0.5
 
 
-def labels_of(
-    picture: NDArray[Any], count: int, colors: Sequence[Any] | None = None
-) -> NDArray[np.int32]:
+def labels_of(picture: NDArray[Any], count: int, colors: Sequence[Any] | None = None) -> Indices:
     """Return labels (H, W) of the colors of a painted map, in the order in which they appear.
 
     With `colors`, other colors count as the nearest of these, so painted edges may be smooth.
@@ -141,7 +139,7 @@ def labels_of(
     return labels.reshape(picture.shape[:2])
 
 
-def _by_appearance(flat: NDArray[Any], count: int) -> NDArray[np.int32]:
+def _by_appearance(flat: NDArray[Any], count: int) -> Indices:
     """Label the colors (N, C) of a map in the order in which they appear."""
     found, first, inverse = np.unique(flat, axis=0, return_index=True, return_inverse=True)
     order = np.argsort(first)
@@ -154,7 +152,7 @@ def _by_appearance(flat: NDArray[Any], count: int) -> NDArray[np.int32]:
     return np.argsort(order)[inverse.ravel()].astype(np.int32)
 
 
-def _by_nearest(flat: NDArray[Any], count: int, colors: Sequence[Any]) -> NDArray[np.int32]:
+def _by_nearest(flat: NDArray[Any], count: int, colors: Sequence[Any]) -> Indices:
     """Label each color (N, C) of a map by the nearest of the given ones."""
     if len(colors) != count:
         raise InvalidInputError(
@@ -176,7 +174,7 @@ def _by_nearest(flat: NDArray[Any], count: int, colors: Sequence[Any]) -> NDArra
     for k, color in enumerate(wanted):
         if not (distance[k] == 0).any():
             raise InvalidInputError(f"the label map has no pixel of the color {color_text(color)}")
-    nearest: NDArray[np.int32] = distance.argmin(axis=0).astype(np.int32)
+    nearest: Indices = distance.argmin(axis=0).astype(np.int32)
     return nearest
 
 

@@ -62,7 +62,9 @@ def parse_method(text: str) -> Method:
     for word in words:
         name, equals, value = word.partition("=")
         if not equals or name in given:
-            raise InvalidInputError(f"{slug} has {shown(word)}; give name=value once for each name")
+            raise InvalidInputError(
+                f"{slug} has {shown(word)}; it must be name=value, once for each name"
+            )
         try:
             given[name] = kinds.get(name, str)(value)
         except ValueError:

@@ -9,8 +9,6 @@ from contextvars import ContextVar
 from time import perf_counter, process_time, thread_time
 from typing import Any, Literal
 
-import numpy as np
-
 from weftex.errors import CancelledError, wrong_value
 
 __all__ = ["Bar", "Progress", "ProgressCallback", "listening"]
@@ -108,11 +106,6 @@ def _called(callback: ProgressCallback | None) -> Callable[..., object] | None:
     return called
 
 
-def _goes_on(answer: object) -> bool:
-    """Whether the work continues: unless a callback returned False, of Python or NumPy."""
-    return not isinstance(answer, (bool, np.bool_)) or bool(answer)
-
-
 class Progress:
     """Reports the steps of one stage to a callback, with a function that renders a preview."""
 
@@ -127,7 +120,7 @@ class Progress:
         self.done += steps
         if self.callback is None:
             return
-        if not _goes_on(self.callback(self.done, self.total, self.stage, self.preview)):
+        if self.callback(self.done, self.total, self.stage, self.preview) is False:
             raise CancelledError(f"cancelled after {self.done} of {self.total} {self.stage}")
 
     def within(self) -> ProgressCallback | None:
@@ -137,7 +130,7 @@ class Progress:
             return None
 
         def ask(done: int, total: int, stage: str, preview: Callable[[], Any]) -> bool:
-            return _goes_on(callback(self.done, self.total, self.stage, preview))
+            return callback(self.done, self.total, self.stage, preview) is not False
 
         return ask
 
@@ -187,7 +180,7 @@ def counted(total: float, stage: str) -> Iterator[Callable[[float], None]]:
         if callback is None:
             return True
         percent = int(100 * (done + min(share, 0.99)) / total)
-        return _goes_on(callback(percent, 100, stage, lambda: None))
+        return callback(percent, 100, stage, lambda: None) is not False
 
     def advance(steps: float) -> None:
         nonlocal done

@@ -8,11 +8,8 @@ from weftex.analysis.relief import relief
 from weftex.analysis.tile_multiples import alternating, halves_agree
 from weftex.exemplar import Exemplar
 
-CELLS = {
-    "square": ((16, 0), (0, 16)),
-    "aslant": ((17.4, 0.5), (-1, 21.3)),
-    "bond": ((24, 0), (12, 15)),
-}
+CELLS = {"square": ((16, 0), (0, 16)), "aslant": ((17.4, 0.5), (-1, 21.3))}
+CELLS["bond"] = ((24, 0), (12, 15))
 
 
 def turns(vectors, rng, index, amount, noise=0.0, size=192):

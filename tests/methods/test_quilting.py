@@ -13,13 +13,8 @@ def test_the_tolerance_holds_for_every_search(rng, search):
     Sources that repeat are avoided here, so that the limit can rise after the measuring.
     """
     sample = (rng.integers(0, 256, (40, 40)) // 32 * 32).astype(np.uint8)
-    kind = {
-        "patch_size": 10,
-        "boundary_width": 3,
-        "tolerance": 1.0,
-        "repeat_distance": 1.0,
-        "blend": "none",
-    }
+    kind = {"patch_size": 10, "boundary_width": 3, "tolerance": 1.0, "repeat_distance": 1.0}
+    kind["blend"] = "none"
     method = weftex.Quilting(search=search, candidates=800, **kind)
     result = method.fit(weftex.Exemplar(sample)).sample((10, 200), seed=1)
     windows = np.lib.stride_tricks.sliding_window_view(sample.astype(int), (10, 10))

@@ -34,10 +34,19 @@ def test_maps_are_paired_by_role_at_any_scale(rng):
     assert np.array_equal(whole.maps["ao"][11:], other.maps["ao"])
 
 
-def test_samples_share_no_lattice():
-    tiles = np.tile(noise((8, 8)), (5, 5))
+def test_a_lattice_that_samples_share_goes_on():
+    tile = noise((16, 24))
+    tiles = np.tile(tile, (8, 8))
+    whole = weftex.prepare.together([tiles[:90, :100], tiles[7:95, 5:120], tiles[3:, 1:]])
+    y, x = np.nonzero(whole.usable)
+    assert not whole.pieces and np.array_equal(whole.pixels[y, x], tile[y % 16, x % 24])
+
+
+def test_other_samples_share_no_lattice():
+    tiles = np.tile(noise((8, 8)), (9, 9))
+    apart = weftex.prepare.together([tiles, np.tile(noise((8, 8), seed=1), (9, 9))])
     with pytest.raises(weftex.UnsupportedError, match="needs one lattice"):
-        weftex.NearRegular(lattice=(8, 0, 0, 8)).fit(weftex.prepare.together([tiles, tiles]))
+        weftex.NearRegular(lattice=(8, 0, 0, 8)).fit(apart)
 
 
 @pytest.mark.parametrize(

@@ -292,9 +292,10 @@ def rows_around(
     pixels, usable = pixels[inner], usable[inner]
     for axis in (0, 1):
         whole = np.asarray(usable.all(axis=axis))  # lines across the rows that miss all holes
-        rows = Boards(np.compress(whole, pixels, axis=1 - axis), axis)
-        several = len(rows.edges) > _FEW + 2 and 2 * whole.sum() >= len(whole)
-        through.append(rows.through if several else 0.0)
+        through.append(0.0)
+        if 2 * whole.sum() >= len(whole):
+            rows = Boards(np.compress(whole, pixels, axis=1 - axis), axis)
+            through[axis] = rows.through if len(rows.edges) > _FEW + 2 else 0.0
     axis = through.index(max(through))
     found = RowMap(axis, False, [(0, MAX_PIXELS, canvas.known_from[axis])], unit)
     return found if min(through) < _THROUGH[0] and max(through) >= _THROUGH[even] else None

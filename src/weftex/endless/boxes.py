@@ -44,9 +44,8 @@ class Box(NamedTuple):
 
     def has(self, other: Box) -> bool:
         """Whether another box lies in this one."""
-        return all(
-            a.first <= b.first and b.last <= a.last for a, b in zip(self, other, strict=True)
-        )
+        both = zip(self, other, strict=True)
+        return all(a.first <= b.first and b.last <= a.last for a, b in both)
 
     def within(self, other: Box) -> tuple[slice, slice]:
         """What both share, in indices of the other one; empty where they share nothing."""

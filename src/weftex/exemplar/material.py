@@ -75,9 +75,7 @@ def load_exemplar(
         if image.mode in ("P", "1", "PA"):
             image = image.convert("RGBA" if "transparency" in image.info else "RGB")
         if image.mode not in _MODES:
-            raise InvalidInputError(
-                f"the image has mode {image.mode!r}; convert it first: image.convert('RGB')"
-            )
+            raise InvalidInputError(f"the image has mode {image.mode!r}; use image.convert('RGB')")
         about: dict[str, Any] = {"alpha": image.mode in ("LA", "RGBA"), "name": "image"}
         pixels = np.asarray(image)
         if pixels.dtype.kind == "i":  # Pillow's mode I

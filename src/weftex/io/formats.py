@@ -138,7 +138,7 @@ def kind_of(name: str, given: str) -> str:
     if suffix_of(name) == ".tga" and _TARGA.match(head):
         return "targa"
     if head[4:12] in (b"ftypheic", b"ftypheix", b"ftypmif1", b"ftypavif"):
-        raise file_error(given, "is a HEIC or AVIF image; convert it to PNG, as with heif-convert")
+        raise file_error(given, "is a HEIC or AVIF image; convert it to PNG first (heif-convert)")
     raise file_error(given, f"is not an image that weftex reads ({', '.join(READABLE)})")
 
 

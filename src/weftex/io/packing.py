@@ -161,9 +161,7 @@ class _Packer:
         sizes = {key: one.pixels.shape[:2] for key, one in given.items()}
         if len(set(sizes.values())) > 1:
             said = ", ".join(f"{key} {w}x{h}" for key, (h, w) in sizes.items())
-            raise InvalidInputError(
-                f"{stem} packs maps of unequal size ({said}); scale them to one size first"
-            )
+            raise InvalidInputError(f"{stem} packs maps of unequal size ({said}); scale them first")
         first, single = next(iter(given.values())), len(parts) == 1 and parts[0].channel is None
         suffix = wanted.format
         if not suffix:

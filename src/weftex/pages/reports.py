@@ -234,7 +234,7 @@ def report(
             of_maps[name] = MapReport(*shown_maps, assess(own, one, tileable=tileable))
     if max(pixels.shape[:2]) > LARGEST_MEASURED:
         notes.append(
-            f"The result is large: only its middle, {LARGEST_MEASURED} pixels a side, was measured."
+            f"Only the middle of the result, {LARGEST_MEASURED} pixels a side, was measured."
         )
     if made_maps:
         notes += [f"The result has no {name}." for name, other in same.items() if other is None]

@@ -5,18 +5,26 @@ from __future__ import annotations
 import math
 import os
 from collections.abc import Mapping, Sequence
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from weftex.analysis.canvas_lattice import CanvasLattice
+from weftex.analysis.lattice import find_lattice
+from weftex.analysis.relief import LOOK, smaller_copy
 from weftex.errors import InvalidInputError, did_you_mean, is_number, shown, size_words, wrong_value
 from weftex.exemplar import Exemplar, Sample, load_exemplar
 from weftex.io.outputs import reversed_map
+from weftex.raster.arrays import Floats
 from weftex.raster.levels import scale_between
 
 #: The value of a normal map that is missing.
 FLAT = "flat"
+#: Least correlation of the mean tiles of two photos of one pattern, and share of their contrast.
+_ALIKE = 0.75
+_DIGITS = 1e-6  # to which it is rounded, as machines differ in last digits
+_SEEN = 1024  # pixels a side that mean tiles are made from
 
 
 def together(samples: Sequence[Sample]) -> Exemplar:
@@ -51,41 +59,85 @@ def together(samples: Sequence[Sample]) -> Exemplar:
 
 
 def combined(exemplars: Sequence[Exemplar], *, apart: bool = False) -> Exemplar:
-    """Stack samples from `paired`, so that one source map can point into all.
+    """Put samples from `paired` under each other, so that one source map can point into all.
 
-    Masked lines separate them if `apart`.
+    If `apart`, masked lines separate them, and a lattice that they share goes on in all.
     """
     first = exemplars[0]
     # As high as a pixel of the map that has the fewest.
-    gap = math.lcm(*(first.scale_of(k).denominator for k in first.maps)) if apart else 0
+    block = math.lcm(*(first.scale_of(k).denominator for k in first.maps))
+    shared = _shared_lattice(exemplars) if apart and len(exemplars) > 1 else None
+    places, lowest = list[tuple[int, int]](), 0
+    for number, exemplar in enumerate(exemplars):
+        place = shared and _place(lowest, block, shared[0], shared[1][number])
+        places.append(place or (lowest, 0))
+        lowest = places[-1][0] + exemplar.shape[0] + block * apart
 
-    def stacked(name: str) -> Exemplar:
-        lines = int(gap * first.scale_of(name))
-        return first.map(name).changed(pixels=_stacked([e.maps[name] for e in exemplars], lines))
+    def put(pictures: Sequence[NDArray[Any]], scale: Any = 1) -> NDArray[Any]:
+        corners = [(int(y * scale), int(x * scale)) for y, x in places]
+        both = [*zip(corners, pictures, strict=True)]
+        height, width = np.max([np.add(corner, one.shape[:2]) for corner, one in both], axis=0)
+        whole = np.zeros((height, width, *pictures[0].shape[2:]), pictures[0].dtype)
+        for (y, x), one in both:
+            whole[y : y + one.shape[0], x : x + one.shape[1]] = one
+        return whole
 
-    return Exemplar(
-        _stacked([e.pixels for e in exemplars], gap),
-        maps={name: stacked(name) for name in first.maps},
-        mask=_stacked([e.usable for e in exemplars], gap, mode="constant"),
-        weights=first.weights,
-        alpha=first.alpha,
-        icc=first.icc,
-        role=first.role,
-        name="samples",
-    ).changed(pieces=apart)
+    maps = {}
+    for name in first.maps:
+        pixels = put([e.maps[name] for e in exemplars], first.scale_of(name))
+        maps[name] = first.map(name).changed(pixels=pixels)
+    parts: dict[str, Any] = {"guide": None, "tileable": False, "name": "samples"}
+    parts |= {"pieces": apart and not shared, "turn": None, "copy_shape": None}
+    mask = put([e.usable for e in exemplars])
+    return first.changed(pixels=put([e.pixels for e in exemplars]), maps=maps, mask=mask, **parts)
 
 
-def _stacked(
-    pictures: Sequence[NDArray[Any]], gap: int, mode: Literal["edge", "constant"] = "edge"
-) -> NDArray[Any]:
-    """Return stacked arrays, padded by their edges or by 0."""
-    width = max(p.shape[1] for p in pictures)
-    padded = [
-        np.pad(p, [(0, gap), (0, width - p.shape[1]), *[(0, 0)] * (p.ndim - 2)], mode=mode)
-        for p in pictures
-    ]
-    whole = np.concatenate(padded)
-    return np.ascontiguousarray(whole[: len(whole) - gap])
+def _shared_lattice(exemplars: Sequence[Exemplar]) -> tuple[CanvasLattice, list[Floats]] | None:
+    """Return the lattice of samples, and which part of its tile lies at the corner of each.
+
+    Each part is relative to the first sample. None if it has no lattice, or not all have it.
+    """
+    small, step = smaller_copy(exemplars[0], LOOK)
+    found = find_lattice(small)
+    found = find_lattice(exemplars[0]) if found and step > 1 else found
+    if found is None:
+        return None
+    lattice, parts = CanvasLattice(tuple(found)), list[Floats]()
+    tiles = [_mean_tile(exemplar, lattice) for exemplar in exemplars]
+    first = np.fft.rfft2(tiles[0][0], axes=(0, 1))
+    for tile, share in tiles:
+        products = (np.fft.rfft2(tile, axes=(0, 1)).conj() * first).sum(axis=2)
+        alike = np.rint(np.fft.irfft2(products, s=tile.shape[:2]) / _DIGITS) * _DIGITS
+        at = np.unravel_index(alike.argmax(), alike.shape)
+        if alike[at] < _ALIKE or share < _ALIKE * tiles[0][1]:
+            return None
+        parts.append(np.divide(at, tile.shape[:2]))
+    return lattice, parts
+
+
+def _mean_tile(exemplar: Exemplar, lattice: CanvasLattice) -> tuple[Floats, float]:
+    """Return the mean tile (n, m, K), of mean 0 and length 1, and its share of the variance."""
+    sides = [max(1, round(float(np.hypot(*v)))) for v in lattice.sample]
+    y, x = np.nonzero(exemplar.usable[:_SEEN, :_SEEN])
+    cells, values = lattice.cell(y, x, sides), exemplar.matching()[y, x].astype(np.float64)
+    values -= values.mean(axis=0)
+    count = np.bincount(cells, minlength=math.prod(sides))
+    sums = np.stack([np.bincount(cells, k, len(count)) for k in values.T], axis=1)
+    tile = sums / np.maximum(count, 1)[:, None]
+    share = (np.square(tile).sum(axis=1) * count).sum() / max(np.square(values).sum(), 1e-9)
+    length = max(float(np.linalg.norm(tile)), 1e-9)
+    return tile.reshape(*sides, -1) / length, float(share)
+
+
+def _place(lowest: int, block: int, lattice: CanvasLattice, part: Floats) -> tuple[int, int]:
+    """Return the place from a line on, in multiples of `block`, that has this part of a tile."""
+    high, wide = (int(abs(lattice.sample[:, k]).sum()) + 1 for k in (0, 1))
+    y, x = np.meshgrid(*(np.arange(0, n + block, block) for n in (high, wide)), indexing="ij")
+    rest = [a - b for a, b in zip(lattice.multiples(y + lowest, x), part, strict=True)]
+    off = np.tensordot([r - np.rint(r) for r in rest], lattice.sample, (0, 0))
+    cost = np.rint(np.abs(off).max(axis=2) / block) * y.size + y + x
+    best = np.unravel_index(cost.argmin(), cost.shape)
+    return int(y[best]) + lowest, int(x[best])
 
 
 def of_one_kind(exemplars: Sequence[Exemplar], what: str = "sample") -> list[Exemplar]:

@@ -12,6 +12,7 @@ from weftex.errors import InvalidInputError, wrong_value
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
+Indices = NDArray[np.int32]
 Bytes = NDArray[np.uint8]
 Mask = NDArray[np.bool_]
 

@@ -8,12 +8,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from weftex.exemplar import Exemplar
-from weftex.raster.arrays import Bytes, Floats, Ints, Mask
+from weftex.raster.arrays import Bytes, Floats, Indices, Ints, Mask
 from weftex.raster.turning import TURNS, Box, turned_pixels
 from weftex.repeats import Output, Repetition
 from weftex.repeats import repeat_kernels as kernels
 
-Lines = NDArray[np.int32]
 #: What repeats count for: strength apart, see `Repetition`.
 _CELLS, _OF_COPIES = 16, 11  # of the shorter side, or up to twice as many; fewer if it is thin
 _LEVELS = 16  # of salience, so that sums are of whole numbers
@@ -104,9 +103,8 @@ class SaliencePenalty:
         around = []
         for at, side, n, wraps in lines:
             reach = int((1 + self._far) * side)
-            around.append(
-                slice(0 if wraps else max(at - reach, 0), n if wraps else at + reach, self.cell)
-            )
+            low, high = (0, n) if wraps else (max(at - reach, 0), at + reach)
+            around.append(slice(low, high, self.cell))
         source = self.output.source[tuple(around)]
         places = np.argwhere(source >= 0)
         shown = self._cell_of[source[tuple(places.T)]]
@@ -115,7 +113,7 @@ class SaliencePenalty:
         self._where = (places + [line.start for line in around]).astype(np.int32)
         self._shown = np.stack([counts.cumsum() - counts, counts, self.cells[3]]).astype(np.int32)
 
-    def prices(self, box: tuple[Lines, Lines, Lines, Lines]) -> Lines:
+    def prices(self, box: tuple[Indices, Indices, Indices, Indices]) -> Indices:
         """What each cell of a patch's box adds by repeats if it becomes new, for each pixel.
 
         Less what stays there otherwise, in costs of seams (`seam_cost`). Repeats within the box
@@ -181,7 +179,7 @@ class SaliencePenalty:
         )  # fmt: skip
         return sums
 
-    def _lines(self, pixel: tuple[int, int]) -> list[NDArray[np.int32]]:
+    def _lines(self, pixel: tuple[int, int]) -> list[Indices]:
         """The rows and the columns nearby: every `cell`-th, and its distance in cells."""
         lines, canvas = [], self.output.canvas
         for at, side, n, wraps in zip(pixel, self.shape, canvas.shape, canvas.wrap, strict=True):
@@ -214,17 +212,17 @@ def cell_side(boxes: list[Box]) -> int:
     return 1 << max(side.bit_length() - 1, 0)
 
 
-def _salience(pixels: Bytes, usable: Bytes) -> NDArray[np.int32]:
+def _salience(pixels: Bytes, usable: Bytes) -> Indices:
     """How far the color of each pixel is from the mean, squared."""
     away = np.square(pixels - pixels[usable != 0].sum(axis=0) / max((usable != 0).sum(), 1))
     away = away.sum(axis=2) * (usable != 0)
     mean = float(away.sum() / max((usable != 0).sum(), 1))
     away = np.minimum(away / mean, _MOST) if mean else (usable != 0).astype(np.float64)
-    found: NDArray[np.int32] = np.rint(_LEVELS * away).astype(np.int32)
+    found: Indices = np.rint(_LEVELS * away).astype(np.int32)
     return found
 
 
-def _weights(shape: tuple[int, ...], cell: int, line: float, far: float) -> NDArray[np.int32]:
+def _weights(shape: tuple[int, ...], cell: int, line: float, far: float) -> Indices:
     """Weights of repeats by their distance in cells: the nearer the more, and more in `line`."""
     reach = [-(-int(far * n) // cell) for n in shape]
     down, along = (np.arange(-n, n + 1) * cell / s for n, s in zip(reach, shape, strict=True))
@@ -232,11 +230,11 @@ def _weights(shape: tuple[int, ...], cell: int, line: float, far: float) -> NDAr
     weight = np.maximum(1 - away / _FAR, 0)
     off = np.minimum(abs(down)[:, None], abs(along))  # the row or the column that is nearer
     weight += line * np.maximum(1 - _LINES * off, 0) * np.maximum(1 - away / _LINE_FAR, 0)
-    weights: NDArray[np.int32] = np.rint(_UNIT * weight).astype(np.int32)
+    weights: Indices = np.rint(_UNIT * weight).astype(np.int32)
     return weights
 
 
-def _spans(values: NDArray[np.integer]) -> NDArray[np.int32]:
+def _spans(values: NDArray[np.integer]) -> Indices:
     """The first column of each row that is not 0, and the one after the last."""
     some = values != 0
     first, last = some.argmax(axis=1), some.shape[1] - some[:, ::-1].argmax(axis=1)

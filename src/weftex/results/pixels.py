@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from weftex.canvas import Canvas
 from weftex.exemplar import Exemplar
 from weftex.io.npz import DamageError
-from weftex.raster.arrays import Ints
+from weftex.raster.arrays import Indices, Ints
 from weftex.raster.mixing import Mixing
 from weftex.results import paste_kernels
 from weftex.results.joining import spans_of
@@ -31,12 +31,12 @@ class PixelSynthesis(Synthesis):
     OPTIONAL = {"parts": np.uint16, "cells": np.int64}  # noqa: RUF012
 
     def __init__(
-        self, canvas: Canvas, index: NDArray[np.int32], cells: Ints | None = None, **about: Any
+        self, canvas: Canvas, index: Indices, cells: Ints | None = None, **about: Any
     ) -> None:
         super().__init__(canvas, **about)
         self.index, self.cells = index, cells
 
-    def _indices(self, window: Window) -> NDArray[np.int32]:
+    def _indices(self, window: Window) -> Indices:
         """The index in a window."""
         frame = frame_of(self.cells, self.shape)
         top, left = (at - first for at, (first, _) in zip(window, frame, strict=False))
@@ -60,9 +60,7 @@ class PixelSynthesis(Synthesis):
                 index = index.take(lines, axis)
         return self._again(canvas, index)
 
-    def through(
-        self, index: NDArray[np.int32], exemplar: Exemplar, by: dict[str, Any]
-    ) -> PixelSynthesis:
+    def through(self, index: Indices, exemplar: Exemplar, by: dict[str, Any]) -> PixelSynthesis:
         """Return this result of a rearranged sample as one of the sample itself, made `by`."""
         about = {"exemplar": exemplar, "provenance": self.provenance | by, "parts": None}
         return self._again(self.canvas, index.ravel()[self.index], **about)
@@ -80,12 +78,12 @@ class PixelSynthesis(Synthesis):
         index = np.where(hole, index, -1).astype(np.int32)
         return self._again(replace(canvas, hole=hole), index, exemplar=exemplar)
 
-    def _again(self, canvas: Canvas, index: NDArray[np.int32], **changes: Any) -> PixelSynthesis:
+    def _again(self, canvas: Canvas, index: Indices, **changes: Any) -> PixelSynthesis:
         names = (*ABOUT, "exemplar", "threads", "parts")
         about: dict[str, Any] = {name: getattr(self, name) for name in names}
         return PixelSynthesis(canvas, index, **about | changes)
 
-    def _layers(self, window: Window) -> tuple[NDArray[np.int32], NDArray[np.float32]]:
+    def _layers(self, window: Window) -> tuple[Indices, NDArray[np.float32]]:
         index = self._indices(window)
         made = index >= 0
         coordinates = np.empty((*index.shape, 1, 2), np.int32)
@@ -127,13 +125,13 @@ class PixelSynthesis(Synthesis):
             raise DamageError("its sources lie outside")
 
 
-def frame_of(cells: NDArray[np.int64] | None, shape: tuple[int, int]) -> list[Span]:
+def frame_of(cells: Ints | None, shape: tuple[int, int]) -> list[Span]:
     """The rows and the columns of the index of a result of a shape."""
     spans = [[], []] if cells is None else spans_of(cells)
     return [(one[0][0], one[-1][1]) if one else (0, n) for one, n in zip(spans, shape, strict=True)]
 
 
-def rearranged(exemplar: Exemplar, index: NDArray[np.int32], **parts: Any) -> Exemplar:
+def rearranged(exemplar: Exemplar, index: Indices, **parts: Any) -> Exemplar:
     """Return a sample and maps of other pixels, y * width + x, and other `parts`."""
     made = PixelSynthesis(Canvas(*index.shape), index, exemplar=exemplar)
     maps = {k: exemplar.map(k).changed(pixels=one) for k, one in made.maps.items()}

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from abc import abstractmethod
 from collections.abc import Mapping, Set
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -103,9 +103,7 @@ class Synthesis(Displayable, SourceMap):
     def _lay(self, out: NDArray[Any], pixels: NDArray[Any], window: Window, mixing: Mixing) -> None:
         """Paste the pixels of (H, W, C) over `out`, which is a multiple of the window's size."""
 
-    def moved(
-        self, canvas: Canvas, exemplar: Exemplar, *, to: Place, source_to: Place
-    ) -> Synthesis:
+    def moved(self, canvas: Canvas, exemplar: Exemplar, *, to: Place, source_to: Place) -> Self:
         """Return this result as a part, from `to` on, of a larger canvas and a larger sample."""
         arrays: dict[str, Any] = self._moved_arrays(canvas.shape, exemplar.shape, to, source_to)
         return type(self)(

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from weftex.errors import InvalidInputError
+from weftex.raster.arrays import Indices, Mask
 from weftex.seams import maxflow_kernels as kernels
 
 #: So that no sum of four capacities overflows.
@@ -23,9 +24,7 @@ _NODE = np.dtype(
 )
 
 
-def minimum_cut(
-    arcs: NDArray[np.int32], source: NDArray[np.int32], sink: NDArray[np.int32]
-) -> tuple[NDArray[np.bool_], int]:
+def minimum_cut(arcs: Indices, source: Indices, sink: Indices) -> tuple[Mask, int]:
     """The minimum cut of a 4-connected grid: its smallest source side (H, W), and its value.
 
     `arcs` (H, W, 4) are capacities to the right, lower, left and upper neighbor; `source` and

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from weftex.errors import missing_packages
-from weftex.raster.arrays import Floats
+from weftex.raster.arrays import Bytes, Floats, Indices
 from weftex.threads import one_blas_thread
 
 _VARIANCE = 0.97  # that components keep, as in the paper
@@ -42,11 +42,11 @@ class QuadtreePyramid:
     one picture of means, sorted by shift. Rows of a shift are contiguous, as the kernel wants them.
     """
 
-    def __init__(self, pixels: NDArray[np.uint8]) -> None:
+    def __init__(self, pixels: Bytes) -> None:
         self.pixels = pixels
-        self._nodes: dict[tuple[int, int], NDArray[np.uint8]] = {}
+        self._nodes: dict[tuple[int, int], Bytes] = {}
 
-    def nodes(self, side: int, stride: int) -> NDArray[np.uint8]:
+    def nodes(self, side: int, stride: int) -> Bytes:
         """Return (channel, shift y, shift x, row, column): rounded means of side x side squares.
 
         `side` is a power of two; the paper's level 3 is 4. Windows are `stride` pixels apart.
@@ -64,9 +64,7 @@ class QuadtreePyramid:
             self._nodes[side, stride] = found
         return self._nodes[side, stride]
 
-    def windows(
-        self, squares: NDArray[np.int32], side: int, stride: int, rows: int, columns: int
-    ) -> NDArray[np.uint8]:
+    def windows(self, squares: Indices, side: int, stride: int, rows: int, columns: int) -> Bytes:
         """Return (squares * channels, rows * columns): every window's, in the kernel's order.
 
         `rows` and `columns` count windows, `stride` pixels apart.
@@ -79,7 +77,7 @@ class QuadtreePyramid:
         return found.reshape(-1, rows * columns)
 
 
-def _square_means(level: NDArray[np.uint8], side: int) -> NDArray[Any]:
+def _square_means(level: Bytes, side: int) -> NDArray[Any]:
     """Means over squares at every pixel, rounded as the kernel `square_means` rounds them."""
     total: NDArray[Any] = level.astype(np.uint16 if side <= 16 else np.uint32)  # holds sums
     step = 1
@@ -97,12 +95,12 @@ class Components:
     """Principal components (section 3.3) of windows' bytes or means, with all coordinates."""
 
     basis: NDArray[np.int16]  # (D, K): components, scaled and rounded
-    offset: NDArray[np.int32]  # (D,): subtracted from a product with `basis`
+    offset: Indices  # (D,): subtracted from a product with `basis`
     shift: int  # to the right, with rounding, which brings coordinates to their range
     coordinates: NDArray[np.int16]  # (D, n): of the windows; one component is one row
 
 
-def fit_pca(windows: NDArray[np.uint8], variance: float = _VARIANCE) -> Components:
+def fit_pca(windows: Bytes, variance: float = _VARIANCE) -> Components:
     """Return the components of the columns of `windows`, (K, n), and the columns' coordinates.
 
     At most 48 components keep this share of the variance.
@@ -136,11 +134,11 @@ def main_components(power: Floats, vectors: Floats, variance: float) -> Floats:
     needed = int(np.argmax(reached)) + 1 if reached.any() else len(power)
     kept = vectors[:, : min(needed, MOST_COMPONENTS)].T
     largest = np.abs(kept).argmax(axis=1)
-    result: NDArray[np.float64] = kept * np.sign(kept[np.arange(len(kept)), largest])[:, None]
+    result: Floats = kept * np.sign(kept[np.arange(len(kept)), largest])[:, None]
     return result
 
 
-def coordinates_of(raw: NDArray[np.integer]) -> tuple[NDArray[np.int32], int, NDArray[np.int16]]:
+def coordinates_of(raw: NDArray[np.integer]) -> tuple[Indices, int, NDArray[np.int16]]:
     """Return `offset`, `shift`, `coordinates` of `Components`: products with `basis` in 16 bits.
 
     `raw` has one component a row. No window is further than 2047 from 0.

@@ -20,7 +20,7 @@ from weftex.naming import is_auto, make_method, method_for_task
 from weftex.prepare.combining import paired
 from weftex.progress import Progress, listening
 from weftex.random import seed_number
-from weftex.raster.arrays import as_array
+from weftex.raster.arrays import Mask, as_array
 from weftex.raster.boxes import AROUND, cell_sums, holes_in
 from weftex.raster.masks import grown
 from weftex.registry import AUTO, FOR_HOLES
@@ -41,7 +41,7 @@ if TYPE_CHECKING:
     from weftex.results.synthesis import Synthesis
 
     #: A path, a PIL image or a bool array (H, W), True where the photo is to be filled.
-    Mask = str | os.PathLike[str] | NDArray[np.bool_] | Any
+    Hole = str | os.PathLike[str] | Mask | Any
 
 #: Pixels around a hole that are used at least; more if the method needs them.
 _LEAST_REACH = 256
@@ -56,7 +56,7 @@ _CELL = 16  # pixels a side; the neighborhood grows by whole cells
 
 def fill(
     photo: Sample,
-    mask: Mask | None = None,
+    mask: Hole | None = None,
     *,
     sample: Sample | None = None,
     method: str | Method = AUTO,
@@ -182,9 +182,7 @@ class _Filling:
     threads: int | None
     progress: ProgressCallback | None
 
-    def of(
-        self, photo: Exemplar, source: Exemplar, masked: NDArray[np.bool_], canvas: Canvas
-    ) -> Synthesis:
+    def of(self, photo: Exemplar, source: Exemplar, masked: Mask, canvas: Canvas) -> Synthesis:
         """Fill the hole of the canvas: `masked` anew, the rest only where that fits better."""
         if self.by_auto:
             with suppress(InvalidInputError):  # too few pixels are left for a part
@@ -194,11 +192,7 @@ class _Filling:
         return self._group(photo, source, masked, canvas)
 
     def _by_groups(
-        self,
-        photo: Exemplar,
-        masked: NDArray[np.bool_],
-        canvas: Canvas,
-        groups: list[NDArray[np.int_]],
+        self, photo: Exemplar, masked: Mask, canvas: Canvas, groups: list[NDArray[np.int_]]
     ) -> Synthesis:
         """Fill each group of holes from its own part of the photo."""
         hole, index = _hole(canvas), np.full(canvas.shape, -1, np.int32)
@@ -232,9 +226,7 @@ class _Filling:
         whole.provenance = in_common(told)
         return whole
 
-    def _group(
-        self, photo: Exemplar, source: Exemplar, masked: NDArray[np.bool_], canvas: Canvas
-    ) -> Synthesis:
+    def _group(self, photo: Exemplar, source: Exemplar, masked: Mask, canvas: Canvas) -> Synthesis:
         """Fill holes that are near each other, large ones with the sources of a smaller copy."""
         hole = _hole(canvas)
         step = math.ceil(math.sqrt(hole.sum() / _LARGE_HOLE))
@@ -253,7 +245,7 @@ class _Filling:
         return self._at_once(photo, source, masked, canvas)
 
     def _at_once(
-        self, photo: Exemplar, source: Exemplar, masked: NDArray[np.bool_], canvas: Canvas
+        self, photo: Exemplar, source: Exemplar, masked: Mask, canvas: Canvas
     ) -> Synthesis:
         """Fill holes from the million usable pixels nearest to them, or from another source."""
         hole, inside = _hole(canvas), source is photo
@@ -315,7 +307,7 @@ class _Filling:
         return made.moved(canvas, source, to=region.corner, source_to=source_to)
 
 
-def _groups_of(hole: NDArray[np.bool_], wrap: tuple[bool, bool]) -> list[NDArray[np.int_]]:
+def _groups_of(hole: Mask, wrap: tuple[bool, bool]) -> list[NDArray[np.int_]]:
     """Return boxes around holes, (n, 2, 2) for each group; one group if all are near."""
     holes = np.array(holes_in(hole, wrap))
     spans = holes[..., 1].max(axis=0) - holes[..., 0].min(axis=0) + 2 * _LEAST_REACH
@@ -327,9 +319,7 @@ def _groups_of(hole: NDArray[np.bool_], wrap: tuple[bool, bool]) -> list[NDArray
 
 
 def _cropped(
-    photo: Exemplar,
-    crop: Callable[[NDArray[Any]], NDArray[Any]],
-    blank: NDArray[np.bool_] | None = None,
+    photo: Exemplar, crop: Callable[[NDArray[Any]], NDArray[Any]], blank: Mask | None = None
 ) -> Exemplar:
     """Return a part of a photo and its maps; `blank` pixels get the value of another pixel."""
     empty = None if blank is None else crop(blank)
@@ -350,13 +340,13 @@ def _cropped(
     )
 
 
-def _hole(canvas: Canvas) -> NDArray[np.bool_]:
+def _hole(canvas: Canvas) -> Mask:
     """Return the hole of a canvas that has one."""
     assert canvas.hole is not None
     return canvas.hole
 
 
-def hole_of(mask: Mask | Picture | None, photo: Exemplar) -> NDArray[np.bool_]:
+def hole_of(mask: Hole | Picture | None, photo: Exemplar) -> Mask:
     """Return where a photo is to be filled, bool (H, W); see `fill`."""
     if mask is None:
         return transparent(photo)
@@ -385,7 +375,7 @@ def hole_of(mask: Mask | Picture | None, photo: Exemplar) -> NDArray[np.bool_]:
     return hole
 
 
-def _hole_in(pixels: NDArray[Any], alpha: bool, photo: Exemplar) -> NDArray[np.bool_]:
+def _hole_in(pixels: NDArray[Any], alpha: bool, photo: Exemplar) -> Mask:
     """Return the mask of a picture: its white, or its transparency if it is the cut-out photo."""
     from weftex.io.pictures import mask_of
 
@@ -398,17 +388,17 @@ def _hole_in(pixels: NDArray[Any], alpha: bool, photo: Exemplar) -> NDArray[np.b
     return mask_of(pixels, alpha)
 
 
-def transparent(photo: Exemplar, flag: str = "--mask") -> NDArray[np.bool_]:
+def transparent(photo: Exemplar, flag: str = "--mask") -> Mask:
     """Return where a photo is not fully opaque, instead of the mask of an option."""
     if not photo.alpha or not (hole := _clear(photo.pixels)).any():
         raise InvalidInputError(f"{photo.name} has no transparent pixels; give a mask ({flag})")
     return hole
 
 
-def _clear(pixels: NDArray[Any]) -> NDArray[np.bool_]:
+def _clear(pixels: NDArray[Any]) -> Mask:
     """Return where alpha is less than full."""
     full = 1 if pixels.dtype.kind == "f" else np.iinfo(pixels.dtype).max
-    clear: NDArray[np.bool_] = pixels[..., -1] < full
+    clear: Mask = pixels[..., -1] < full
     return clear
 
 
@@ -435,11 +425,7 @@ class Region:
     """The part of a photo that is used to fill its holes."""
 
     def __init__(
-        self,
-        hole: NDArray[np.bool_],
-        wrap: tuple[bool, bool],
-        usable: NDArray[np.bool_] | None,
-        reach: int,
+        self, hole: Mask, wrap: tuple[bool, bool], usable: Mask | None, reach: int
     ) -> None:
         cells = cell_sums(hole, _CELL) > 0
         supply = np.zeros(cells.shape, np.int64) if usable is None else cell_sums(usable, _CELL)
@@ -463,7 +449,7 @@ class Region:
         self.corner = (int(self._rows[0]), int(self._columns[0]))
         self.near = self.crop(near)
 
-    def put(self, part: NDArray[np.bool_], shape: tuple[int, int]) -> NDArray[np.bool_]:
+    def put(self, part: Mask, shape: tuple[int, int]) -> Mask:
         """Return the mask of the whole photo: `part` in the region, False elsewhere."""
         whole = np.zeros(shape, bool)
         whole[self._rows[:, None], self._columns] = part
@@ -475,7 +461,7 @@ class Region:
         return part
 
 
-def _span(taken: NDArray[np.bool_], wraps: bool) -> tuple[int, int]:
+def _span(taken: Mask, wraps: bool) -> tuple[int, int]:
     """Return start and length of the shortest interval that holds all True values."""
     at = np.flatnonzero(taken)
     if not wraps:

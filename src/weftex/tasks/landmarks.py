@@ -19,7 +19,7 @@ from weftex.exemplar.turns import as_made_from
 from weftex.method import Model
 from weftex.prepare.landmarks import find_landmarks, has_joint_network
 from weftex.random import draw
-from weftex.raster.arrays import Floats, Ints, Mask
+from weftex.raster.arrays import Floats, Indices, Ints, Mask
 from weftex.raster.masks import grown
 from weftex.raster.turning import boxes_of, turned_pixels
 from weftex.results.pixels import PixelSynthesis, rearranged
@@ -30,7 +30,7 @@ from weftex.search.fft_mismatch import Spectra, correlations, window_mismatch
 from weftex.tasks.auto import AutoModel, Findings, look
 from weftex.tasks.auto.rule import may_place
 
-Indices = NDArray[np.int32]  # of pixels: row * width + column
+Indices = Indices  # of pixels: row * width + column
 
 #: What `synthesize` may do with landmarks.
 LANDMARKS = ("auto", "keep", "thin", "remove")

@@ -256,9 +256,7 @@ def border_for(given: int | None, vectors: tuple[float, ...], exemplar: Exemplar
         return border
     if given is not None:
         better = next(width for width in range(min(given, *exemplar.shape), -1, -1) if fits(width))
-        raise InvalidInputError(
-            f"border_width is {given}; for {exemplar.name} it must be at most {better}"
-        )
+        raise InvalidInputError(f"border_width is {given}; {exemplar.name} allows at most {better}")
     while not fits(border):
         border //= 2
     return border

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from weftex.methods.efros_leung import wave_kernels as kernels
 from weftex.methods.efros_leung.weighted_search import Matcher, Matches
 from weftex.random import draw, pick
+from weftex.raster.arrays import Bytes, Indices
 from weftex.raster.masks import grown
 from weftex.search.windows import Windows
 
@@ -19,7 +20,7 @@ _SHARE = 8  # pixels; fewer are not worth another thread
 
 def seed_piece(
     windows: Windows, side: int, shape: tuple[int, int], seed: int
-) -> tuple[NDArray[np.int32], NDArray[np.int32]]:
+) -> tuple[Indices, Indices]:
     """Return flat indices into the canvas and the windows' pixels: a random piece for the middle.
 
     The piece is `side` pixels wide, or as the canvas if that is smaller.
@@ -34,7 +35,7 @@ def seed_piece(
     return canvas[top : top + height, left : left + width].ravel(), source.ravel()
 
 
-def unfilled_neighbors(done: NDArray[np.uint8], wrap: tuple[bool, bool]) -> NDArray[np.int32]:
+def unfilled_neighbors(done: Bytes, wrap: tuple[bool, bool]) -> Indices:
     """GetUnfilledNeighbors: flat indices of unfilled pixels beside or diagonal to filled ones."""
     filled = done > 0
     return np.flatnonzero(grown(filled, 1, wrap) & ~filled).astype(np.int32)
@@ -56,9 +57,7 @@ class Waves:
         self._listed, self._numbers = np.zeros(shape, np.uint8), np.empty(shape, np.int32)
         self._seed = seed
 
-    def of(
-        self, layer: NDArray[np.int32], done: NDArray[np.uint8]
-    ) -> Iterator[tuple[NDArray[np.int32], NDArray[np.uint64]]]:
+    def of(self, layer: Indices, done: Bytes) -> Iterator[tuple[Indices, NDArray[np.uint64]]]:
         """Yield the flat indices of each wave's pixels, and random bits for each.
 
         Pixels with the most known pixels in their windows come first, ties at random.
@@ -85,7 +84,7 @@ def in_threads(matchers: list[Matcher]) -> Iterator[Matcher]:
 
     with ThreadPoolExecutor(len(matchers)) as pool:
 
-        def find_matches(pixels: NDArray[np.int32], bits: NDArray[np.uint64]) -> Matches:
+        def find_matches(pixels: Indices, bits: NDArray[np.uint64]) -> Matches:
             count = min(len(matchers), -(-len(pixels) // _SHARE))
             if count == 1:
                 return matchers[0](pixels, bits)

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from weftex.methods.exact_matching import color_kernels as kernels
-from weftex.raster.arrays import Bytes
+from weftex.raster.arrays import Bytes, Indices, Ints
 
 _COLORS_OF_A_LEAF = 8  # about; they are compared one by one
 
@@ -23,7 +23,7 @@ class ColorIndex:
     of bytes.
     """
 
-    def __init__(self, pixels: NDArray[np.uint8], usable: NDArray[np.uint8]) -> None:
+    def __init__(self, pixels: Bytes, usable: Bytes) -> None:
         self.usable = usable
         height, width = usable.shape
         padded = np.pad(usable, 1)
@@ -53,14 +53,14 @@ class ColorIndex:
         """Return the tree for kernels; it cannot be pickled."""
         return kernels.ColorTree(self.colors, self.low, self.high, self.rank, self.depth)
 
-    def nearest(self, pixels: NDArray[np.uint8]) -> NDArray[np.int32]:
+    def nearest(self, pixels: Bytes) -> Indices:
         """Return the numbers of the colors nearest to `pixels` (n, K)."""
         found = np.empty(len(pixels), np.int32)
         key = np.empty(1, np.int64)
         kernels.nearest_each(self.tree(), np.ascontiguousarray(pixels), key, found)
         return found
 
-    def reach(self, count: int) -> NDArray[np.int64]:
+    def reach(self, count: int) -> Ints:
         """Return, for each color, the squared distance of its `count`-th nearest, itself first."""
         found = np.zeros(len(self.colors), np.int64)
         if 1 < count < len(found):
@@ -76,9 +76,7 @@ class ColorIndex:
         low, high = self.low[1].astype(np.int64), self.high[1].astype(np.int64)
         return int(((high - low) ** 2).sum())
 
-    def centers_beside(
-        self, offsets: NDArray[np.int32]
-    ) -> tuple[NDArray[np.int32], NDArray[np.int32]]:
+    def centers_beside(self, offsets: Indices) -> tuple[Indices, Indices]:
         """Return starts (d, C + 1) and places: the centers of windows by the color beside them.
 
         Those of color c at `offsets[d]` (dy, dx) are `places[starts[d, c] : starts[d, c + 1]]`,

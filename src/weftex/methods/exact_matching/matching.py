@@ -5,13 +5,12 @@ from __future__ import annotations
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from weftex.methods.exact_matching import match_kernels as kernels
 from weftex.methods.exact_matching.lists import ColorLists
 from weftex.methods.pixels import Growth
 from weftex.random import draw
-from weftex.raster.arrays import Bytes
+from weftex.raster.arrays import Bytes, Indices
 from weftex.raster.masks import grown, peeled
 from weftex.raster.pyramids import children
 from weftex.search.picture_kernels import Picture
@@ -24,9 +23,9 @@ _PASSES = 2  # over pixels between known ones, after the first
 class Parents(NamedTuple):
     """The next coarser level, for each pixel of a sheet."""
 
-    pixels: NDArray[np.uint8]  # (H, W, K): bytes of the pixel's parent
+    pixels: Bytes  # (H, W, K): bytes of the pixel's parent
     # (H, W): flat index into the sample that continues the parent's source, or -1
-    suggested: NDArray[np.int32]
+    suggested: Indices
 
     def below(self, row: int) -> Parents:
         """Those of the rows from one on."""
@@ -48,11 +47,11 @@ class Sheet:
         self.color = np.full(shape, -1, np.int32)  # (H, W): number of the color, or -1
 
     @property
-    def places(self) -> NDArray[np.int32]:
+    def places(self) -> Indices:
         """Flat indices into the sample, (H, W)."""
         return self.lists.windows.to_sample(self.source)
 
-    def put(self, places: NDArray[np.int32], row: int = 0) -> None:
+    def put(self, places: Indices, row: int = 0) -> None:
         """Copy pixels to some rows from one on; `places` are flat indices into the sample."""
         rows = slice(row, row + len(places))
         source = self.lists.windows.from_sample(places)
@@ -74,7 +73,7 @@ class Sheet:
 
     def parents(
         self, top: int, shape: tuple[int, int], sample_shape: tuple[int, int]
-    ) -> tuple[NDArray[np.int32], Parents]:
+    ) -> tuple[Indices, Parents]:
         """Return the band (top, W) and the `Parents` of the next finer level.
 
         `shape` is the finer level's without its band of `top` rows. The band has flat indices into
@@ -90,17 +89,15 @@ class Sheet:
         return places[:top], Parents(np.ascontiguousarray(self.pixels[above]), suggested)
 
 
-def random_band(lists: ColorLists, width: int, seed: int) -> NDArray[np.int32]:
+def random_band(lists: ColorLists, width: int, seed: int) -> Indices:
     """Return (reach, width) flat indices of random pixels of the sample: a band one reach high."""
     centers = lists.windows.to_sample(lists.windows.centers)
     bits = draw(seed, "exact band", *np.indices((lists.reach, width)))
-    band: NDArray[np.int32] = centers[bits % np.uint64(len(centers))]
+    band: Indices = centers[bits % np.uint64(len(centers))]
     return band
 
 
-def structured_band(
-    turned: ColorLists, width: int, method: Any, growth: Growth
-) -> NDArray[np.int32]:
+def structured_band(turned: ColorLists, width: int, method: Any, growth: Growth) -> Indices:
     """Return (reach, width) flat indices into the sample: a band synthesized from left to right.
 
     Sample and band are transposed, so nearly all of each window is known. A block of the sample
@@ -189,7 +186,7 @@ class Matching:
         made = np.flatnonzero(self.sheet.source >= 0)
         np.maximum.at(self._last, self.sheet.source.ravel()[made], made)
 
-    def make(self, order: NDArray[np.int32], purpose: str) -> None:
+    def make(self, order: Indices, purpose: str) -> None:
         """Make the pixels of these flat indices, one after the other."""
         bits = draw(self._growth.seed, purpose, order)
         compared = kernels.match_pixels(self._lists, self._picture, self._search, order, bits)
@@ -198,7 +195,7 @@ class Matching:
         about["windows_compared"] = about.get("windows_compared", 0) + compared
 
 
-def _centers_at(lists: ColorLists, places: NDArray[np.int32]) -> NDArray[np.int32]:
+def _centers_at(lists: ColorLists, places: Indices) -> Indices:
     """Turn flat indices into the sample into those of the windows; -1 where none is centered."""
     found = lists.windows.from_sample(places)
     usable = lists.windows.usable.ravel()[found] > 0

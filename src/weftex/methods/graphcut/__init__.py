@@ -38,7 +38,7 @@ _LEAST, _MOST = 128, 512  # pixels between lines of nodes of a plane; most for e
 _TURNS = {"half-turns": "half", "all": "8"}  # orientations, as `turned` names them
 _GUIDED, _LEAST_GUIDED = 0.15, 48  # side of a patch that follows a guide: a share, pixels
 _IDLE = 4  # refinements that improve nothing, for each patch that covered the canvas, end it
-_OF_ROWS = 3.2  # strength of repeats nearby in samples of rows, see `Repetition`
+_OF_ROWS = 3.2  # strength of repeats nearby in long outputs of rows, see `Repetition`
 
 
 @dataclass(frozen=True)
@@ -301,7 +301,8 @@ def placement_of(
     if method.variety > 0 and method.placement != "random":
         # Things shown both ways up look less alike. High prices would cut joints of a lattice.
         nearby, use = (0.3 if sample.boxes else 0.4, 0.05) if entire else (1.0, 0.25)
-        if lattice and len(given_lattice(lattice).vectors) == 1:
+        long = (np.divide(growth.canvas.shape, sample.exemplar.shape) > 2).any()
+        if lattice and long and len(given_lattice(lattice).vectors) == 1:
             nearby = _OF_ROWS  # else one match may be the best again and again
         policy = Repetition(method.variety, nearby, use)
         small = sample.part(boxes[0]).levels(cell_side(boxes))[-1]

@@ -12,7 +12,7 @@ from weftex.methods.near_regular import block_kernels as kernels
 from weftex.methods.near_regular.layout import ANY, Layout
 from weftex.methods.near_regular.sample import BlockSample
 from weftex.progress import Progress, ProgressCallback
-from weftex.raster.arrays import Ints
+from weftex.raster.arrays import Indices, Ints
 
 _GAPS_AT_A_TIME = 32  # that a thread fills, at most
 _SIMILAR = 6  # windows around which a gap searches; the paper searches around all
@@ -36,7 +36,7 @@ class Plan(NamedTuple):
     each: Callable[..., Iterable[Any]]
 
 
-def draw_constrained_blocks(plan: Plan) -> NDArray[np.int32]:
+def draw_constrained_blocks(plan: Plan) -> Indices:
     """Return sources (rows, columns): similar windows drawn for every second block, else -1.
 
     Of four colors, one after the other, no block is near another of its own color.
@@ -52,9 +52,7 @@ def draw_constrained_blocks(plan: Plan) -> NDArray[np.int32]:
     return sources
 
 
-def fill_gaps(
-    plan: Plan, sources: NDArray[np.int32], callback: ProgressCallback | None
-) -> NDArray[np.int32]:
+def fill_gaps(plan: Plan, sources: Indices, callback: ProgressCallback | None) -> Indices:
     """Return `sources` with the windows that best fit the borders of the gaps (section 4.2.2)."""
     method, sample, layout, each = plan
     sources, kernel = sources.copy(), sample.windows.kernel
@@ -78,7 +76,7 @@ def fill_gaps(
     return sources
 
 
-def _portions(plan: Plan, cells: NDArray[np.int64]) -> Iterator[tuple[NDArray[Any], ...]]:
+def _portions(plan: Plan, cells: Ints) -> Iterator[tuple[NDArray[Any], ...]]:
     """Gaps of one size, for a thread: offsets, and tables of blocks."""
     most = min(_GAPS_AT_A_TIME, len(cells) // 8 + 1)
     for offsets, found in _with_offsets(plan, cells):
@@ -106,7 +104,7 @@ def _with_offsets(plan: Plan, cells: Ints) -> Iterator[tuple[Ints, Ints]]:
 
 
 def _tables(
-    plan: Plan, cells: NDArray[np.int64], offsets: int, near: list[tuple[int, int]]
+    plan: Plan, cells: Ints, offsets: int, near: list[tuple[int, int]]
 ) -> tuple[NDArray[np.void], NDArray[np.void]]:
     """Blocks, and the blocks `near` each of them, as `block_kernels` takes them."""
     layout, centers = plan.layout, plan.sample.windows.centers

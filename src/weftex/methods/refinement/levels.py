@@ -17,6 +17,7 @@ from weftex.methods.refinement.defaults import reach_and_level_count, seed_spaci
 from weftex.methods.refinement.nearest import NearestSearch, nearest_search
 from weftex.methods.refinement.similar import nearest_center, similar_places
 from weftex.raster import pyramids
+from weftex.raster.arrays import Bytes, Indices, Ints, Mask
 from weftex.raster.boxes import whole_windows
 from weftex.search.picture_kernels import Picture
 from weftex.search.windows import Windows, windows_of
@@ -37,43 +38,43 @@ class SampleLevel:
     pyramid: Windows  # the level of the pyramid, with the windows that seed points are drawn from
     tileable: bool  # whether the sample tiles
     # (H', W', K): bytes that are compared, with margins that make all windows whole
-    pixels: NDArray[np.uint8]
-    usable: NDArray[np.uint8]  # (H', W'): 1 where a window may be centered
+    pixels: Bytes
+    usable: Bytes  # (H', W'): 1 where a window may be centered
     # (H', W'): flat index of each pixel's source in the sample, -1 for none
-    sample_index: NDArray[np.int32]
+    sample_index: Indices
     # (H, W): flat index into `pixels` of each pixel of the sample, within its borders
-    padded_index: NDArray[np.int32]
+    padded_index: Indices
     reach: int  # pixels from the center of a window to its side
 
     @cached_property
-    def centers(self) -> NDArray[np.int32]:
+    def centers(self) -> Indices:
         """Flat indices into `pixels` where a window may be centered, once for each place."""
         flat = np.flatnonzero(self.usable).astype(np.int32)
         own = self.padded_index.ravel()[self.sample_index.ravel()[flat]]
-        once: NDArray[np.int32] = flat[own == flat]
+        once: Indices = flat[own == flat]
         return once
 
     @cached_property
-    def nearest_center(self) -> NDArray[np.int32]:
+    def nearest_center(self) -> Indices:
         """(H, W): flat index into `pixels` of the center nearest to each pixel of the sample."""
         may = self.usable.ravel()[self.padded_index]
         if may.all():
             return self.padded_index
         return self.padded_index.ravel()[nearest_center(may)]
 
-    def may_center(self, y: NDArray[np.integer], x: NDArray[np.integer]) -> NDArray[np.bool_]:
+    def may_center(self, y: NDArray[np.integer], x: NDArray[np.integer]) -> Mask:
         """Whether windows may be centered on pixels of the sample."""
-        result: NDArray[np.bool_] = self.usable.ravel()[self.padded_index[y, x]] > 0
+        result: Mask = self.usable.ravel()[self.padded_index[y, x]] > 0
         return result
 
-    def at(self, y: NDArray[np.integer], x: NDArray[np.integer]) -> NDArray[np.int32]:
+    def at(self, y: NDArray[np.integer], x: NDArray[np.integer]) -> Indices:
         """Return padded indices of the centers nearest to pixels of the sample."""
         height, width = self.padded_index.shape
         if self.tileable:
             y, x = y % height, x % width
         else:
             y, x = y.clip(0, height - 1), x.clip(0, width - 1)
-        result: NDArray[np.int32] = self.nearest_center[y, x]
+        result: Indices = self.nearest_center[y, x]
         return result
 
 
@@ -102,12 +103,12 @@ class StackLayout:
         return self._below(phases, "wrap" if self.tileable else "symmetric")
 
     @cached_property
-    def sample_index(self) -> NDArray[np.int32]:
+    def sample_index(self) -> Indices:
         """Flat index of the pixel of the sample that each shows; -1 for none and for a mirrored."""
         return self._numbers("wrap" if self.tileable else "constant") - 1
 
     @cached_property
-    def padded_index(self) -> NDArray[np.int32]:
+    def padded_index(self) -> Indices:
         """The flat index of each pixel of the sample in the arrangement, never in a margin."""
         inside = self._numbers("constant").ravel()
         flat = np.flatnonzero(inside).astype(np.int32)
@@ -115,7 +116,7 @@ class StackLayout:
         result[inside[flat] - 1] = flat
         return result.reshape(self.shape)
 
-    def usable(self, masks: list[NDArray[np.bool_]]) -> NDArray[np.uint8]:
+    def usable(self, masks: list[Mask]) -> Bytes:
         """1 where a window may be centered, given the phases of the mask."""
         m = self.margin
         mode: Any = "wrap" if self.tileable else "symmetric"
@@ -125,7 +126,7 @@ class StackLayout:
         width = whole[0].shape[1]
         return np.concatenate([np.pad(k, ((0, 0), (0, width - k.shape[1]))) for k in whole])
 
-    def _numbers(self, mode: str) -> NDArray[np.int32]:
+    def _numbers(self, mode: str) -> Indices:
         """Arrange the pixels of the sample, numbered from 1; margins are 0, or its continuation."""
         every = np.arange(1, self.shape[0] * self.shape[1] + 1, dtype=np.int32)
         step, sample = 1 << self.number, every.reshape(self.shape)
@@ -148,12 +149,12 @@ class CoherentLevel(SampleLevel):
 
     layout: StackLayout  # where the phases lie in `pixels`
     # (H * W, k): the pixels of the sample most similar to each, -1 for none
-    similar: NDArray[np.int32]
+    similar: Indices
     # (H * W,): number of each pixel's cell; cells measure how evenly the sample is used
-    cells: NDArray[np.int32]
+    cells: Indices
 
     @cached_property
-    def centers_in_cells(self) -> NDArray[np.int64]:
+    def centers_in_cells(self) -> Ints:
         """How many of the centers lie in each cell."""
         own = self.cells[self.sample_index.ravel()[self.centers]]
         return np.bincount(own, minlength=int(self.cells.max()) + 1)
@@ -269,10 +270,10 @@ def _pyramid_levels(method: Any, exemplar: Exemplar, reach: int, count: int) -> 
     return levels
 
 
-def _cells(shape: tuple[int, int], side: int) -> NDArray[np.int32]:
+def _cells(shape: tuple[int, int], side: int) -> Indices:
     """See `CoherentLevel.cells`."""
     down, along = (np.arange(n, dtype=np.int32) // np.int32(side) for n in shape)
-    cells: NDArray[np.int32] = np.add.outer(down * np.int32(shape[1] // side + 1), along).ravel()
+    cells: Indices = np.add.outer(down * np.int32(shape[1] // side + 1), along).ravel()
     return cells
 
 
@@ -280,12 +281,7 @@ class OutputLevel:
     """The output at one level while it is refined; level 0 is the finest."""
 
     def __init__(
-        self,
-        number: int,
-        pixels: NDArray[np.uint8],
-        source: NDArray[np.int32],
-        known: NDArray[np.bool_],
-        wrap: tuple[bool, bool],
+        self, number: int, pixels: Bytes, source: Indices, known: Mask, wrap: tuple[bool, bool]
     ) -> None:
         # pixels (H, W, K); source (H, W): flat indices into `SampleLevel.pixels`, -1 for none
         self.number, self.pixels, self.source = number, pixels, source
@@ -295,7 +291,7 @@ class OutputLevel:
         self.wanted = ~known
         self.count = int(self.wanted.sum())
 
-    def begin(self, level: SampleLevel, source: NDArray[np.int32]) -> None:
+    def begin(self, level: SampleLevel, source: Indices) -> None:
         """Show the sources of the pixels that are to be made; -1 leaves one to be made later."""
         shown = self.wanted & (source >= 0)
         self.pixels[shown] = level.pixels.reshape(-1, self.pixels.shape[2])[source[shown]]
@@ -324,9 +320,7 @@ def output_pyramid(
     return outputs
 
 
-def levels_that_show(
-    sources: NDArray[np.int32], levels: Sequence[SampleLevel], growth: Growth
-) -> int:
+def levels_that_show(sources: Indices, levels: Sequence[SampleLevel], growth: Growth) -> int:
     """Return the number of levels on which few pixels of a source map (H, W, 2) are moved.
 
     Windows are wide on coarse levels, and none is centered near a hole of the sample.
@@ -341,7 +335,7 @@ def levels_that_show(
     return 1
 
 
-def sources_shown(sources: NDArray[np.int32], number: int, level: SampleLevel) -> NDArray[np.int32]:
+def sources_shown(sources: Indices, number: int, level: SampleLevel) -> Indices:
     """Return the sources (H, W, 2) of a picture as far as a level shows it; -1 stays."""
     y, x = (_every(axis, number) for axis in np.moveaxis(sources, -1, 0))
     return np.where(y < 0, np.int32(-1), level.at(y, x))
@@ -349,7 +343,7 @@ def sources_shown(sources: NDArray[np.int32], number: int, level: SampleLevel) -
 
 def sources_of_children(
     coarser: OutputLevel, coarser_level: SampleLevel, shape: tuple[int, ...], level: SampleLevel
-) -> NDArray[np.int32]:
+) -> Indices:
     """Return (H, W) source of each pixel of a level: the one that continues its parent's."""
     step = 2 ** (coarser.number - 1)
     y, x = np.ogrid[: shape[0], : shape[1]]
@@ -364,6 +358,6 @@ def finish(output: OutputLevel, level: SampleLevel, windows: Windows, growth: Gr
     growth.source[output.wanted] = windows.from_sample(index)
 
 
-def _every(rows: NDArray[np.int32], number: int) -> NDArray[np.int32]:
+def _every(rows: Indices, number: int) -> Indices:
     """The pixels of a picture that those of a level lie on."""
     return rows[:: 2**number, :: 2**number]

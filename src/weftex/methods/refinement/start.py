@@ -24,6 +24,7 @@ from weftex.methods.refinement.levels import (
 )
 from weftex.naming import parse_method, text_of
 from weftex.random import draw
+from weftex.raster.arrays import Indices, Mask
 from weftex.raster.masks import grown
 from weftex.registry import METHODS
 from weftex.search.windows import Windows
@@ -33,9 +34,9 @@ def start_sources(
     prepared: Prepared,
     outputs: list[OutputLevel],
     number: int,
-    start_map: NDArray[np.int32] | None,
+    start_map: Indices | None,
     seed: int,
-) -> NDArray[np.int32]:
+) -> Indices:
     """Return the sources (H, W) that refinement of a level begins with; -1 for none.
 
     The coarsest level shows the start's source map or, without, seed points: the paper's step 3.
@@ -50,7 +51,7 @@ def start_sources(
     return seed_sources(prepared, output, seed)
 
 
-def seed_sources(prepared: Prepared, output: OutputLevel, seed: int) -> NDArray[np.int32]:
+def seed_sources(prepared: Prepared, output: OutputLevel, seed: int) -> Indices:
     """Return sources for a grid of seed points of an output (PlantSeed, Fig. 5), -1 elsewhere."""
     level, step = prepared.levels[output.number], 2**output.number
     pyramid, matches = level.pyramid, prepared.method.matches
@@ -69,7 +70,7 @@ def plant_seeds(
     spacing: int,
     matches: int,
     seed: int,
-) -> tuple[NDArray[np.int32], NDArray[np.intp], NDArray[np.intp]]:
+) -> tuple[Indices, NDArray[np.intp], NDArray[np.intp]]:
     """Sample seed points by stochastic tiling with unit tiles (section 3, Fig. 5).
 
     Returns places (rows, columns), flat indices into `pyramid.pixels`, and the y and x of points
@@ -107,7 +108,7 @@ def _grid(length: int, wraps: bool, spacing: int) -> NDArray[np.intp]:
     return np.arange(count) * length // count
 
 
-def _unit_tiles(pyramid: Windows, spacing: int) -> NDArray[np.int32]:
+def _unit_tiles(pyramid: Windows, spacing: int) -> Indices:
     """Corners (n, 4) of the sample's unit tiles: upper left and right, lower left and right."""
     width = pyramid.usable.shape[1]
     if spacing >= min(pyramid.usable.shape):  # padding by it may not fit in memory
@@ -119,7 +120,7 @@ def _unit_tiles(pyramid: Windows, spacing: int) -> NDArray[np.int32]:
     whole = usable[y + spacing, x] & usable[y, x + spacing] & usable[y + spacing, x + spacing]
     corner = (y * width + x)[whole > 0]
     steps = np.array([0, spacing, spacing * width, spacing * width + spacing], np.int32)
-    tiles: NDArray[np.int32] = (corner[:, None] + steps).astype(np.int32)
+    tiles: Indices = (corner[:, None] + steps).astype(np.int32)
     return tiles
 
 
@@ -160,7 +161,7 @@ def starts_for(prepared: Prepared, canvas: Canvas) -> list[str]:
     return names
 
 
-def result_of(prepared: Prepared, growth: Growth) -> tuple[str, NDArray[np.int32] | None]:
+def result_of(prepared: Prepared, growth: Growth) -> tuple[str, Indices | None]:
     """Return the start's name and its source map (H, W, 2); no map for seed points.
 
     A start that refuses the canvas is replaced by the next one. If `init` was not given and all
@@ -185,15 +186,13 @@ def result_of(prepared: Prepared, growth: Growth) -> tuple[str, NDArray[np.int32
     raise InvalidInputError(f"init: {failure}")
 
 
-def hole_start(name: str, hole: NDArray[np.bool_], exemplar: Exemplar) -> Model:
+def hole_start(name: str, hole: Mask, exemplar: Exemplar) -> Model:
     """Return the start's model, with parameters that suit a hole where `init` leaves them open."""
     given = None if " " in name else frozenset[str]()
     return parse_method(name).for_hole(hole, exemplar.usable, given).fit(exemplar)
 
 
-def start_window(
-    starts: dict[str, Model], box: Box, asked: PlaneRequest
-) -> NDArray[np.int32] | None:
+def start_window(starts: dict[str, Model], box: Box, asked: PlaneRequest) -> Indices | None:
     """Return flat indices of the sources of a box of the start's plane, None without a start.
 
     The next start serves planes whose period would strain the first one's lattice visibly.
@@ -207,7 +206,7 @@ def start_window(
     return source[..., 0] * np.int32(start.exemplar.shape[1]) + source[..., 1]
 
 
-def keep_patches(sources: NDArray[np.int32], belt: int, windows: Windows, growth: Growth) -> None:
+def keep_patches(sources: Indices, belt: int, windows: Windows, growth: Growth) -> None:
     """Keep the patches of another method's result; belts along their seams become a hole."""
     height, width = growth.exemplar.shape
     period = (height, width) if growth.exemplar.tileable else None
@@ -223,11 +222,8 @@ def keep_patches(sources: NDArray[np.int32], belt: int, windows: Windows, growth
 
 
 def seam_belts(
-    source: NDArray[np.int32],
-    reach: int,
-    wrap: tuple[bool, bool],
-    period: tuple[int, int] | None = None,
-) -> NDArray[np.bool_]:
+    source: Indices, reach: int, wrap: tuple[bool, bool], period: tuple[int, int] | None = None
+) -> Mask:
     """Mask (H, W) of the pixels within `reach` of a seam, where neighbors have no adjacent sources.
 
     `source` is (H, W, 2); `period` is the size of a tileable sample.

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from weftex.methods.refinement import sweep_kernels as kernels
 from weftex.methods.refinement.levels import (
@@ -16,11 +15,12 @@ from weftex.methods.refinement.levels import (
 )
 from weftex.progress import Progress
 from weftex.random import draw
+from weftex.raster.arrays import Indices, Mask
 from weftex.search.picture_kernels import SampleWindows
 from weftex.search.windows import new_query
 
 #: The cell of each pixel of the sample, how often cells are used and may be, and the weight.
-Usage = tuple[NDArray[np.int32], NDArray[np.int32], NDArray[np.int32], int]
+Usage = tuple[Indices, Indices, Indices, int]
 
 _TRIED_IN_ALL = 2**23  # comparisons of the first sweep with places of the whole sample
 _TRIED_AT_LEAST = 64  # of these, at each pixel
@@ -84,7 +84,7 @@ class CoherentSweep:
             np.zeros(_BESIDE * (1 + level.similar.shape[1]), np.int32),
         )
 
-    def lines(self, iteration: int) -> list[NDArray[np.int32]]:
+    def lines(self, iteration: int) -> list[Indices]:
         """Return flat indices of pixels in alternating directions, or from all four sides."""
         if self._cyclic:
             return cyclic_lines(self._rows, iteration, self._output_shape)
@@ -92,17 +92,17 @@ class CoherentSweep:
             return [row[::-1].copy() for row in self._rows[::-1]]
         return self._rows
 
-    def refine(self, line: NDArray[np.int32], iteration: int) -> int:
+    def refine(self, line: Indices, iteration: int) -> int:
         """Refine the pixels of a line; return how many changed."""
         tried = self._tried(int(line[0]), self._tried_count if iteration == 0 else 0)
         return int(kernels.refine_coherently(*self._bundles, line, tried))
 
-    def _tried(self, first: int, count: int) -> NDArray[np.int32]:
+    def _tried(self, first: int, count: int) -> Indices:
         """Places that are tried at every pixel of a line: all, if they are not too many."""
         if count in (0, len(self._centers)):
             return self._centers[:count]
         bits = draw(self._seed, "tried place", first, np.arange(count))
-        tried: NDArray[np.int32] = self._centers[bits % np.uint64(len(self._centers))]
+        tried: Indices = self._centers[bits % np.uint64(len(self._centers))]
         return tried
 
 
@@ -122,12 +122,12 @@ class NearestSweep:
             np.zeros(_BESIDE, np.int32),
         )
 
-    def lines(self, iteration: int) -> list[NDArray[np.int32]]:
+    def lines(self, iteration: int) -> list[Indices]:
         """Return flat indices of pixels in scan order, or a hole's from all sides (Fig. 12)."""
         rows = self._rows
         return cyclic_lines(rows, iteration, self._output_shape) if self._cyclic else rows
 
-    def refine(self, line: NDArray[np.int32], iteration: int) -> int:
+    def refine(self, line: Indices, iteration: int) -> int:
         """Refine the pixels of a line; what is unknown in the first iteration is masked out."""
         output = self._outputs[min(iteration, 1)]
         return int(kernels.refine_to_nearest(output, *self._bundles, line))
@@ -186,16 +186,14 @@ def _usage_on(level: CoherentLevel, output: OutputLevel, weight: int) -> Usage:
     return level.cells, used, np.maximum(room, 1).astype(np.int32), weight
 
 
-def rows_of(wanted: NDArray[np.bool_]) -> list[NDArray[np.int32]]:
+def rows_of(wanted: Mask) -> list[Indices]:
     """Flat indices of the wanted pixels, row by row, without empty rows."""
     width = wanted.shape[1]
     rows = np.flatnonzero(wanted.any(axis=1))
     return [(y * width + np.flatnonzero(wanted[y])).astype(np.int32) for y in rows]
 
 
-def cyclic_lines(
-    rows: list[NDArray[np.int32]], iteration: int, shape: tuple[int, ...]
-) -> list[NDArray[np.int32]]:
+def cyclic_lines(rows: list[Indices], iteration: int, shape: tuple[int, ...]) -> list[Indices]:
     """From the top, from the left, from below, from the right, and so on (Fig. 12)."""
     lines = rows
     if iteration % 2:
