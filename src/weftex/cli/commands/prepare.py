@@ -88,5 +88,6 @@ def _advice(args: argparse.Namespace) -> list[str]:
     options = ["--straighten"] * tilted + ["--even-light"] * model.findings.evenness.lit_unevenly
     if options:
         found.append(f"weftex prepare {args.sample} -o OUT {' '.join(options)}")
-    rows = "no rows are found" if model.lattice is None else "its rows are level"
+    rows = "no rows are found; if it was taken at an angle, give four corners to --straighten"
+    rows = rows if model.lattice is None else "its rows are level"
     return found or [f"This photo needs no preparation: its light is even, and {rows}"]

@@ -121,6 +121,8 @@ def _regular(findings: Findings, canvas: Canvas | Around, entire: bool) -> Choic
     given = {"lattice": vectors} if exact else {}
     if exact and entire:
         return Choice("graphcut", {**WHOLE, **given}, because, notes)
+    if exact and isinstance(canvas, Canvas):
+        because = f"{because}; the output is large, --effort best is slower and better"
     return Choice("near-regular", given, because, notes)
 
 
